@@ -44,24 +44,13 @@ pub use contactbench_core::{
     contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, searcher,
     sink, track, wide, with_scene,
 };
+pub use contactbench_io as io;
+pub use contactbench_record::{cells, experiment, findings, record, stats};
+pub use contactbench_report as present;
+pub use contactbench_run::{check, moving, plan, recommend, run};
+pub use contactbench_scenes as scene;
 pub use contactbench_terms::{grammar, nearest, number, text};
+pub use contactbench_views as views;
 
-#[cfg(test)]
-#[path = "../tests/program/committed.rs"]
-mod committed;
-
-pub mod cells;
-pub mod check;
 pub mod cli;
-pub mod experiment;
-pub mod findings;
-pub mod io;
-pub mod moving;
-pub mod plan;
-pub mod present;
-pub mod recommend;
-pub mod record;
-pub mod run;
-pub mod scene;
-pub mod stats;
-pub mod views;
+pub mod shown;

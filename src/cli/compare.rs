@@ -8,19 +8,19 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 use serde_json::{Map, Value, json};
 
-use crate::cells::cells;
 use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
-use crate::findings::compare::{
+use contactbench_record::cells::cells;
+use contactbench_record::findings::compare::{
     Absent, Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell,
     control, floors, pooled, records,
 };
-use crate::findings::conditions::Conditions;
-use crate::number::plural;
-use crate::present::document::indented;
-use crate::present::sections::{compare as words, conditions as doubtful};
-use crate::record::merge::Part;
-use crate::stats::interval::Interval;
+use contactbench_record::findings::conditions::Conditions;
+use contactbench_record::record::merge::Part;
+use contactbench_record::stats::interval::Interval;
+use contactbench_report::document::indented;
+use contactbench_report::sections::{compare as words, conditions as doubtful};
+use contactbench_terms::number::plural;
 
 /// Options of `compare`.
 #[derive(clap::Args)]

@@ -11,17 +11,18 @@ use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::values;
-use crate::contact::{Arithmetic, Test};
-use crate::detect::Options;
-use crate::io::pairs::List;
-use crate::io::{self, Frame, Place};
-use crate::number::plural;
-use crate::periodic::without_shift;
-use crate::scene::motion::Motion;
-use crate::scene::touching::{in_any_box, in_open_space};
-use crate::track::{self, TrackerSpec};
-use crate::views::draw::{self, Highlighted, Look, Slice};
-use crate::views::film::Film;
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::detect::Options;
+use contactbench_core::periodic::without_shift;
+use contactbench_core::track::{self, TrackerSpec};
+use contactbench_io as io;
+use contactbench_io::pairs::List;
+use contactbench_io::{Frame, Place};
+use contactbench_scenes::motion::Motion;
+use contactbench_scenes::touching::{in_any_box, in_open_space};
+use contactbench_terms::number::plural;
+use contactbench_views::draw::{self, Highlighted, Look, Slice};
+use contactbench_views::film::Film;
 
 /// Options of `draw`.
 #[derive(clap::Args)]

@@ -7,16 +7,16 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
-use crate::contact::Arithmetic;
-use crate::detect::peers::PEERS;
-use crate::detect::table::{self, TABLE};
-use crate::experiment::Experiment;
-use crate::plan::builtin;
-use crate::present::table::{Cell, Column, Table};
-use crate::scene::hard::{self, Case, Expect};
-use crate::scene::motion::Kind;
-use crate::scene::spec::{GENERATORS, Generator, Parameter};
-use crate::track;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::peers::PEERS;
+use contactbench_core::detect::table::{self, TABLE};
+use contactbench_core::track;
+use contactbench_record::experiment::Experiment;
+use contactbench_report::table::{Cell, Column, Table};
+use contactbench_run::plan::builtin;
+use contactbench_scenes::hard::{self, Case, Expect};
+use contactbench_scenes::motion::Kind;
+use contactbench_scenes::spec::{GENERATORS, Generator, Parameter};
 
 /// Options of `list`.
 #[derive(clap::Args)]

@@ -6,19 +6,19 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cells;
 use crate::cli::shared::terminal;
-use crate::experiment::{MapAxes, Where, claims};
-use crate::findings::conditions::Conditions;
-use crate::findings::map;
-use crate::io;
-use crate::plan;
-use crate::present::figure::style::Styles;
-use crate::present::table::csv;
-use crate::present::{document, figure, sections};
-use crate::record::merge::{self, Part};
-use crate::record::provenance;
-use crate::record::row::{self, Row};
+use contactbench_io as io;
+use contactbench_record::cells;
+use contactbench_record::experiment::{MapAxes, Where, claims};
+use contactbench_record::findings::conditions::Conditions;
+use contactbench_record::findings::map;
+use contactbench_record::record::merge::{self, Part};
+use contactbench_record::record::provenance;
+use contactbench_record::record::row::{self, Row};
+use contactbench_report::figure::style::Styles;
+use contactbench_report::table::csv;
+use contactbench_report::{document, figure, sections};
+use contactbench_run::plan;
 
 /// Options of `map`.
 #[derive(clap::Args)]

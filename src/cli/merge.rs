@@ -10,13 +10,13 @@ use serde_json::Value;
 use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::terminal;
-use crate::experiment::shard::Shard;
-use crate::number::plural;
-use crate::record::ledger::Ledger;
-use crate::record::merge::Part;
-use crate::record::row::Writer;
-use crate::record::{ledger, merge, provenance, row};
-use crate::run::disk;
+use contactbench_record::experiment::shard::Shard;
+use contactbench_record::record::ledger::Ledger;
+use contactbench_record::record::merge::Part;
+use contactbench_record::record::row::Writer;
+use contactbench_record::record::{ledger, merge, provenance, row};
+use contactbench_run::run::disk;
+use contactbench_terms::number::plural;
 
 /// Options of `merge`.
 #[derive(clap::Args)]

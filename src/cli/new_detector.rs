@@ -8,16 +8,16 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::terminal;
-use crate::detect::{peers, table};
+use contactbench_core::detect::{peers, table};
 
 /// The detector that is written. The tests compile it and hold it to the truth.
-const TEMPLATE: &str = include_str!("../../assets/detector.rs");
+const TEMPLATE: &str = include_str!("template.rs");
 /// Its names in the template.
 const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
 /// Where detectors are in a checkout.
-const FOLDER: &str = "core/src/detect";
+const FOLDER: &str = "crates/core/src/detect";
 
 /// Words that are no names in Rust, and some that would be confusing.
 const KEYWORDS: [&str; 60] = [

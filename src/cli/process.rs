@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use clap::Parser;
 use contactbench_core::refusal::no_memory;
 
-use crate::check::contender;
 use crate::cli::{say, shell};
-use crate::record::built::{self, Build};
-use crate::record::faults::Damaged;
-use crate::text::{line, lines};
+use contactbench_record::record::built::{self, Build};
+use contactbench_record::record::faults::Damaged;
+use contactbench_run::check::contender;
+use contactbench_terms::text::{line, lines};
 
 /// The build of the program that is compiled, as its build script notes it.
 #[macro_export]

@@ -13,18 +13,18 @@ use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
-use crate::contact::Arithmetic;
-use crate::io::boxes::along;
-use crate::number::plural;
-use crate::present::document::indented;
-use crate::present::recommendation;
-use crate::recommend::race::{self, Question};
-use crate::recommend::standing::{Race, Standing};
-use crate::recommend::verdict::Verdict;
-use crate::record::row::Outcome;
-use crate::run::interrupt;
-use crate::scene::Given;
-use crate::scene::spec::Spec;
+use crate::shown::recommendation;
+use contactbench_core::contact::Arithmetic;
+use contactbench_io::Given;
+use contactbench_io::boxes::along;
+use contactbench_record::record::row::Outcome;
+use contactbench_report::document::indented;
+use contactbench_run::recommend::race::{self, Question};
+use contactbench_run::recommend::standing::{Race, Standing};
+use contactbench_run::recommend::verdict::Verdict;
+use contactbench_run::run::interrupt;
+use contactbench_scenes::spec::Spec;
+use contactbench_terms::number::plural;
 
 /// Options of `recommend`.
 #[derive(clap::Args)]

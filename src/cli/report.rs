@@ -8,17 +8,17 @@ use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::ci::{self, Case, Outputs};
 use crate::cli::shared::terminal::{self, quoted};
-use crate::experiment::Experiment;
-use crate::findings::claim;
-use crate::findings::failures::Culprit;
-use crate::plan;
-use crate::present::sections::claims::evidence;
-use crate::present::sections::failures;
-use crate::present::{document, report};
-use crate::record::faults::{self, Fault};
-use crate::record::merge::Part;
-use crate::record::row::{Outcome, Record};
-use crate::record::{copies, folder, row};
+use contactbench_record::experiment::Experiment;
+use contactbench_record::findings::claim;
+use contactbench_record::findings::failures::Culprit;
+use contactbench_record::record::faults::{self, Fault};
+use contactbench_record::record::merge::Part;
+use contactbench_record::record::row::{Outcome, Record};
+use contactbench_record::record::{copies, folder, row};
+use contactbench_report::sections::claims::evidence;
+use contactbench_report::sections::failures;
+use contactbench_report::{document, report};
+use contactbench_run::plan;
 
 /// Options of `report`.
 #[derive(clap::Args)]

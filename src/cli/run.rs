@@ -9,11 +9,11 @@ use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::terminal::{self, quoted};
 use crate::cli::shared::values;
-use crate::experiment::shard::Part;
-use crate::plan::{builtin, detectors};
-use crate::record::row;
-use crate::run::interrupt::{self, Interrupted};
-use crate::run::session::{self, Asked};
+use contactbench_record::experiment::shard::Part;
+use contactbench_record::record::row;
+use contactbench_run::plan::{builtin, detectors};
+use contactbench_run::run::interrupt::{self, Interrupted};
+use contactbench_run::run::session::{self, Asked};
 
 /// Options of `run`.
 #[derive(clap::Args)]

@@ -6,9 +6,9 @@ use anyhow::Context;
 
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::values;
-use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::run::server::Server;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_run::run::server::Server;
 
 /// Options of `runner`.
 #[derive(clap::Args)]

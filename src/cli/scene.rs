@@ -8,9 +8,9 @@ use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::input::Input;
 use crate::cli::shared::values;
-use crate::io::write::{self, SceneFormat};
-use crate::number::plural;
-use crate::scene::motion::{Frames, Motion};
+use contactbench_io::write::{self, SceneFormat};
+use contactbench_scenes::motion::{Frames, Motion};
+use contactbench_terms::number::plural;
 
 /// Options of `scene`.
 #[derive(clap::Args)]

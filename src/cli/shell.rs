@@ -9,9 +9,9 @@ use clap::error::{ContextKind, ContextValue};
 use clap_complete::Shell;
 
 use crate::cli::Cli;
-use crate::nearest::nearest;
-use crate::plan::builtin;
-use crate::scene::spec::GENERATORS;
+use contactbench_run::plan::builtin;
+use contactbench_scenes::spec::GENERATORS;
+use contactbench_terms::nearest::nearest;
 
 /// What to do with a word that is no verb (an experiment, a file or a scene may be meant), and with
 /// a second file.

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use anyhow::Context;
 
 use crate::cli::shared::scene::Source;
-use crate::io::write;
-use crate::views::trace::{Algorithm, example, page, still, trace as run};
+use contactbench_io::write;
+use contactbench_views::trace::{Algorithm, example, page, still, trace as run};
 
 /// Options of `trace`.
 #[derive(clap::Args)]

@@ -11,11 +11,11 @@ use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
-use crate::contact::Arithmetic;
-use crate::moving::{Question, follow};
-use crate::present::tracking;
-use crate::scene::motion::{self, Kind, Motion};
-use crate::track::{self, TrackerSpec};
+use crate::shown::tracking;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::track::{self, TrackerSpec};
+use contactbench_run::moving::{Question, follow};
+use contactbench_scenes::motion::{self, Kind, Motion};
 
 /// Options of `track`.
 #[derive(clap::Args)]
@@ -102,7 +102,7 @@ fn followed(
         terminal::json(&tracking::as_json(name, motion, &followed))?;
     } else {
         let said = tracking::words(name, motion, &followed);
-        write!(out, "{}", crate::present::document::plain(&said, terminal::width()))?;
+        write!(out, "{}", contactbench_report::document::plain(&said, terminal::width()))?;
     }
     let wrong = followed.trackers.iter().any(|tracked| tracked.is_wrong());
     Ok(if wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })

@@ -312,7 +312,7 @@ fn verify_shows_what_differs() {
     good(folder, &["verify", "near.csv", "--pairs", "one.csv", "--arithmetic", "f32"]);
 }
 
-/// What the readers refuse is in the cases of src/io/tests.
+/// What the readers refuse is in the cases of crates/io/src/tests.
 #[test]
 fn verify_refuses_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();

@@ -14,12 +14,12 @@ use contactbench::{contact, sink};
 
 use crate::common::run;
 
-#[path = "../../assets/detector.rs"]
+#[path = "../../src/cli/template.rs"]
 mod written;
 use written::NewDetector;
 
-const TEMPLATE: &str = include_str!("../../assets/detector.rs");
-const FOLDER: &str = "core/src/detect";
+const TEMPLATE: &str = include_str!("../../src/cli/template.rs");
+const FOLDER: &str = "crates/core/src/detect";
 
 static ENTRY: Entry = Entry {
     name: "new-detector",
@@ -204,7 +204,9 @@ fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_said() {
     let ended = run(folder.path(), &["new-detector", "quick-tree"]);
     assert!(
         ended.code == Some(2)
-            && ended.stderr.contains("no core/src/detect/mod.rs; go there, or give it with --in"),
+            && ended
+                .stderr
+                .contains("no crates/core/src/detect/mod.rs; go there, or give it with --in"),
         "{}",
         ended.stderr
     );

@@ -134,7 +134,7 @@ fn git_free(mut command: Command, folder: &Path) -> Command {
 fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("script");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("build.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/build.rs");
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let mut compiler = Command::new(rustc);
     compiler.args(["--edition", "2024", "-o"]).args([&script, &source]);

@@ -172,7 +172,8 @@ fn is_ancestor(revision: &str) -> bool {
 /// The records that README, DESIGN and BIAS link to, one by one or by the write-up of several.
 #[test]
 fn the_records_that_are_quoted_may_be() {
-    let pages = [README, include_str!("../../DESIGN.md"), include_str!("../../BIAS.md")].concat();
+    let pages =
+        [README, include_str!("../../DESIGN.md"), include_str!("../../docs/BIAS.md")].concat();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut quoted = 0;
     for folder in committed().iter().filter(|folder| row::exists(&folder.join(row::FILE))) {
@@ -251,7 +252,7 @@ fn code_lines_are_at_most_100_columns() {
         }
     }
     let (root, mut wide) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
-    for folder in ["src", "core/src", "benches"] {
+    for folder in ["src", "crates", "tests/benches"] {
         look(&root.join(folder), &mut wide);
     }
     assert!(wide.is_empty(), "{wide:#?}");

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Check;
-use crate::check::{Differences, Failure, Report, Wrong, regression};
-use crate::contact::Arithmetic;
-use crate::memory::default_limit;
-use crate::number::mean_radii;
-use crate::periodic::{self, ImagePair, depth};
-use crate::scene::touching::{in_any_box, particle};
-use crate::views::draw::{self, Highlighted, Look};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::memory::default_limit;
+use contactbench_core::periodic::{self, ImagePair, depth};
+use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
+use contactbench_scenes::touching::{in_any_box, particle};
+use contactbench_terms::number::mean_radii;
+use contactbench_views::draw::{self, Highlighted, Look};
 
 /// So many kinds of refusals are shown.
 const KINDS: usize = 6;

@@ -6,12 +6,12 @@ use anyhow::{bail, ensure};
 
 use super::Check;
 use super::failing::last_words;
-use crate::check::contender::Contender;
-use crate::check::process::{Foreign, Met};
-use crate::check::{Limits, Wrong, conversation};
-use crate::contact::Arithmetic;
-use crate::detect::table::{self, TABLE};
-use crate::plan::detectors;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table::{self, TABLE};
+use contactbench_run::check::contender::Contender;
+use contactbench_run::check::process::{Foreign, Met};
+use contactbench_run::check::{Limits, Wrong, conversation};
+use contactbench_run::plan::detectors;
 
 /// Who is checked together, and how contacts are decided.
 pub(super) struct Group {

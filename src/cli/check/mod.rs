@@ -14,14 +14,14 @@ use failing::{describe, refusals};
 use group::{Group, detectors, runners};
 use verdicts::{as_json, verdicts};
 
-use crate::check::{self, Limits, Report, Verdict, Wrong, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
 use crate::cli::shared::{terminal, values};
-use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::run::interrupt;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, contender};
+use contactbench_run::run::interrupt;
 
 /// Options of `check`.
 #[derive(clap::Args)]

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::failing::{regression_file, rounding, worst};
 use super::{Check, Checked};
-use crate::check::{Failure, Verdict, Wrong};
 use crate::cli::shared::ci::{Case, Outcome};
+use contactbench_run::check::{Failure, Verdict, Wrong};
 
 /// Every detector in every arithmetic, on every given scene or on those of the battery, for
 /// continuous integration.

@@ -10,10 +10,10 @@ use crate::cli::detect::Detect;
 use crate::cli::detect::search::{Search, style};
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
-use crate::detect::spec::DetectorSpec;
-use crate::io;
-use crate::io::write::{Framed, framed};
-use crate::number::plural;
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_io as io;
+use contactbench_io::write::{Framed, framed};
+use contactbench_terms::number::plural;
 
 /// What was done.
 #[derive(Default)]

@@ -6,18 +6,20 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 
 use crate::cli::detect::Detect;
-use crate::contact::Arithmetic;
-use crate::crowd;
-use crate::detect::Options;
-use crate::detect::any::AnyDetector;
-use crate::detect::spec::DetectorSpec;
-use crate::io::write::{Around, Style};
-use crate::pair_list::PAIR_BYTES;
-use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
-use crate::run::alloc;
-use crate::scene::Given;
-use crate::scene::doubts::Touching;
-use crate::sink::normalise_by;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::crowd;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::any::AnyDetector;
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::pair_list::PAIR_BYTES;
+use contactbench_core::periodic::{
+    Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift,
+};
+use contactbench_core::sink::normalise_by;
+use contactbench_io::Given;
+use contactbench_io::write::{Around, Style};
+use contactbench_run::run::alloc;
+use contactbench_scenes::doubts::Touching;
 
 /// A detector, which keeps its buffers from scene to scene.
 pub(super) struct Search {

@@ -4,12 +4,12 @@ use serde_json::json;
 
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
-use crate::io::boxes::{along, outside};
-use crate::io::{About, Particles};
-use crate::number::{number, plural};
-use crate::periodic::Periodic;
-use crate::scene::Real;
-use crate::with_scene;
+use contactbench_core::periodic::Periodic;
+use contactbench_core::scene::Real;
+use contactbench_core::with_scene;
+use contactbench_io::boxes::{along, outside};
+use contactbench_io::{About, Particles};
+use contactbench_terms::number::{number, plural};
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {

@@ -5,18 +5,19 @@ use std::collections::HashSet;
 use serde_json::json;
 
 use crate::cli::inspect::Line;
-use crate::contact::depth::depth;
-use crate::contact::{Arithmetic, Test};
-use crate::crowd::Crowd;
-use crate::detect::{Options, table};
-use crate::io::{Notice, Place, RadiusSource};
-use crate::number::{number, plural};
-use crate::pair_list::{Allowance, PairList};
-use crate::periodic::{self, ImagePair, Periodic};
-use crate::scene::doubts::{Touching, doubts, f32_spacing};
-use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array, touching};
-use crate::sink::{Sink, Visit, normalise};
-use crate::{oracle, with_scene};
+use contactbench_core::contact::depth::depth;
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::crowd::Crowd;
+use contactbench_core::detect::{Options, table};
+use contactbench_core::pair_list::{Allowance, PairList};
+use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene, Stored, array};
+use contactbench_core::sink::{Sink, Visit, normalise};
+use contactbench_core::{oracle, with_scene};
+use contactbench_io::{Notice, Place, RadiusSource};
+use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
+use contactbench_scenes::touching;
+use contactbench_terms::number::{number, plural};
 
 /// Couples whose distance differs from the sum of their radii by less than this share of it are
 /// near tangent.
@@ -55,7 +56,7 @@ impl Contacts {
     /// Those in a box that repeats.
     pub fn in_box(periodic: &Periodic<'_>) -> Contacts {
         // As `detect` has it, so that a box much smaller than the particles is refused at once.
-        let limit = crate::memory::limit_for(periodic.scene().len());
+        let limit = contactbench_core::memory::limit_for(periodic.scene().len());
         let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
             Err(error) => return Contacts::Refused(format!("{error:#}")),

@@ -3,12 +3,12 @@
 use crate::cli::inspect::{Inspect, Line};
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
-use crate::contact::Arithmetic;
-use crate::io;
-use crate::memory;
-use crate::moving::{Moved, Question, Recorded, follow};
-use crate::number::plural;
-use crate::present::tracking;
+use crate::shown::tracking;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::memory;
+use contactbench_io as io;
+use contactbench_run::moving::{Moved, Question, Recorded, follow};
+use contactbench_terms::number::plural;
 
 /// Describes the motion, or warns of what hinders it.
 pub(super) fn report(

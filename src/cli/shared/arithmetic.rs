@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::contact::Arithmetic;
+use contactbench_core::contact::Arithmetic;
 
 /// Takes the names of the arithmetics, and lists them in the help, each with its meaning.
 pub fn arithmetic() -> impl TypedValueParser<Value = Arithmetic> {

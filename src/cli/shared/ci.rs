@@ -7,9 +7,9 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 
-use crate::io::write;
-use crate::present::escape;
-use crate::text::lines;
+use contactbench_io::write;
+use contactbench_report::escape;
+use contactbench_terms::text::lines;
 
 /// Options of verbs with a verdict.
 #[derive(clap::Args, Clone, Debug, Default)]

@@ -9,14 +9,15 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
-use crate::contact::Arithmetic;
-use crate::io;
-use crate::io::{Boundaries, FileOption, Format, Frame, Notice, Place, RadiusSource};
-use crate::nearest::{hint, nearest};
-use crate::scene::doubts::{Touching, doubts};
-use crate::scene::origin::Origin;
-use crate::scene::spec::{GENERATORS, Spec};
-use crate::scene::{AnyScene, Given};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::scene::AnyScene;
+use contactbench_io as io;
+use contactbench_io::Given;
+use contactbench_io::{Boundaries, FileOption, Format, Frame, Notice, Place, RadiusSource};
+use contactbench_scenes::doubts::{Touching, doubts};
+use contactbench_scenes::origin::Origin;
+use contactbench_scenes::spec::{GENERATORS, Spec};
+use contactbench_terms::nearest::{hint, nearest};
 
 /// What a file does not say: the options of [`io::OPTIONS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

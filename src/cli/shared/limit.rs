@@ -1,7 +1,7 @@
 //! How much memory a verb may take.
 
 use crate::cli::shared::values;
-use crate::memory;
+use contactbench_core::memory;
 
 /// The memory limit.
 #[derive(clap::Args, Clone, Copy, Debug)]

@@ -7,8 +7,8 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::shared::terminal::say;
-use crate::run::stage::Progress;
-use crate::text::line;
+use contactbench_run::run::stage::Progress;
+use contactbench_terms::text::line;
 
 /// Writes to standard error.
 pub struct Terminal {

@@ -6,8 +6,9 @@ use anyhow::ensure;
 
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
-use crate::io;
-use crate::scene::{AnyScene, Given};
+use contactbench_core::scene::AnyScene;
+use contactbench_io as io;
+use contactbench_io::Given;
 
 /// Particles and their ids.
 pub type WithIds = (Given, Option<Vec<i64>>);

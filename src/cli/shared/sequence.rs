@@ -7,11 +7,12 @@ use anyhow::{Context, ensure};
 
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::scene::Source;
-use crate::contact::Arithmetic;
-use crate::io::{self, Frame, Place};
-use crate::moving::Recorded;
-use crate::scene::Given;
-use crate::scene::motion::{Frames, Motion};
+use contactbench_core::contact::Arithmetic;
+use contactbench_io as io;
+use contactbench_io::Given;
+use contactbench_io::{Frame, Place};
+use contactbench_run::moving::Recorded;
+use contactbench_scenes::motion::{Frames, Motion};
 
 /// Frames of the same particles.
 pub struct Sequence<'a> {

@@ -3,8 +3,8 @@
 
 use std::io::{Result, Write};
 
-use crate::number::wrap;
-use crate::text;
+use contactbench_terms::number::wrap;
+use contactbench_terms::text;
 
 /// Columns of the terminal; all there can be where the output goes to a file or another program.
 pub fn width() -> usize {

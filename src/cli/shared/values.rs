@@ -5,10 +5,10 @@ use std::ffi::OsStr;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
-use crate::detect::table::TABLE;
-use crate::number;
-use crate::plan::{builtin, detectors};
-use crate::scene::spec::GENERATORS;
+use contactbench_core::detect::table::TABLE;
+use contactbench_run::plan::{builtin, detectors};
+use contactbench_scenes::spec::GENERATORS;
+use contactbench_terms::number;
 
 /// A whole number: `1000000`, `1e6`, `1_000_000`.
 pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {

@@ -4,13 +4,14 @@ use std::sync::Once;
 
 use anyhow::{Context, bail};
 
-use crate::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 use crate::cli::verify::{Verified, Verify, numbers};
-use crate::io::boxes;
-use crate::io::pairs::List;
-use crate::io::{About, Particles};
-use crate::periodic::Periodic;
-use crate::scene::{Given, Lattice};
+use contactbench_core::periodic::Periodic;
+use contactbench_core::scene::Lattice;
+use contactbench_io::Given;
+use contactbench_io::boxes;
+use contactbench_io::pairs::List;
+use contactbench_io::{About, Particles};
+use contactbench_run::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 
 /// That ids are missed.
 static TOLD: Once = Once::new();

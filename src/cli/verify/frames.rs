@@ -8,19 +8,20 @@ use std::process::ExitCode;
 use anyhow::{bail, ensure};
 use serde_json::{Value, json};
 
-use crate::check::verify::paired::Paired;
-use crate::check::verify::{Naming, Verification};
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
 use crate::cli::verify::other::Shift;
 use crate::cli::verify::{Verified, Verify, counted, left_out, words};
-use crate::io::{self, Frame, Place, pairs};
-use crate::moving::Late;
-use crate::number::{mean_radii, plural, wrap};
-use crate::oracle::Errors;
-use crate::periodic::depth;
-use crate::present::table::{Cell, Column, Table};
+use contactbench_core::oracle::Errors;
+use contactbench_core::periodic::depth;
+use contactbench_io as io;
+use contactbench_io::{Frame, Place, pairs};
+use contactbench_report::table::{Cell, Column, Table};
+use contactbench_run::check::verify::paired::Paired;
+use contactbench_run::check::verify::{Naming, Verification};
+use contactbench_run::moving::Late;
+use contactbench_terms::number::{mean_radii, plural, wrap};
 
 /// So many frames are shown, of those that are wrong the worst.
 const SHOWN: usize = 12;

@@ -1,7 +1,7 @@
 //! What a list that differs may mean, in words and options.
 
-use crate::check::verify::{Mistake, Reading};
 use crate::cli::verify::Verified;
+use contactbench_run::check::verify::{Mistake, Reading};
 
 impl Verified<'_> {
     /// The options with which the list would be read so.

@@ -1,9 +1,9 @@
 //! Checks whether a list that differs matches another frame of the particles.
 
-use crate::check::verify::Meaning;
 use crate::cli::shared::input;
 use crate::cli::verify::{Verified, Verify, counted};
-use crate::io;
+use contactbench_io as io;
+use contactbench_run::check::verify::Meaning;
 
 /// Most particles, summed over frames, and most pairs that are compared for a hint.
 const MOST: u64 = 2_000_000;

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use contactbench::record::row;
 use contactbench::record::row::{Outcome, Pass, Row};
-use serde_json::Value;
 
 use super::{HEAD, of, rows};
 use crate::common::{PROGRAM, runner};

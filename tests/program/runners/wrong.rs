@@ -1,6 +1,6 @@
 //! Each way to be wrong is found out.
 
-use super::{changed, check, root, smallest};
+use super::{changed, check, smallest};
 use crate::common::{has, run};
 
 #[test]

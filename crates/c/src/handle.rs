@@ -1,0 +1,264 @@
+//! What a caller holds: searched by one call at a time, in the process that has made it, and read
+//! by any number of calls between searches.
+
+use std::cell::UnsafeCell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::memory;
+use contactbench_core::periodic::Contacts;
+use contactbench_core::refusal::{Refusal, reserve};
+use contactbench_core::searcher::Loaded;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::contactbench_scene;
+use crate::given::{Failure, Given};
+
+/// A searcher or tracker, and the contacts of its last scene. Calls that would have to wait fail.
+pub struct Handle<S> {
+    arithmetic: Arithmetic,
+    limit: u64,
+    /// Number of calls that read the answer; [`SEARCHING`] during a search.
+    users: AtomicUsize,
+    process: u32,
+    /// Whether it has threads, which a forked process lacks.
+    threads: bool,
+    worker: UnsafeCell<Worker<S>>,
+}
+
+const SEARCHING: usize = usize::MAX;
+
+struct Worker<S> {
+    search: S,
+    /// Makes `search` anew after a panic, which may leave it half changed.
+    make: Box<dyn Fn() -> S + Send>,
+    crew: Option<ThreadPool>,
+    answer: Answer,
+}
+
+/// Contacts as callers see them.
+#[derive(Default)]
+pub struct Answer {
+    contacts: Contacts,
+    /// In a box one number per dimension for each pair.
+    images: Vec<i32>,
+    boxed: bool,
+    /// Whether a tracker has built its list in this step.
+    pub built: bool,
+    /// The call that fills the answer has not returned, or ended in a panic.
+    unfinished: bool,
+}
+
+// SAFETY: the worker is reached through `search` alone, by one thread at a time, and its answer
+// also through `look`, by threads that only read it, and not during a search.
+unsafe impl<S: Send> Sync for Handle<S> {}
+
+impl<S: Send> Handle<S> {
+    /// `limit` is in bytes; 0 for the default of this machine.
+    pub fn new(
+        arithmetic: Arithmetic,
+        limit: u64,
+        threads: usize,
+        make: impl Fn(u64) -> S + Send + 'static,
+    ) -> Result<Handle<S>, Failure> {
+        let limit = if limit == 0 { memory::default_limit() } else { limit };
+        let crew = if threads == 1 { None } else { Some(pool(threads)?) };
+        let make = Box::new(move || make(limit));
+        let worker = Worker { search: make(), make, crew, answer: Answer::default() };
+        Ok(Handle {
+            arithmetic,
+            limit,
+            users: AtomicUsize::new(0),
+            process: std::process::id(),
+            threads: threads > 1,
+            worker: UnsafeCell::new(worker),
+        })
+    }
+
+    /// Finds the contacts of a scene; `find` returns whether a tracker has built its list.
+    ///
+    /// # Safety
+    /// The scene is NULL, or its numbers can be read.
+    pub unsafe fn contacts(
+        &self,
+        scene: *const contactbench_scene,
+        find: impl FnOnce(&mut S, &Loaded<'_>, &mut Contacts) -> Result<bool, Refusal> + Send,
+    ) -> Result<(), Failure> {
+        self.search(|search, crew, answer| {
+            answer.clear();
+            // SAFETY: the caller's promise.
+            let given = unsafe { Given::new(scene) }?;
+            let loaded = Loaded::new(&given.scene, given.lattice, self.arithmetic)?;
+            loaded.within(self.limit)?;
+            let contacts = &mut answer.contacts;
+            let work = || find(search, &loaded, contacts);
+            let found = match crew {
+                Some(crew) => crew.install(work),
+                None => work(),
+            };
+            answer.built = found.inspect_err(|_| answer.contacts.clear())?;
+            answer.finish(given.lattice.is_some(), given.dim)
+        })
+    }
+
+    /// Lets `work` have the search.
+    pub fn search(
+        &self,
+        work: impl FnOnce(&mut S, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let forked = self.process != std::process::id();
+        if forked && self.threads {
+            return Err(Failure::invalid(
+                "the handle has threads of the process that this one was forked from; make a new \
+                 one here",
+            ));
+        }
+        let begun = self.users.compare_exchange(0, SEARCHING, Ordering::Acquire, Ordering::Relaxed);
+        if begun.is_err() {
+            return Err(Failure::invalid(if forked {
+                "the handle was at work when this process was forked; make a new one here"
+            } else {
+                "the handle is in use by another thread; make one for each thread"
+            }));
+        }
+        let _end = End(&self.users);
+        // SAFETY: this thread has set `users` from 0 to `SEARCHING`, and until `_end` is dropped no
+        // other thread reaches the worker.
+        let Worker { search, make, crew, answer } = unsafe { &mut *self.worker.get() };
+        if std::mem::replace(&mut answer.unfinished, true) {
+            *search = make();
+            answer.clear();
+        }
+        let done = work(search, crew, answer);
+        answer.unfinished = false;
+        done
+    }
+
+    /// Reads the answer; none if a search is running, or has ended in a panic.
+    pub fn look<R>(&self, of: impl FnOnce(&Answer) -> R) -> Option<R> {
+        let enter = |users| (users < SEARCHING - 1).then(|| users + 1);
+        self.users.fetch_update(Ordering::Acquire, Ordering::Relaxed, enter).ok()?;
+        // SAFETY: `users` is neither 0 nor `SEARCHING`, so no search begins before the end of this
+        // call, and no other field of the worker is looked at.
+        let answer = unsafe { &(*self.worker.get()).answer };
+        let seen = (!answer.unfinished).then(|| of(answer));
+        self.users.fetch_sub(1, Ordering::Release);
+        seen
+    }
+}
+
+/// Ends a search, also after a panic.
+struct End<'a>(&'a AtomicUsize);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(0, Ordering::Release);
+    }
+}
+
+impl Answer {
+    fn clear(&mut self) {
+        self.contacts.clear();
+        self.images.clear();
+        (self.boxed, self.built) = (false, false);
+    }
+
+    /// Converts the contacts that were found to the caller's form.
+    fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
+        contactbench_core::sink::smaller_first(&mut self.contacts.plain);
+        self.boxed = boxed;
+        if !boxed {
+            return Ok(());
+        }
+        let Contacts { plain, shifted } = &mut self.contacts;
+        reserve(&mut self.images, (plain.len() + shifted.len()) * dim)?;
+        reserve(plain, shifted.len())?;
+        self.images.resize(plain.len() * dim, 0);
+        self.images.extend(shifted.iter().flat_map(|pair| pair.image[..dim].iter()));
+        plain.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
+        shifted.clear();
+        Ok(())
+    }
+
+    /// Two numbers of particles for each contact.
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.contacts.plain
+    }
+
+    /// In a box the images of the contacts.
+    pub fn images(&self) -> Option<&[i32]> {
+        self.boxed.then_some(&self.images)
+    }
+}
+
+/// A pool of this many threads.
+pub fn pool(threads: usize) -> Result<ThreadPool, Failure> {
+    let made = ThreadPoolBuilder::new().num_threads(threads).build();
+    made.map_err(|error| Failure::Memory(format!("threads could not be started: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn handle(threads: usize) -> Handle<u32> {
+        Handle::new(Arithmetic::Exact, 0, threads, |_| 1).ok().expect("threads start")
+    }
+
+    fn found(handle: &Handle<u32>) -> Result<(), Failure> {
+        handle.search(|_, _, answer| {
+            answer.clear();
+            answer.contacts.plain.push([0, 1]);
+            Ok(())
+        })
+    }
+
+    fn count(handle: &Handle<u32>) -> Option<usize> {
+        handle.look(|answer| answer.pairs().len())
+    }
+
+    #[test]
+    fn calls_read_the_answer_side_by_side_and_search_alone() {
+        let handle = handle(1);
+        assert!(found(&handle).is_ok());
+        let beside = handle.look(|_| (count(&handle), found(&handle).is_ok()));
+        assert_eq!(beside, Some((Some(1), false)));
+        let mut beside = None;
+        let done = handle.search(|_, _, _| {
+            beside = Some((count(&handle), found(&handle).is_ok()));
+            Ok(())
+        });
+        assert_eq!((beside, done.is_ok()), (Some((None, false)), true));
+        assert_eq!(count(&handle), Some(1));
+    }
+
+    #[test]
+    fn a_panic_leaves_no_answer_and_no_half_changed_search() {
+        let handle = handle(1);
+        assert!(found(&handle).is_ok());
+        let panics = || {
+            handle.search(|search, _, answer| {
+                *search = 7;
+                answer.contacts.plain.push([2, 3]);
+                panic!("on purpose")
+            })
+        };
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(panics)).is_err());
+        assert_eq!(count(&handle), None);
+        let mut seen = 0;
+        let again = handle.search(|search, _, _| {
+            seen = *search;
+            Ok(())
+        });
+        assert_eq!((again.is_ok(), seen, count(&handle)), (true, 1, Some(0)));
+    }
+
+    #[test]
+    fn a_forked_process_has_no_threads() {
+        let forked = |threads| Handle { process: 0, ..handle(threads) };
+        assert!(found(&forked(1)).is_ok() && found(&forked(2)).is_err());
+        let busy = forked(1);
+        busy.users.store(SEARCHING, Ordering::Relaxed);
+        assert!(found(&busy).is_err());
+    }
+}

@@ -1,0 +1,275 @@
+//! Which columns or arrays of a file hold what, if the user says so: `x=3,y=4,z=5,r=rad`.
+//!
+//! * Coordinates are chosen together: with x and y given, a z that is not given is not read.
+//! * With coordinates or a size given, no other size is read. A size alone (`r=rad`) leaves the
+//!   coordinates to their names.
+//! * `frame=NAME` names the column by which a table is split into frames, and `frame=none` says
+//!   that there is none.
+
+use std::str::FromStr;
+
+use anyhow::{bail, ensure};
+
+use crate::lines::listed;
+use crate::particles::{Column, Columns};
+use crate::units::split;
+
+/// A column by its number from 1 or by its name, for some of x, y, z, r, d, id and frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Chosen {
+    columns: [Option<Which>; KEYS.len()],
+    frame: Framing,
+}
+
+/// By which column a table is split into frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Framing {
+    #[default]
+    ByName,
+    None,
+    By(Which),
+}
+
+/// What columns may be chosen for.
+const KEYS: [(&str, Column); 6] = [
+    ("x", Column::Axis(0)),
+    ("y", Column::Axis(1)),
+    ("z", Column::Axis(2)),
+    ("r", Column::Radius),
+    ("d", Column::Diameter),
+    ("id", Column::Id),
+];
+
+/// A short text: UTF-8, filled up with zeros.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word([u8; Word::LONGEST]);
+
+impl Word {
+    const LONGEST: usize = 32;
+
+    /// Without the blanks around it; an error if it is empty or too long.
+    pub fn new(text: &str) -> Result<Word, String> {
+        let text = text.trim();
+        let mut bytes = [0; Word::LONGEST];
+        match bytes.get_mut(..text.len()) {
+            Some([]) => Err("a name or value is empty".into()),
+            Some(place) => {
+                place.copy_from_slice(text.as_bytes());
+                Ok(Word(bytes))
+            }
+            None => Err(format!("'{text}' has more than {} bytes", Word::LONGEST)),
+        }
+    }
+
+    /// As it was.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.0).trim_end_matches('\0').to_string()
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Which {
+    Number(usize),
+    Name(Word),
+}
+
+impl Which {
+    fn text(&self) -> String {
+        match self {
+            Which::Number(number) => number.to_string(),
+            Which::Name(name) => name.text(),
+        }
+    }
+}
+
+const FORM: &str = "write what each column holds, as in x=3,y=4,z=5,r=6 or x=px,y=py,d=size";
+
+impl FromStr for Which {
+    type Err = String;
+
+    fn from_str(value: &str) -> Result<Which, String> {
+        match value.parse() {
+            Ok(0) => Err("columns are counted from 1".into()),
+            Ok(number) => Ok(Which::Number(number)),
+            Err(_) if value.is_empty() => Err(format!("no column is named; {FORM}")),
+            Err(_) => Word::new(value).map(Which::Name).map_err(|_| {
+                format!("a name of more than {} bytes; give the column's number", Word::LONGEST)
+            }),
+        }
+    }
+}
+
+impl FromStr for Chosen {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Chosen, String> {
+        let mut chosen = Chosen::default();
+        for piece in text.split(',') {
+            let Some((key, value)) = piece.split_once('=') else {
+                return Err(format!("'{piece}' is not of the form x=3; {FORM}"));
+            };
+            let (key, value) = (key.trim(), value.trim());
+            let which = || value.parse().map_err(|why| format!("{key}={value}: {why}"));
+            let twice = if key == "frame" {
+                let frame = match value {
+                    "none" => Framing::None,
+                    _ => Framing::By(which()?),
+                };
+                std::mem::replace(&mut chosen.frame, frame) != Framing::ByName
+            } else {
+                let Some(k) = KEYS.iter().position(|(name, _)| *name == key) else {
+                    return Err(format!("'{key}' is not one of x, y, z, r, d, id, frame; {FORM}"));
+                };
+                chosen.columns[k].replace(which()?).is_some()
+            };
+            if twice {
+                return Err(format!("{key} is given twice; leave one out"));
+            }
+        }
+        if chosen.axes() && chosen.columns[..2].contains(&None) {
+            return Err("x and y are needed together, as in x=3,y=4".into());
+        }
+        if chosen.columns[3].is_some() && chosen.columns[4].is_some() {
+            return Err("r and d are both sizes; leave one out".into());
+        }
+        Ok(chosen)
+    }
+}
+
+impl Chosen {
+    /// True if the coordinates are chosen.
+    pub fn axes(&self) -> bool {
+        self.columns[..3].iter().any(Option::is_some)
+    }
+
+    /// True if the column of sizes is chosen.
+    pub fn sizes(&self) -> bool {
+        self.columns[3..5].iter().any(Option::is_some)
+    }
+
+    /// True if a column of frames is chosen.
+    pub fn by_frame(&self) -> bool {
+        matches!(self.frame, Framing::By(_))
+    }
+
+    /// True if no column splits the rows into frames.
+    pub(crate) fn in_one_frame(&self) -> bool {
+        self.frame == Framing::None
+    }
+
+    /// The places of the columns, if the coordinates are chosen, and all columns by number.
+    pub fn numbers(&self) -> Option<Vec<usize>> {
+        let place = |which: Which| match which {
+            Which::Number(number) => Some(number - 1),
+            Which::Name(_) => None,
+        };
+        self.given().map(|(.., which)| place(which)).collect::<Option<_>>().filter(|_| self.axes())
+    }
+
+    /// The chosen columns and their keys.
+    fn given(&self) -> impl Iterator<Item = (&'static str, Column, Which)> {
+        let given = KEYS.iter().zip(&self.columns);
+        given.filter_map(|((key, column), which)| Some((*key, *column, (*which)?)))
+    }
+
+    /// What the meaning that a name has becomes beside the columns that are chosen.
+    fn beside(&self, named: Column) -> Column {
+        let gone = match named {
+            Column::Axis(_) => self.axes(),
+            Column::Radius | Column::Diameter => self.axes() || self.sizes(),
+            Column::Id => self.axes() || self.columns[5].is_some(),
+            Column::Other => false,
+        };
+        if gone { Column::Other } else { named }
+    }
+
+    /// What an array or property of that name holds, in a format that does not number them.
+    pub fn meaning(chosen: Option<Chosen>, name: &str) -> Column {
+        let named = Column::named(name);
+        let Some(chosen) = chosen else { return named };
+        let is_it = |which: Which| matches!(which, Which::Name(_)) && which.text() == name.trim();
+        let found = chosen.given().find(|(.., which)| is_it(*which));
+        found.map_or(chosen.beside(named), |(_, column, _)| column)
+    }
+
+    /// Refuses names that are not among those of the file's arrays, and numbers of columns.
+    pub fn among<S: AsRef<str>>(&self, names: &[S], place: &str) -> anyhow::Result<()> {
+        for (key, _, which) in self.given() {
+            let name = which.text();
+            ensure!(
+                matches!(which, Which::Name(_))
+                    && names.iter().any(|known| known.as_ref().trim() == name),
+                "{place}: {key}={name}: there is no array of that name; there are {}: {}",
+                names.len(),
+                listed(names)
+            );
+        }
+        Ok(())
+    }
+
+    /// Returns `columns` with the user's choices applied.
+    pub fn apply(&self, mut columns: Columns, place: &str) -> anyhow::Result<Columns> {
+        columns.meaning.iter_mut().for_each(|meaning| *meaning = self.beside(*meaning));
+        columns.sizes_chosen |= self.sizes();
+        let mut taken = Vec::new();
+        for (key, meaning, which) in self.given() {
+            let k = which.find(key, &mut columns, place)?;
+            ensure!(
+                !taken.contains(&k),
+                "{place}: {key}={}: that column is taken for something else already",
+                which.text()
+            );
+            taken.push(k);
+            columns.meaning[k] = meaning;
+        }
+        Ok(columns)
+    }
+
+    /// The column that splits the rows into frames: the chosen one, or none if there is to be none,
+    /// else the one that `by_name` finds.
+    pub fn frame(
+        chosen: Option<Chosen>,
+        columns: &mut Columns,
+        place: &str,
+        by_name: impl FnOnce(&Columns) -> Option<usize>,
+    ) -> anyhow::Result<Option<usize>> {
+        match chosen.unwrap_or_default().frame {
+            Framing::ByName => Ok(by_name(columns)),
+            Framing::None => Ok(None),
+            Framing::By(which) => which.find("frame", columns, place).map(Some),
+        }
+    }
+}
+
+impl Which {
+    /// The place of the column, also behind those that have names if there may be more.
+    fn find(&self, key: &str, columns: &mut Columns, place: &str) -> anyhow::Result<usize> {
+        let name = self.text();
+        let found: Vec<usize> = match *self {
+            Which::Number(number) => {
+                while columns.or_more && columns.names.len() < number.min(1 << 16) {
+                    columns.names.push(format!("column {}", columns.names.len() + 1));
+                    columns.meaning.push(Column::Other);
+                }
+                (number - 1..number).filter(|&k| k < columns.names.len()).collect()
+            }
+            Which::Name(_) => {
+                let whole = |known: &str| known.trim() == name;
+                let plain = |known: &str| split(known).0 == name;
+                let places = |is_it: &dyn Fn(&str) -> bool| -> Vec<usize> {
+                    (0..columns.names.len()).filter(|&k| is_it(&columns.names[k])).collect()
+                };
+                Some(places(&whole)).filter(|it| !it.is_empty()).unwrap_or_else(|| places(&plain))
+            }
+        };
+        match found[..] {
+            [k] => Ok(k),
+            [] => bail!(
+                "{place}: {key}={name}: there is no such column; there are {}: {}",
+                columns.names.len(),
+                listed(&columns.names)
+            ),
+            _ => bail!("{place}: {key}={name}: several columns have that name; give a number"),
+        }
+    }
+}

@@ -1,0 +1,374 @@
+//! Columns of a text: what they mean, and particles of their rows.
+
+mod doubts;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::lines::{Lines, Separator, listed, number, short, shown, whole};
+use crate::particles::{Particles, digits, unused_sizes};
+use crate::units::{self, shifted};
+use crate::{Notice, Options, RadiusSource};
+
+/// What a column of a file means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// x, y or z, as 0, 1 or 2.
+    Axis(usize),
+    Radius,
+    Diameter,
+    /// The file's own number of the particle.
+    Id,
+    /// Something else, which is skipped.
+    Other,
+}
+
+impl Column {
+    /// Returns the meaning of a column with this name.
+    pub fn named(name: &str) -> Column {
+        match units::split(name).0.to_ascii_lowercase().as_str() {
+            "x" => Column::Axis(0),
+            "y" => Column::Axis(1),
+            "z" => Column::Axis(2),
+            "r" | "radius" | "radii" => Column::Radius,
+            "d" | "diameter" | "diameters" => Column::Diameter,
+            "id" => Column::Id,
+            _ => Column::Other,
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Column::Axis(axis) => ["x", "y", "z"].get(axis).copied().unwrap_or("a coordinate"),
+            Column::Radius => "the radius",
+            Column::Diameter => "the diameter",
+            Column::Id => "the id",
+            Column::Other => "something else",
+        }
+    }
+
+    /// A size must be finite and not negative; a diameter is halved.
+    pub fn size(self, value: f64) -> Result<f64, &'static str> {
+        match value {
+            _ if !value.is_finite() => Err("is not a finite number"),
+            _ if value < 0.0 => Err("is negative"),
+            _ if self == Column::Diameter => Ok(0.5 * value),
+            _ => Ok(value),
+        }
+    }
+}
+
+/// The columns of a file of text, by meaning, and their names for messages.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    pub meaning: Vec<Column>,
+    pub names: Vec<String>,
+    /// Lines may have more columns than these.
+    pub or_more: bool,
+    /// The user chose the column of sizes, so its name is not doubted.
+    pub sizes_chosen: bool,
+    /// Powers of ten by which columns are multiplied; empty if none is.
+    pub powers: Vec<i32>,
+    pub notices: Vec<Notice>,
+}
+
+impl Columns {
+    /// Columns that mean what their names say.
+    pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
+        let names: Vec<String> = names.into_iter().map(Into::into).collect();
+        let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
+        let is_axis = |meaning: &Column| matches!(meaning, Column::Axis(_));
+        // ParaView calls the places Points:0, Points:1, Points:2, where nothing else is called so.
+        if !meaning.contains(&Column::Axis(0)) {
+            for (meaning, name) in meaning.iter_mut().zip(&names) {
+                let name = name.to_ascii_lowercase().replace('_', ":");
+                if let Some(k) =
+                    ["points:0", "points:1", "points:2"].iter().position(|p| *p == name)
+                {
+                    *meaning = Column::Axis(k);
+                }
+            }
+        }
+        if !meaning.iter().any(is_axis) {
+            for (meaning, name) in meaning.iter_mut().zip(&names) {
+                match units::suffixed(name).map(|(name, _)| Column::named(name)) {
+                    None | Some(Column::Id) => {}
+                    Some(suffixed) => *meaning = suffixed,
+                }
+            }
+        }
+        Columns { meaning, names, ..Columns::default() }
+    }
+
+    /// True if there are x and y.
+    pub fn has_places(&self) -> bool {
+        (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
+    }
+
+    /// With the meaning that the options give them, if they do.
+    pub fn chosen(self, place: &str, options: Options) -> anyhow::Result<Columns> {
+        match options.columns {
+            Some(chosen) => chosen.apply(self, place),
+            None => Ok(self),
+        }
+    }
+
+    /// Settles what the columns mean: the radius that is given counts before a column of sizes, and
+    /// units are made one. Gives an empty set of particles of that kind.
+    ///
+    /// # Errors
+    /// No x or y, a meaning that two columns have, a name that may not mean a size, or units that
+    /// do not turn into each other.
+    pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
+        self.leave_out_sizes(options.radius);
+        self.leave_out_doubts();
+        self.check(place)?;
+        self.one_unit().with_context(|| place.to_string())?;
+        let count = |column| self.meaning.iter().filter(|&&other| other == column).count();
+        let sizes = count(Column::Radius) + count(Column::Diameter);
+        let mut particles = Particles::new(2 + count(Column::Axis(2)), sizes == 1);
+        particles.ids = (options.ids && count(Column::Id) == 1).then(Vec::new);
+        particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
+        let unused = self.meaning.iter().zip(&self.names);
+        let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
+        particles.unused = unused.map(|(_, name)| name.clone()).collect();
+        particles.notices.append(&mut self.notices);
+        Ok(particles)
+    }
+
+    /// Forgets what columns of sizes mean if the radius is given, and says so.
+    fn leave_out_sizes(&mut self, given: Option<f64>) {
+        let Some(given) = given else { return };
+        for (meaning, name) in self.meaning.iter_mut().zip(&self.names) {
+            if let Column::Radius | Column::Diameter = meaning {
+                *meaning = Column::Other;
+                self.notices.push(unused_sizes(name, given));
+            }
+        }
+    }
+
+    /// Beside a column that is a size for sure, one that may be red is red.
+    fn leave_out_doubts(&mut self) {
+        let doubt = |(meaning, name): (&Column, &String)| match meaning {
+            Column::Radius | Column::Diameter => Some(doubts::of_size(name, &self.names).is_some()),
+            _ => None,
+        };
+        let sizes: Vec<Option<bool>> = self.meaning.iter().zip(&self.names).map(doubt).collect();
+        if self.sizes_chosen || !sizes.contains(&Some(false)) {
+            return;
+        }
+        for (meaning, _) in self.meaning.iter_mut().zip(sizes).filter(|it| it.1 == Some(true)) {
+            *meaning = Column::Other;
+        }
+    }
+
+    /// Checks that there are x and y, nothing twice, and no doubtful size.
+    fn check(&self, place: &str) -> anyhow::Result<()> {
+        let named = |column: Column| {
+            let all = self.meaning.iter().zip(&self.names);
+            all.filter(move |(meaning, _)| **meaning == column).map(|(_, name)| short(name))
+        };
+        for column in self.meaning.iter().filter(|it| !matches!(it, Column::Other | Column::Id)) {
+            if let [a, b, ..] = &named(*column).collect::<Vec<_>>()[..] {
+                bail!(
+                    "{place}: the columns '{a}' and '{b}' both stand for {}; remove one, or say \
+                     which counts with --columns",
+                    column.words()
+                );
+            }
+        }
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            ensure!(
+                named(Column::Axis(axis)).next().is_some(),
+                "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
+                 with r, radius, d or diameter, or say which they are with --columns x=NAME,y=NAME",
+                self.names
+                    .iter()
+                    .map(|name| format!("'{}'", short(name)))
+                    .take(8)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            );
+        }
+        if let (Some(r), Some(d)) = (named(Column::Radius).next(), named(Column::Diameter).next()) {
+            bail!(
+                "{place}: there are a radius '{r}' and a diameter '{d}'; remove one, or say which \
+                 counts: --columns r={r} or --columns d={d}"
+            );
+        }
+        for (meaning, name) in self.meaning.iter().zip(&self.names) {
+            if let Column::Radius | Column::Diameter = meaning
+                && !self.sizes_chosen
+                && let Some(why) = doubts::of_size(name, &self.names)
+            {
+                bail!("{place}: {why}");
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the radius comes from.
+    pub fn radius(&self) -> RadiusSource {
+        let named = |column| {
+            self.meaning.iter().position(|&other| other == column).map(|k| self.names[k].clone())
+        };
+        match (named(Column::Radius), named(Column::Diameter)) {
+            (Some(name), _) => RadiusSource::Column(name),
+            (_, Some(name)) => RadiusSource::Halved(name),
+            _ => RadiusSource::Missing,
+        }
+    }
+
+    /// The number in a cell of column `k`, in the unit of the others.
+    fn value(&self, k: usize, cell: &[u8]) -> Option<f64> {
+        match self.powers.get(k) {
+            None | Some(0) => number(cell),
+            Some(&power) => number(&shifted(cell, power)),
+        }
+    }
+
+    /// Adds the particle of one line. `between` says what separates the cells.
+    pub fn push<'a>(
+        &self,
+        particles: &mut Particles,
+        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
+        place: impl Fn() -> String,
+        between: impl Fn() -> String,
+    ) -> anyhow::Result<()> {
+        let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
+        let all = cells.clone();
+        for (k, column) in self.meaning.iter().enumerate() {
+            let Some(cell) = cells.next() else {
+                bad = Some((k, ""));
+                break;
+            };
+            match column {
+                Column::Other => continue,
+                Column::Id if particles.ids.is_none() => continue,
+                Column::Id => {
+                    match whole(cell) {
+                        Some(value) => id = value,
+                        // Nobody may need them; whoever does is told that there are none.
+                        None => particles.ids = None,
+                    }
+                }
+                Column::Axis(axis) => {
+                    if particles.len() < digits::LOOKED_AT {
+                        digits::count(&mut particles.digits, cell);
+                    }
+                    match self.value(k, cell) {
+                        Some(value) if value.is_finite() => point[*axis] = value,
+                        Some(_) => bad = Some((k, "is not a finite number")),
+                        None => bad = Some((k, not_a_number(cell))),
+                    }
+                }
+                Column::Radius | Column::Diameter => {
+                    let value = self.value(k, cell).ok_or_else(|| not_a_number(cell));
+                    match value.and_then(|value| column.size(value)) {
+                        Ok(value) => radius = value,
+                        Err(why) => bad = Some((k, why)),
+                    }
+                }
+            }
+            if bad.is_some() {
+                break;
+            }
+        }
+        if bad.is_some() || !self.or_more && cells.next().is_some() {
+            let (count, wanted) = (all.clone().count(), self.meaning.len());
+            ensure!(
+                count == wanted || self.or_more && count > wanted,
+                "{}: {count} columns where {wanted} are expected{}{}",
+                place(),
+                between(),
+                match () {
+                    () if count == 2 * wanted => DECIMAL_COMMAS,
+                    () if count == wanted + 1 && particles.is_empty() => ROW_NAMES,
+                    () => "",
+                }
+            );
+            if let Some((k, why)) = bad {
+                let cell = all.clone().nth(k).unwrap_or_default();
+                bail!(
+                    "{}: column '{}': '{}' {why}; mend or remove the line",
+                    place(),
+                    short(&self.names[k]),
+                    shown(cell)
+                );
+            }
+        }
+        if let Some(groups) = &mut particles.groups {
+            // As many cells as columns: looked at above.
+            groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
+        }
+        particles.push(point, radius, id).with_context(place)
+    }
+}
+
+impl Columns {
+    /// Adds the particle of a line whose cells are between blanks.
+    pub fn push_words(
+        &self,
+        particles: &mut Particles,
+        line: &[u8],
+        lines: &Lines<'_>,
+    ) -> anyhow::Result<()> {
+        let between = || format!(" ({})", listed(&self.names));
+        self.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+    }
+
+    /// Adds the particle of record `k` of a binary file, such as "vertex"; `value` gives the number
+    /// of a column, if it is one.
+    pub fn push_values(
+        &self,
+        particles: &mut Particles,
+        (file, record, k): (&str, &str, u64),
+        value: impl Fn(usize) -> Option<f64>,
+    ) -> anyhow::Result<()> {
+        let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
+        for (place, (column, label)) in self.meaning.iter().zip(&self.names).enumerate() {
+            if *column == Column::Other || *column == Column::Id && particles.ids.is_none() {
+                continue;
+            }
+            let what = || format!("{file}: {record} {k} (from 0): '{}'", short(label));
+            let value = value(place).with_context(|| format!("{} is no number", what()))?;
+            match column {
+                Column::Axis(axis) => {
+                    ensure!(value.is_finite(), "{} is {value}; it must be finite", what());
+                    point[*axis] = value;
+                }
+                Column::Id => {
+                    let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
+                    ensure!(is_whole, "{}: {value} is not a whole number", what());
+                    id = value as i64;
+                }
+                _ => {
+                    let size = column.size(value);
+                    radius = size.map_err(|why| anyhow::anyhow!("{}: {value} {why}", what()))?;
+                }
+            }
+        }
+        particles.push(point, radius, id)
+    }
+}
+
+/// What to do about 1,5 for 1.5.
+pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
+
+/// What to do about the names of rows, above which R writes nothing.
+const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
+                         write.table writes it, give row.names = FALSE there, or col.names = NA";
+
+fn not_a_number(cell: &[u8]) -> &'static str {
+    if is_decimal_comma(cell) {
+        "has a decimal comma, which is not read: write a point"
+    } else {
+        "is not a number"
+    }
+}
+
+/// Is it 1,5 for 1.5?
+pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {
+    let point = |&b: &u8| if b == b',' { b'.' } else { b };
+    let pointed: Vec<u8> = cell.iter().map(point).collect();
+    cell.contains(&b',') && number(&pointed).is_some()
+}

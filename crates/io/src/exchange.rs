@@ -1,0 +1,137 @@
+//! Scenes and pairs as files between harness and runners: NumPy npy, which runners in any language
+//! can read.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+
+use crate as io;
+use crate::formats::gzip::Unpacking;
+use crate::formats::npy;
+use crate::lines::Source;
+use crate::room::room;
+use crate::scalars::Kind;
+use contactbench_core::periodic::{Contacts, ImagePair};
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
+use contactbench_core::with_scene;
+
+/// Writes centres, and radii as one more column unless they are all the same, as f64. Gives the
+/// radius of all particles, if they have the same.
+pub fn write_scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Option<f64>> {
+    with_scene!(scene, scene => write(path, scene))
+        .with_context(|| format!("cannot write the scene to {}", path.display()))
+}
+
+fn write<T: Real, const D: usize>(
+    path: &Path,
+    scene: &Scene<'_, T, D>,
+) -> std::io::Result<Option<f64>> {
+    let radius = match scene.radii() {
+        Radii::Uniform(r) => Some(r.wide()),
+        Radii::Each(_) => None,
+    };
+    let columns = D + usize::from(radius.is_none());
+    let mut file = BufWriter::new(File::create(path)?);
+    npy::write_header(&mut file, "<f8", scene.len(), columns)?;
+    for (k, centre) in scene.centres().iter().enumerate() {
+        for x in array(centre) {
+            file.write_all(&x.wide().to_le_bytes())?;
+        }
+        if radius.is_none() {
+            file.write_all(&scene.radius(k).wide().to_le_bytes())?;
+        }
+    }
+    file.flush()?;
+    Ok(radius)
+}
+
+/// Reads what [`write_scene`] wrote.
+pub fn read_scene(
+    path: &Path,
+    dim: u32,
+    n: u64,
+    radius: Option<f64>,
+) -> anyhow::Result<AnyScene<'static>> {
+    let scene = io::scene(path, io::Options { radius, dim: Some(dim), ..io::Options::NONE })?;
+    ensure!(
+        scene.dim() as u32 == dim && scene.len() as u64 == n,
+        "{} holds {} particles in {}D, not {n} in {dim}D",
+        path.display(),
+        scene.len(),
+        scene.dim()
+    );
+    Ok(scene)
+}
+
+/// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
+/// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
+pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
+    let name = path.display().to_string();
+    let (kind, descr) = if box_dim.is_some() { (Kind::I32, "<i4") } else { (Kind::U32, "<u4") };
+    let columns = 2 + box_dim.unwrap_or(0);
+    let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
+    let (input, unpacking) = (&mut BufReader::new(file), &Unpacking::default());
+    let mut source = Source { input, name: &name, unpacking };
+    let header = npy::header(&mut source)?;
+    let fits = header.kind == kind && !header.big && !header.fortran;
+    ensure!(
+        fits && header.columns == Some(columns),
+        "{name} holds {} of the shape ({}){}; pairs are '{descr}' of the shape (pairs, {columns}), \
+         in C order",
+        header.descr,
+        header.shape,
+        if header.fortran { " in Fortran order" } else { "" }
+    );
+    let (mut contacts, mut row) = (Contacts::default(), [0i64; 5]);
+    header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
+        let at = (k % columns as u64) as usize;
+        // Every i32 and u32 is a double.
+        row[at] = value as i64;
+        if at + 1 < columns {
+            return Ok(());
+        }
+        let [Ok(i), Ok(j)] = [row[0], row[1]].map(u32::try_from) else {
+            bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
+        };
+        let image = [row[2], row[3], row[4]].map(|s| s as i32);
+        if image == [0; 3] {
+            room(&mut contacts.plain)?;
+            contacts.plain.push([i, j]);
+        } else {
+            room(&mut contacts.shifted)?;
+            contacts.shifted.push(ImagePair::new(i, j, image));
+        }
+        Ok(())
+    })?;
+    source.end(&header)?;
+    Ok(contacts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_come_back_and_other_arrays_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pairs.npy");
+        let pairs = [[0, 1], [u32::MAX, 7]];
+        io::write::pairs(&path, &pairs).unwrap();
+        assert_eq!(read_contacts(&path, None).unwrap().plain, pairs);
+        let whole = std::fs::read(&path).unwrap();
+        let refused = |bytes: &[u8], words: &str| {
+            std::fs::write(&path, bytes).unwrap();
+            let error = format!("{:#}", read_contacts(&path, None).map(drop).unwrap_err());
+            assert!(error.contains(words), "{error}");
+        };
+        refused(&whole[..whole.len() - 1], "ends before the 2 x 2 numbers");
+        refused(&[&whole[..], &[0; 8]].concat(), "goes on after the 2 x 2 numbers");
+        refused(b"i,j\n0,1\n", "not a NumPy file");
+        for (kind, words) in [("<u8", "holds '<u8'"), (">u4", "pairs are '<u4'")] {
+            let text = String::from_utf8_lossy(&whole[10..128]).replace("<u4", kind);
+            refused(&[&whole[..10], text.as_bytes(), &whole[128..]].concat(), words);
+        }
+    }
+}

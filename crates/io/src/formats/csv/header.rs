@@ -1,0 +1,251 @@
+//! What stands before the rows of a table: comments, a box, and the names of the columns.
+
+use anyhow::{Context, bail, ensure};
+
+use super::split::{self, Blocks, Split};
+use crate::chosen::Chosen;
+use crate::lines::{Lines, Separator, is_comment, number, short, step_of, uncommented, words};
+use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
+use crate::{Declared, Notice, Options};
+
+/// A table, as far as its first lines describe it.
+pub(super) struct Table {
+    pub columns: Columns,
+    /// Where they are named, for messages.
+    pub place: String,
+    pub separator: Separator,
+    /// A separator stands at the end of rows.
+    pub trailing: bool,
+    /// The columns have no names, and were taken for what they often are.
+    pub assumed: bool,
+    /// The current line is one of the rows, or stands among them.
+    pub is_row: bool,
+    pub format: &'static str,
+    pub split: Option<Split>,
+    pub blocks: Blocks,
+    pub declared: Option<Declared>,
+    pub bounds: Option<Vec<[f64; 2]>>,
+    pub notices: Vec<Notice>,
+}
+
+/// What the comments say.
+#[derive(Default)]
+struct Comments {
+    /// Columns that they name.
+    columns: Option<Columns>,
+    /// `#format` names them.
+    format: bool,
+    /// Edges of the box from `##PERIODIC::`.
+    edges: Option<[f64; 3]>,
+    notices: Vec<Notice>,
+}
+
+/// Reads up to the first row.
+pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Table> {
+    let mut comments = Comments::default();
+    let more = loop {
+        if !lines.advance_over_blanks()? {
+            break false;
+        }
+        if !is_comment(lines.line()) {
+            break true;
+        }
+        comments.take(lines, options)?;
+    };
+    let format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };
+    let (columns, separator, trailing, assumed, is_header) = if more {
+        named_by(lines, &mut comments, options)?
+    } else {
+        // A comment that names columns is the header of a file without particles.
+        let columns = comments.columns.take().with_context(|| {
+            format!(
+                "{} is empty; a particle file has at least a header such as x,y,r",
+                lines.source.name
+            )
+        })?;
+        (columns, Separator::Blanks, false, false, false)
+    };
+    let place = lines.place();
+    let mut columns = columns;
+    let by = Chosen::frame(options.columns, &mut columns, &place, split::by_name)?;
+    let split = by.map(|by| Split::new(by, &mut columns, options)).transpose();
+    let split = split.with_context(|| place.clone())?;
+    let bounds = comments.edges.map(|edges| edges.map(|edge| [0.0, edge]).to_vec());
+    let declared = bounds
+        .as_ref()
+        .map(|bounds| Declared::between(bounds, Some([0, 1, 2].map(|axis| bounds[axis][1] > 0.0))));
+    let is_row = more && (!is_header || lines.advance()?);
+    let notices = comments.notices;
+    Ok(Table {
+        columns,
+        place,
+        separator,
+        trailing,
+        assumed,
+        is_row,
+        format,
+        split,
+        blocks: Blocks::default(),
+        declared,
+        bounds,
+        notices,
+    })
+}
+
+impl Comments {
+    fn take(&mut self, lines: &Lines<'_>, options: Options) -> anyhow::Result<()> {
+        let text = lines.text();
+        if let Some(edges) = text.strip_prefix("##PERIODIC::") {
+            self.edges = edges_of(edges, options).with_context(|| lines.place())?;
+            return Ok(());
+        }
+        let text = text.trim_start_matches(['#', '%', '!', '/']).trim();
+        let (columns, is_format) = match text.strip_prefix("format ") {
+            Some(format) => {
+                let names = format.trim().split('_').take_while(|name| *name != "attrs");
+                let or_more = format.ends_with("attrs");
+                (Columns { or_more, ..Columns::named(names) }, true)
+            }
+            None => (named(text.as_bytes()), false),
+        };
+        let chosen = columns.chosen("", options).ok().filter(Columns::has_places);
+        if chosen.is_some() && (is_format || !self.format) {
+            self.columns = chosen;
+        } else if self.notices.is_empty() && may_be_box(text) {
+            self.notices.push(Notice::Assumed(format!(
+                "the comment '{}' may describe a box, and is not read: --box says it",
+                short(text)
+            )));
+        }
+        self.format |= is_format;
+        Ok(())
+    }
+}
+
+/// The edges of the box, unless the options replace it.
+fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
+    let boundaries = options.boundaries;
+    let numbers: Option<Vec<f64>> = words(text.as_bytes()).map(number).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|edge| edge.is_finite() && *edge >= 0.0) => {
+            Ok(Some([x, y, z]))
+        }
+        _ if boundaries.open || boundaries.edges.is_some() => Ok(None),
+        _ => bail!(
+            "'##PERIODIC::{}' must be followed by the three edges of the box; mend the line, or \
+             give --box or --open",
+            short(text)
+        ),
+    }
+}
+
+/// True if a comment has the word box, or one like it, and numbers.
+fn may_be_box(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let is_between = |c: char| !c.is_ascii_alphanumeric() && c != '.' && c != '-' && c != '+';
+    let word = |word: &str| {
+        ["box", "cell", "lattice", "periodic", "bounds", "domain", "pbc"].contains(&word)
+    };
+    let parts = || lower.split(is_between);
+    parts().any(word) && parts().filter(|part| number(part.as_bytes()).is_some()).count() >= 2
+}
+
+fn named(header: &[u8]) -> Columns {
+    let cells = Separator::guess(header).cells(header);
+    Columns::named(cells.map(|cell| String::from_utf8_lossy(cell).into_owned()))
+}
+
+/// The columns, what separates them, whether that also ends a line, whether their meaning is
+/// assumed, and whether the current line is their header.
+fn named_by(
+    lines: &Lines<'_>,
+    comments: &mut Comments,
+    options: Options,
+) -> anyhow::Result<(Columns, Separator, bool, bool, bool)> {
+    let (place, whole) = (lines.place(), uncommented(lines.line()));
+    let separator = Separator::guess(whole);
+    let line = separator.shorn(whole);
+    let trailing = line.len() != whole.len();
+    let count = separator.cells(line).count();
+    let is_number = |cell: &[u8]| number(cell).is_some();
+    let numeric = separator.cells(line).all(is_number);
+    let of_comment = comments.columns.take().filter(|columns| {
+        let names = columns.meaning.len();
+        names == count || columns.or_more && names < count
+    });
+    if let Some(columns) = of_comment.filter(|_| numeric || comments.format) {
+        // Beside the numbers, YADE writes names of materials and the like.
+        return Ok((columns, separator, trailing, false, false));
+    }
+    let at = |k: usize| separator.cells(line).nth(k).is_some_and(is_number);
+    let by_numbers = options.columns.and_then(|chosen| chosen.numbers());
+    if numeric || by_numbers.is_some_and(|places| places.into_iter().all(at)) {
+        let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
+        let chosen = options.columns.is_some_and(|chosen| chosen.axes());
+        let assumed = !chosen && comments.edges.is_none();
+        // As pandas writes columns without names.
+        if count > 2
+            && separator.cells(line).enumerate().all(|(k, cell)| step_of(cell) == Some(k as i64))
+        {
+            comments.notices.push(Notice::Assumed(format!(
+                "{place}: the line counts the columns, and is read as a particle; remove it if it \
+                 is a header"
+            )));
+        }
+        return Ok((columns, separator, trailing, assumed, false));
+    }
+    ensure!(
+        separator == Separator::Blanks || !words(line).all(is_decimal_comma),
+        "{place}: the numbers have decimal commas, which are not read: write points"
+    );
+    let header = named(whole);
+    let text = lines.line();
+    let of_text = match separator {
+        Separator::One(_) => separator,
+        Separator::Blanks => Separator::guess(text),
+    };
+    let cut = text.get(whole.len()..).unwrap_or_default();
+    // A name such as Spot # stands between separators, a comment behind them all.
+    let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
+    let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
+    if in_cut && (of_text == separator || !sound(header.clone())) {
+        return Ok((named(text).chosen(&place, options)?, of_text, trailing, false, true));
+    }
+    ensure!(
+        header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
+        "{place}: the first line holds numbers, and no names of columns; put a header line such as \
+         x,y,z,r before it, or say which column is which with --columns x=1,y=2 and so on"
+    );
+    Ok((header.chosen(&place, options)?, separator, trailing, false, true))
+}
+
+/// The columns of numbers that no header names.
+fn unnamed(
+    count: usize,
+    options: Options,
+    is_packing: bool,
+    place: &str,
+) -> anyhow::Result<Columns> {
+    if options.columns.is_some_and(|chosen| chosen.axes()) {
+        let names = (1..=count).map(|k| format!("column {k}"));
+        return Columns::named(names).chosen(place, options);
+    }
+    let names = match (count, options) {
+        (2, _) => "x y",
+        (3, Options { dim: Some(2), .. }) => "x y r",
+        (3, Options { dim: Some(3), .. } | Options { radius: Some(_), .. }) => "x y z",
+        (4, _) => "x y z r",
+        (5, _) if is_packing => "x y z r clumpId",
+        (3, _) => bail!(
+            "{place}: three columns without a header may be x,y,z or x,y,r; put a header line \
+             before them"
+        ),
+        _ => bail!(
+            "{place}: {count} columns without a header; put a header line such as x,y,z,r before \
+             them, or say which is which with --columns x=1,y=2 and so on{}{}",
+            if count == 5 { " (a packing of YADE: --columns x=1,y=2,z=3,r=4)" } else { "" },
+            if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
+        ),
+    };
+    Columns::named(names.split(' ')).chosen(place, options)
+}

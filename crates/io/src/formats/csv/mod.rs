@@ -1,0 +1,225 @@
+//! CSV and tables: one particle per line, columns named by a header. YADE's and Woo's text files
+//! are of this kind, too.
+//!
+//! * The header names the columns: `x,y[,z][,r]`, with `r`, `radius`, `d` or `diameter`, in any
+//!   order and any case; other columns are skipped. Units of length may follow the names.
+//! * The separator is that of the first line: semicolon, else comma, else tab, else any run of
+//!   blanks. Quoted text may contain it, and doubled quotes, but no line break.
+//! * A column of frames, steps or times splits the rows into frames: see [`split`].
+//! * Blank lines and lines that begin with `#`, `%`, `!` or `//` are skipped. Such a line is the
+//!   header if the data begin without one and it names as many columns as the data have.
+//! * `#` or `%` behind a blank begins a comment, and a separator may end the line, unless the line
+//!   has the right number of columns with them only.
+//! * YADE's `#format x_y_z_r` names the columns likewise; `#format x_y_z_r_attrs` has any number of
+//!   others behind them. `##PERIODIC:: 10 10 10` of YADE and Woo is the box; columns without names
+//!   are then x y z r, and clumpId.
+//! * Without a header, columns that are all numbers are taken as x,y (two), x,y,z,r (four), and
+//!   x,y,z (three, if the options give a radius or three dimensions) or x,y,r (three, if they
+//!   give two dimensions). Anything else is refused, also a column that counts the particles.
+
+mod header;
+mod split;
+
+use anyhow::{anyhow, ensure};
+pub(crate) use split::{maybe_frames, names_a_frame};
+
+use crate::counted::Counted;
+use crate::formats::csv::header::Table;
+use crate::frames::{Choice, Reader, Step};
+use crate::lines::{Lines, Separator, Source, is_comment, number, uncommented};
+use crate::particles::{Columns, Particles, loaded};
+use crate::{About, Notice, Options, RadiusSource};
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Csv { lines: Lines::new(source), options, table: None })
+}
+
+struct Csv<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    /// What the lines before the first row say; none before they are read.
+    table: Option<Table>,
+}
+
+impl Reader<(Particles, About)> for Csv<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Csv { lines, options, table } = self;
+        let table = match table {
+            Some(table) => table,
+            None => table.insert(header::read(lines, *options)?),
+        };
+        // Without an order rows of a frame come back, so all are looked at, whichever is wanted.
+        choice.through = table.split.is_some();
+        while choice.seen == 0 || table.is_row {
+            let step = choice.begin(|| lines.place())?;
+            let index = choice.seen - 1;
+            let mut columns = table.columns.clone();
+            let mut kept = columns.particles(&table.place, *options)?;
+            let is_kept = step == Step::Keep;
+            let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
+            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
+            // An error in a last line that is being written says nothing against the order.
+            choice.through &= read.is_ok() || lines.ended();
+            read?;
+            match table.is_row {
+                true => choice.done_before(lines),
+                false => choice.done(Some(lines.end()), Some(&mut kept).filter(|_| is_kept)),
+            }
+            if is_kept {
+                return table.frame(kept, columns.radius(), index, lines.source.name).map(Some);
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Table {
+    /// Takes the rows of a frame, or passes over them; the line is then the first of the next.
+    fn rows(
+        &mut self,
+        lines: &mut Lines<'_>,
+        columns: &Columns,
+        mut kept: Option<&mut Particles>,
+        in_one: bool,
+    ) -> anyhow::Result<()> {
+        let mut first = true;
+        while self.is_row {
+            let line = lines.line();
+            if line.is_empty() || is_comment(line) && !self.is_row_left_out(line) {
+                self.blocks.end(lines);
+            } else if !is_comment(line) {
+                if self.split.is_none() && !in_one {
+                    self.blocks.row()?;
+                }
+                if let Some(split) = &mut self.split {
+                    let mut cells = self.separator.cells(line);
+                    let lacks = |wanted: usize| cells.clone().count() < wanted;
+                    if !lines.ended() && lacks(columns.names.len()) {
+                        if kept.is_none() {
+                            self.is_row = false;
+                            return Ok(());
+                        }
+                        // Its number is whole if another cell follows.
+                        ensure!(
+                            !lacks(split.column + 2),
+                            "{}: the line is cut off, or still being written",
+                            lines.place()
+                        );
+                    }
+                    if split.is_next(&mut cells, first, || lines.place())? {
+                        return Ok(());
+                    }
+                    first = false;
+                }
+                if let Some(kept) = kept.as_deref_mut() {
+                    row(columns, kept, self.separator, &mut self.trailing, lines)?;
+                }
+            }
+            self.is_row = lines.advance()?;
+        }
+        Ok(())
+    }
+
+    /// Whether a comment is a row that was left out.
+    fn is_row_left_out(&self, line: &[u8]) -> bool {
+        let line = line.strip_prefix(b"#").unwrap_or(line).trim_ascii();
+        let numbers = || self.separator.cells(line);
+        numbers().count() == self.columns.names.len() && numbers().all(|it| number(it).is_some())
+    }
+
+    fn frame(
+        &self,
+        particles: Particles,
+        radius: RadiusSource,
+        index: u64,
+        name: &str,
+    ) -> anyhow::Result<(Particles, About)> {
+        let names = &self.columns.names;
+        let mut notices = self.notices.clone();
+        if self.assumed {
+            match particles.counted() {
+                None => {}
+                Some(Counted::Graph) => notices.push(Notice::Assumed(
+                    "the first of two columns counts the particles: is it x?".into(),
+                )),
+                Some(which) => return Err(counted(which, &particles, names, name)),
+            }
+            notices.push(Notice::Assumed(format!(
+                "the columns have no names, and are read as {}; --columns says which is which",
+                names.join(", ")
+            )));
+        }
+        let (mut particles, mut about) = loaded(self.format, particles, radius);
+        if let Some(split) = &self.split {
+            (about.step, about.time) = (split.step(), split.time());
+            notices.extend(split.notices(index));
+        }
+        notices.extend(self.blocks.notice());
+        about.declared = self.declared.clone();
+        about.bounds = self.bounds.clone();
+        particles.notices.extend(notices);
+        Ok((particles, about))
+    }
+}
+
+/// Takes the particle of a row: without the comment and the separator at its end, else with them.
+fn row(
+    columns: &Columns,
+    particles: &mut Particles,
+    separator: Separator,
+    trailing: &mut bool,
+    lines: &Lines<'_>,
+) -> anyhow::Result<()> {
+    let whole = lines.line();
+    let bare = uncommented(whole);
+    let shorn = separator.shorn(bare);
+    let mut push = |line: &[u8]| {
+        let between = || {
+            let quoted = if line.contains(&b'"') {
+                "; a text in quotes ends on the line on which it begins"
+            } else {
+                ""
+            };
+            format!(", separated by {}; mend or remove the line{quoted}", separator.name())
+        };
+        columns.push(particles, separator.cells(line), || lines.place(), between)
+    };
+    let [usual, other] = if *trailing { [shorn, bare] } else { [bare, shorn] };
+    let Err(error) = push(usual) else { return Ok(()) };
+    if other.len() != usual.len() && push(other).is_ok() {
+        *trailing = !*trailing;
+        return Ok(());
+    }
+    if bare.len() != whole.len() && push(whole).is_ok() {
+        return Ok(());
+    }
+    Err(error)
+}
+
+/// What is wrong with columns without names of which one counts the particles.
+fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) -> anyhow::Error {
+    let (all, first) = (names.len(), which == Counted::First);
+    let chosen = |names: &[&str]| -> String {
+        let at = names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
+        at.collect::<Vec<_>>().join(",")
+    };
+    let taken: Vec<&str> = names.iter().map(String::as_str).collect();
+    let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
+    let meant = match (first, &particles.radii) {
+        // One size for all is a size, and no coordinate.
+        (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
+        (true, _) => [&["id"], &taken[..all - 1]].concat(),
+        _ => [&taken[..all - 1], &["id"]].concat(),
+    };
+    anyhow!(
+        "{file}: the {} of {all} columns without names counts the particles, and is taken for \
+         '{}'; say which column is which: --columns {}, or --columns {} if it is that",
+        if first { "first" } else { "last" },
+        taken[if first { 0 } else { all - 1 }],
+        chosen(&meant),
+        chosen(&taken)
+    )
+}

@@ -1,0 +1,360 @@
+//! LAMMPS and LIGGGHTS dumps: frames of `ITEM:` sections, columns named by `ITEM: ATOMS`, in any
+//! order.
+//!
+//! * Coordinates are `x y z`, else unwrapped `xu yu zu`, else scaled `xs ys zs` or `xsu ysu zsu`,
+//!   which the box turns into lengths: lo + s (hi - lo), rounded three times, or with the vectors
+//!   of a tilted (triclinic) box, lo + xs a + ys b + zs c, rounded at every step.
+//! * The size is a column `radius` or `diameter` (or `r`, `d`). Particles keep the order of the
+//!   file, whatever their ids are.
+//! * The box is that of the header: `pp ff ff` says along which axes it repeats (dumps before 2010
+//!   do not), `xy xz yz` that it is tilted, and that the bounds are those of the box along the axes
+//!   around it; `abc origin` brings three vectors of any direction, and the corner.
+//!
+//! Format: <https://docs.lammps.org/dump.html>, <https://docs.lammps.org/Howto_triclinic.html>.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::boxes::{in_order, letters};
+use crate::frames::{Framed, Reader};
+use crate::lines::{Lines, Separator, Source, number, short, shown, step_of};
+use crate::particles::{Centres, Column, Columns, Particles, loaded};
+use crate::{About, Declared, Notice, Options};
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Dump { lines: Lines::new(source), options, header: Header::default(), any: false })
+}
+
+struct Dump<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    header: Header,
+    /// Some frame has begun.
+    any: bool,
+}
+
+/// What stands before the atoms of a frame, and is for that frame only.
+#[derive(Default)]
+struct Header {
+    n: Option<u64>,
+    names: String,
+    bounds: Option<Bounds>,
+    step: Option<i64>,
+    time: Option<f64>,
+}
+
+impl Framed for Dump<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let lines = &mut self.lines;
+        self.header = Header::default();
+        let mut open = false;
+        while lines.advance_over_blanks()? {
+            open = true;
+            let text = lines.text();
+            let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
+                bail!(
+                    "{}: '{}' stands where a line 'ITEM: ...' is expected; mend the file",
+                    lines.place(),
+                    short(&text)
+                );
+            };
+            if let Some(names) = item.strip_prefix("ATOMS") {
+                let place = lines.place();
+                ensure!(
+                    self.header.n.is_some(),
+                    "{place}: no 'ITEM: NUMBER OF ATOMS' stands before the atoms"
+                );
+                self.header.names = names.into();
+                self.any = true;
+                return Ok(Some(place));
+            }
+            self.header.take(item, lines, self.options)?;
+        }
+        let name = lines.source.name;
+        ensure!(self.any, "{name} ends before a section 'ITEM: ATOMS'; write it again");
+        ensure!(
+            !open,
+            "{name} ends in the header of a frame: it is cut off, or still being written"
+        );
+        Ok(None)
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let (place, lines) = (self.lines.place(), &mut self.lines);
+        let Header { n, names, bounds, step, time } = std::mem::take(&mut self.header);
+        let atoms = keep.then(|| Atoms::new(&names, bounds, &place, self.options)).transpose()?;
+        let read = section(lines, n.unwrap_or_default(), atoms)?;
+        Ok(read.map(|(particles, about)| (particles, About { step, time, ..about })))
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
+    }
+}
+
+impl Header {
+    /// Takes an item that is not the atoms, with its lines.
+    fn take(&mut self, item: &str, lines: &mut Lines<'_>, options: Options) -> anyhow::Result<()> {
+        if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
+            self.bounds = Some(Bounds::read(lines, kind, options)?);
+            return Ok(());
+        }
+        ensure!(
+            !item.starts_with("ENTRIES") && !item.starts_with("NUMBER OF ENTRIES"),
+            "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
+            lines.place()
+        );
+        ensure!(
+            !item.starts_with("GRID ") && item != "DIMENSION",
+            "{}: this is a dump of grid cells, not of atoms; write one of style custom",
+            lines.place()
+        );
+        // A time step, a time, units: one line each.
+        next(lines)?;
+        match item {
+            "NUMBER OF ATOMS" => self.n = Some(lines.count(lines.line(), "the number of atoms")?),
+            "TIMESTEP" => self.step = step_of(lines.line()),
+            "TIME" => self.time = number(lines.line()),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
+    ensure!(
+        lines.advance()?,
+        "{} ends in the header of a frame: it is cut off, or still being written",
+        lines.source.name
+    );
+    Ok(())
+}
+
+/// The rows of one frame; none where they are passed over.
+fn section(
+    lines: &mut Lines<'_>,
+    n: u64,
+    atoms: Option<Atoms>,
+) -> anyhow::Result<Option<(Particles, About)>> {
+    let mut atoms = atoms;
+    for k in 0..n {
+        ensure!(
+            lines.advance()?,
+            "{} ends after {k} of the {n} atoms that its header announces: it is cut off, or still \
+             being written",
+            lines.source.name
+        );
+        if let Some(atoms) = &mut atoms {
+            let line = lines.line();
+            ensure!(
+                !line.starts_with(b"ITEM:"),
+                "{}: a new section begins after {k} of the {n} atoms announced; mend the number",
+                lines.place()
+            );
+            atoms.columns.push_words(&mut atoms.particles, line, lines)?;
+            if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
+                bounds.scale_last(&mut atoms.particles);
+            }
+        }
+    }
+    let Some(mut atoms) = atoms else { return Ok(None) };
+    atoms.finite(lines.source.name)?;
+    let (mut particles, mut about) = loaded("LAMMPS dump", atoms.particles, atoms.columns.radius());
+    particles.notices.extend(atoms.notices);
+    about.bounds = atoms.bounds.as_ref().and_then(|bounds| bounds.ranges.map(Vec::from));
+    about.declared = atoms.bounds.map(|bounds| bounds.declared);
+    Ok(Some((particles, about)))
+}
+
+/// The columns of one frame, and what they hold.
+struct Atoms {
+    columns: Columns,
+    particles: Particles,
+    scaled: bool,
+    bounds: Option<Bounds>,
+    notices: Vec<Notice>,
+}
+
+impl Atoms {
+    fn new(
+        names: &str,
+        bounds: Option<Bounds>,
+        place: &str,
+        options: Options,
+    ) -> anyhow::Result<Atoms> {
+        ensure!(
+            !names.trim().is_empty(),
+            "{place}: the line names no columns, as old versions of LAMMPS wrote it; put their \
+             names behind it, as in 'ITEM: ATOMS id type xs ys zs' (scaled by the box) or 'ITEM: \
+             ATOMS id type x y z'"
+        );
+        let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
+        let has = |name: &str| columns.names.iter().any(|other| other == name);
+        let mut notices = Vec::new();
+        // Whoever chooses xs has scaled coordinates, too.
+        let chosen = |name: &str| {
+            let k = columns.names.iter().position(|other| other == name);
+            k.is_some_and(|k| columns.meaning[k] == Column::Axis(0))
+        };
+        let given = options.columns.is_some_and(|chosen| chosen.axes());
+        let kind = ["", "u", "s", "su"]
+            .into_iter()
+            .map(|kind| (kind, format!("x{kind}")))
+            .find(|(_, name)| if given { chosen(name) } else { has(name) })
+            .map_or("", |(kind, _)| kind);
+        let axes = ["x", "y", "z"].map(|axis| format!("{axis}{kind}"));
+        let of_another_kind =
+            ["z", "zu", "zs", "zsu"].into_iter().find(|z| !given && has(z) && !has(&axes[2]));
+        if let Some(z) = of_another_kind {
+            bail!(
+                "{place}: the columns are '{}' and '{z}', which are not of one kind; write x y z",
+                axes[0]
+            );
+        }
+        for (meaning, name) in columns.meaning.iter_mut().zip(&columns.names).filter(|_| !given) {
+            match axes.iter().position(|axis| axis == name) {
+                Some(k) => *meaning = Column::Axis(k),
+                None if matches!(meaning, Column::Axis(_)) => *meaning = Column::Other,
+                None => {}
+            }
+        }
+        let particles = columns.particles(place, options)?;
+        let scaled = kind.starts_with('s');
+        if scaled {
+            ensure!(
+                bounds.is_some(),
+                "{place}: the coordinates are scaled by the box (xs), but there is no 'ITEM: BOX \
+                 BOUNDS'; write x y z"
+            );
+            notices.push(Notice::Assumed(
+                "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
+            ));
+        }
+        if columns.names.iter().any(|name| name == "shapex") {
+            notices.push(Notice::Assumed(
+                "the particles have shapes (shapex) and may be no spheres: they are read as \
+                 spheres of their radius or diameter"
+                    .into(),
+            ));
+        }
+        if kind.ends_with('u') {
+            notices.push(Notice::Assumed(
+                "unwrapped coordinates: bodies may be outside the box, and where boundaries are \
+                 open those that touch across it do not touch"
+                    .into(),
+            ));
+        }
+        Ok(Atoms { columns, particles, scaled, bounds, notices })
+    }
+
+    fn finite(&mut self, name: &str) -> anyhow::Result<()> {
+        if self.scaled {
+            let bad = (0..self.particles.len())
+                .find(|&k| self.particles.centre(k).iter().any(|x| !x.is_finite()));
+            ensure!(
+                bad.is_none(),
+                "{name}: atom {} (from 0) is not finite once it is scaled by the box",
+                bad.unwrap_or_default()
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The box of one frame.
+#[derive(Clone)]
+struct Bounds {
+    /// From lo to hi, where it has edges along the axes.
+    ranges: Option<[[f64; 2]; 3]>,
+    declared: Declared,
+}
+
+impl Bounds {
+    fn read(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result<Bounds> {
+        let words: Vec<&str> = kind.split_whitespace().collect();
+        let (columns, flags) = match words[..] {
+            ["xy", "xz", "yz", ref flags @ ..] => (3, flags),
+            ["abc", "origin", ref flags @ ..] => (4, flags),
+            ref flags => (2, flags),
+        };
+        let overruled = options.boundaries.overrule();
+        let periodic = match letters(flags) {
+            Ok(periodic) => Some(periodic),
+            Err(_) if flags.is_empty() || overruled => None,
+            Err(why) => bail!(
+                "{}: the boundaries of the box are '{}': {why}; mend the line, or give --periodic \
+                 or --open",
+                lines.place(),
+                short(&flags.join(" "))
+            ),
+        };
+        let mut rows = [[0.0; 4]; 3];
+        for row in &mut rows {
+            next(lines)?;
+            let cells: Vec<&[u8]> = Separator::Blanks.cells(lines.line()).collect();
+            for (k, &cell) in cells.iter().take(columns).enumerate() {
+                row[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
+                    format!(
+                        "{}: column {}: '{}' is not a finite number; a bound of the box is \
+                         expected",
+                        lines.place(),
+                        k + 1,
+                        shown(cell)
+                    )
+                })?;
+            }
+            let expected = match columns {
+                2 => "two bounds of the box are expected, lo and hi",
+                3 => "three numbers of the tilted box are expected: lo, hi and tilt",
+                _ => "four numbers of the box are expected: a vector, and one of its corner",
+            };
+            ensure!(cells.len() >= columns, "{}: {expected}", lines.place());
+            ensure!(
+                cells.len() == columns || overruled,
+                "{}: {} numbers of the box, and its header announces {columns}; a tilted box has \
+                 'xy xz yz' there: mend it, or give --open",
+                lines.place(),
+                cells.len()
+            );
+        }
+        let pairs = rows.map(|row| [row[0], row[1]]);
+        let third = rows.map(|row| row[2]);
+        let declared = match columns {
+            2 => {
+                in_order(&pairs, options.boundaries).with_context(|| lines.place())?;
+                Declared::between(&pairs, periodic)
+            }
+            3 => Declared::enclosed(pairs, third, periodic, options.boundaries)
+                .with_context(|| lines.place())?,
+            _ => Declared {
+                vectors: Some(rows.map(|row| [row[0], row[1], row[2]])),
+                origin: rows.map(|row| row[3]),
+                periodic,
+                rounded: false,
+            },
+        };
+        Ok(Bounds { ranges: (columns == 2).then_some(pairs), declared })
+    }
+
+    /// Turns the last particle's scaled coordinates into lengths.
+    fn scale_last(&self, particles: &mut Particles) {
+        let Declared { vectors: Some(vectors), origin, .. } = &self.declared else { return };
+        // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
+        let scale = |s: &[f64], k: usize| {
+            let terms = s.iter().zip(vectors).filter(|(_, vector)| vector[k] != 0.0);
+            terms.fold(origin[k], |sum, (s, vector)| sum + s * vector[k])
+        };
+        match &mut particles.centres {
+            Centres::Plane(points) => points
+                .last_mut()
+                .into_iter()
+                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
+            Centres::Space(points) => points
+                .last_mut()
+                .into_iter()
+                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! LAMMPS data files: a header with the number of atoms and the box, then sections; `Atoms` holds
+//! the particles.
+//!
+//! The columns follow from the atom style, which stands behind the section's name: `Atoms #
+//! sphere`. In the styles of spheres the size is a *diameter*, which is halved; the others need a
+//! radius from the options. Without a style the number of columns must leave no doubt, or the
+//! options choose the columns. In a hybrid style x, y and z follow the type, and then come the
+//! other columns of its parts.
+//!
+//! The box is that of the header: `xlo xhi`, with `xy xz yz` where it is tilted, or the vectors
+//! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not say whether it repeats.
+//!
+//! Format: <https://docs.lammps.org/read_data.html>.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::lines::{Lines, Source, number, short, shown, words};
+use crate::particles::{Column, Columns, Particles, loaded};
+use crate::{About, Declared, Notice, Options};
+
+/// The columns of each style; image flags may follow.
+const STYLES: [(&str, &str); 16] = [
+    ("sphere", "id type diameter density x y z"),
+    ("granular", "id type diameter density x y z"),
+    ("bpm/sphere", "id mol type diameter density x y z"),
+    ("atomic", "id type x y z"),
+    ("charge", "id type q x y z"),
+    ("bond", "id mol type x y z"),
+    ("angle", "id mol type x y z"),
+    ("molecular", "id mol type x y z"),
+    ("full", "id mol type q x y z"),
+    ("dipole", "id type q x y z mux muy muz"),
+    ("ellipsoid", "id type flag density x y z"),
+    ("line", "id mol type flag density x y z"),
+    ("tri", "id mol type flag density x y z"),
+    ("body", "id type flag mass x y z"),
+    ("dpd", "id type theta x y z"),
+    ("sph", "id type rho e cv x y z"),
+];
+
+/// A line `100 atoms` in the header tells.
+pub fn tells(head: &[u8]) -> bool {
+    head.split(|&b| b == b'\n').take(40).any(|line| is_count(line).is_some())
+}
+
+fn is_count(line: &[u8]) -> Option<&[u8]> {
+    let mut words = words(line.split(|&b| b == b'#').next().unwrap_or_default());
+    let (n, atoms) = (words.next()?, words.next()?);
+    (atoms == b"atoms" && words.next().is_none() && n.iter().all(u8::is_ascii_digit)).then_some(n)
+}
+
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let (mut n, mut header) = (None, Header::default());
+    // The first line is a title, whatever it holds.
+    lines.advance()?;
+    let title = is_count(lines.line()).map(shown);
+    while lines.advance_over_blanks()? {
+        let line = lines.line();
+        if let Some(count) = is_count(line) {
+            n = Some(lines.count(count, "the number of atoms")?);
+        } else if header.take(&lines, options)? {
+            continue;
+        } else if words(line).next() == Some(b"Atoms") {
+            let n = n.with_context(|| match &title {
+                Some(n) => format!(
+                    "{}:1: the first line of a LAMMPS data file is a title, and '{n} atoms' \
+                     stands there; put a line before it",
+                    lines.source.name
+                ),
+                None => format!(
+                    "{}: no line such as '100 atoms' stands before the section Atoms",
+                    lines.place()
+                ),
+            })?;
+            let style = lines
+                .text()
+                .split_once('#')
+                .map(|(_, style)| style.trim().to_string())
+                .filter(|style| !style.is_empty());
+            let (mut particles, columns) = atoms(&mut lines, n, style.as_deref(), options)?;
+            if style.is_none() && options.columns.is_none() && n > 0 {
+                particles.notices.push(Notice::Assumed(format!(
+                    "no atom style stands behind 'Atoms': the columns are taken as {}; --columns \
+                     says otherwise",
+                    columns.names.join(" ")
+                )));
+            }
+            if style.as_deref().is_some_and(|style| style.starts_with("hybrid"))
+                && particles.has_radii()
+                && options.columns.is_none()
+            {
+                particles.notices.push(Notice::Assumed(format!(
+                    "the columns of the hybrid style are taken as {}; --radius or --columns says \
+                     otherwise",
+                    columns.names.join(" ")
+                )));
+            }
+            let (particles, mut about) = loaded("LAMMPS data", particles, columns.radius());
+            (about.bounds, about.declared) = header.bounds();
+            return Ok((particles, about));
+        }
+    }
+    bail!("{} has no section Atoms; is it a LAMMPS data file?", lines.source.name)
+}
+
+/// The lines of the header that make the box.
+#[derive(Default)]
+struct Header {
+    ranges: [Option<[f64; 2]>; 3],
+    tilt: Option<[f64; 3]>,
+    vectors: [Option<[f64; 3]>; 3],
+    origin: [f64; 3],
+}
+
+impl Header {
+    /// Takes the line, if it is one of them.
+    fn take(&mut self, lines: &Lines<'_>, options: Options) -> anyhow::Result<bool> {
+        let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
+        let words: Vec<&[u8]> = words(line).collect();
+        let numbers = |cells: &[&[u8]]| -> anyhow::Result<[f64; 3]> {
+            let mut values = [0.0; 3];
+            for (k, (value, cell)) in values.iter_mut().zip(cells).enumerate() {
+                *value = number(cell).filter(|x| x.is_finite()).with_context(|| {
+                    format!(
+                        "{}: column {}: '{}' is not a finite number; a bound of the box is \
+                         expected",
+                        lines.place(),
+                        k + 1,
+                        shown(cell)
+                    )
+                })?;
+            }
+            Ok(values)
+        };
+        match words[..] {
+            [lo, hi, axis @ (b"xlo" | b"ylo" | b"zlo"), ..] => {
+                let [lo, hi, _] = numbers(&[lo, hi])?;
+                ensure!(
+                    lo <= hi || options.boundaries.open || options.boundaries.edges.is_some(),
+                    "{}: the box goes from {lo} to {hi}; the lower bound stands first: mend the \
+                     file, or give --box or --open",
+                    lines.place()
+                );
+                self.ranges[usize::from(axis[0] - b'x')] = Some([lo, hi]);
+            }
+            [xy, xz, yz, b"xy", b"xz", b"yz"] => self.tilt = Some(numbers(&[xy, xz, yz])?),
+            [x, y, z, vector @ (b"avec" | b"bvec" | b"cvec")] => {
+                self.vectors[usize::from(vector[0] - b'a')] = Some(numbers(&[x, y, z])?);
+            }
+            [x, y, z, b"abc", b"origin"] => self.origin = numbers(&[x, y, z])?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// The bounds, where all edges are along the axes, and the box.
+    fn bounds(self) -> (Option<Vec<[f64; 2]>>, Option<Declared>) {
+        if let [Some(a), Some(b), Some(c)] = self.vectors {
+            let vectors = Some([a, b, c]);
+            return (None, Some(Declared { vectors, origin: self.origin, ..Declared::default() }));
+        }
+        let [Some(x), Some(y), Some(z)] = self.ranges else { return (None, None) };
+        let declared = Declared::between(&[x, y, z], None);
+        match self.tilt {
+            Some(tilt) => (None, Some(declared.tilted(tilt))),
+            None => (Some(vec![x, y, z]), Some(declared)),
+        }
+    }
+}
+
+fn atoms(
+    lines: &mut Lines<'_>,
+    n: u64,
+    style: Option<&str>,
+    options: Options,
+) -> anyhow::Result<(Particles, Columns)> {
+    let place = lines.place();
+    let chosen = options.columns.is_some_and(|chosen| chosen.axes());
+    let mut columns = match style {
+        // Whoever says what the columns hold need not say the style.
+        Some(style) => match styled(style, options) {
+            Ok(columns) => Some(columns.chosen(&place, options)?),
+            Err(_) if chosen => None,
+            Err(error) => return Err(error.context(place.clone())),
+        },
+        None => None,
+    };
+    let mut particles = match &mut columns {
+        Some(columns) => columns.particles(&place, options)?,
+        None => Particles::new(3, false),
+    };
+    for k in 0..n {
+        ensure!(
+            lines.advance_over_blanks()?,
+            "{} ends after {k} of the {n} atoms that its header announces; write it again",
+            lines.source.name
+        );
+        let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
+        if columns.is_none() {
+            let count = words(line).count();
+            let unstyled = match chosen {
+                true => Columns::named((1..=count).map(|k| format!("column {k}"))),
+                false => unstyled(count).with_context(|| lines.place())?,
+            };
+            let mut unstyled = unstyled.chosen(&lines.place(), options)?;
+            particles = unstyled.particles(&place, options)?;
+            columns = Some(unstyled);
+        }
+        let Some(columns) = &columns else { continue };
+        columns.push_words(&mut particles, line, lines)?;
+    }
+    Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
+}
+
+/// The columns of a style.
+fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
+    let of = |style: &str| STYLES.iter().find(|(name, _)| *name == style).map(|(_, names)| *names);
+    let mut parts = style.split_whitespace();
+    let mut columns = match parts.next() {
+        Some("hybrid") => {
+            let mut names: Vec<&str> = "id type x y z".split(' ').collect();
+            // The columns behind one that is not known may be anything.
+            for part in parts.map_while(of) {
+                let new: Vec<&str> = part.split(' ').filter(|name| !names.contains(name)).collect();
+                names.extend(new);
+            }
+            Columns::named(names)
+        }
+        _ => match of(style) {
+            Some(names) => Columns::named(names.split(' ')),
+            None => bail!(
+                "the atom style '{}' is not read, only hybrid, {}; say which column is which with \
+                 --columns, as in --columns x=3,y=4,z=5",
+                short(style),
+                STYLES.map(|(name, _)| name).join(", ")
+            ),
+        },
+    };
+    // Old versions order the columns of a hybrid otherwise: one radius for all is believed.
+    if style.starts_with("hybrid") && options.radius.is_some() {
+        let sizes = columns.meaning.iter_mut().filter(|it| **it == Column::Diameter);
+        sizes.for_each(|meaning| *meaning = Column::Other);
+    }
+    columns.or_more = true;
+    Ok(columns)
+}
+
+/// The columns of a file that names no style, if their number leaves no doubt.
+fn unstyled(count: usize) -> anyhow::Result<Columns> {
+    let names = match count {
+        5 => "id type x y z",
+        6 => "id other type x y z",
+        _ => bail!("{count} columns, and no atom style behind 'Atoms'; {}", choices(count)),
+    };
+    Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+}
+
+/// How to read so many columns: the option for each style that has them, with image flags or
+/// without.
+fn choices(count: usize) -> String {
+    let mut known: Vec<(String, Vec<&str>)> = Vec::new();
+    for (style, names) in STYLES {
+        let names: Vec<&str> = names.split(' ').collect();
+        if names.len() != count && names.len() + 3 != count {
+            continue;
+        }
+        let place = |name| names.iter().position(|it| *it == name).map(|k| k + 1);
+        let keys = [("x", "x"), ("y", "y"), ("z", "z"), ("d", "diameter"), ("id", "id")];
+        let keys = keys.map(|(key, name)| place(name).map(|k| format!("{key}={k}")));
+        let option = keys.into_iter().flatten().collect::<Vec<_>>().join(",");
+        match known.iter_mut().find(|(known, _)| *known == option) {
+            Some((_, styles)) => styles.push(style),
+            None => known.push((option, vec![style])),
+        }
+    }
+    let choices: Vec<String> = known
+        .iter()
+        .map(|(option, styles)| format!("--columns {option} (style {})", styles.join(", ")))
+        .collect();
+    match choices.is_empty() {
+        true => "say which column is which, as in --columns x=3,y=4,z=5".into(),
+        false => format!("say which it is: {}", choices.join("; ")),
+    }
+}

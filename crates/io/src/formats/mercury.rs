@@ -1,0 +1,144 @@
+//! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` (in 2D also
+//! without zmin and zmax) and N lines.
+//!
+//! Spheres have 14 columns or more: position and velocity (three each), radius, orientation and
+//! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity
+//! species. Format: the MercuryDPM documentation, "data file".
+
+use anyhow::{Context, bail, ensure};
+
+use crate::boxes::in_order;
+use crate::frames::{Framed, Reader};
+use crate::lines::{Lines, Source, number, words};
+use crate::particles::{Columns, Particles, loaded};
+use crate::{About, Declared, Options};
+
+const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";
+const PLANE: &str = "x y vx vy radius angle omega species";
+
+/// Six or eight numbers, the first of them whole, and 8 or at least 14 in the next line.
+pub fn tells(head: &[u8]) -> bool {
+    let mut lines = head.split(|&b| b == b'\n').filter(|line| !line.trim_ascii().is_empty());
+    let (first, second) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
+    let numbers = |line| words(line).all(|word| number(word).is_some());
+    header(first) && matches!(words(second).count(), 8 | 14..=16) && numbers(second)
+}
+
+fn header(line: &[u8]) -> bool {
+    let whole = words(line).next().is_some_and(|word| word.iter().all(u8::is_ascii_digit));
+    whole && matches!(words(line).count(), 6 | 8) && words(line).all(|word| number(word).is_some())
+}
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Data { lines: Lines::new(source), options, header: Header::default() })
+}
+
+struct Data<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    header: Header,
+}
+
+/// What stands before the rows of a frame.
+#[derive(Default)]
+struct Header {
+    n: u64,
+    time: Option<f64>,
+    bounds: Vec<f64>,
+}
+
+impl Framed for Data<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let lines = &mut self.lines;
+        if !lines.advance_over_blanks()? {
+            return Ok(None);
+        }
+        ensure!(
+            header(lines.line()),
+            "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
+             particles before it right?",
+            lines.place()
+        );
+        let mut numbers = words(lines.line());
+        let n = lines.count(numbers.next().unwrap_or_default(), "the number of particles")?;
+        let time = numbers.next().and_then(number);
+        self.header = Header { n, time, bounds: numbers.filter_map(number).collect() };
+        Ok(Some(lines.place()))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let Data { lines, options, header: Header { n, time, bounds } } = self;
+        let rows = rows(lines, *n, keep, *options)?;
+        if !keep {
+            return Ok(None);
+        }
+        let none = || (Columns::named(SPACE.split(' ')), Particles::new(3, true));
+        let (columns, particles) = rows.unwrap_or_else(none);
+        let about = in_bounds(lines, bounds, &particles, *options)?;
+        let (particles, read) = loaded("MercuryDPM data", particles, columns.radius());
+        let About { format, radius, .. } = read;
+        Ok(Some((particles, About { format, radius, time: *time, ..about })))
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
+    }
+}
+
+/// The rows of one frame; none where there are none, or they are not kept.
+fn rows(
+    lines: &mut Lines<'_>,
+    n: u64,
+    keep: bool,
+    options: Options,
+) -> anyhow::Result<Option<(Columns, Particles)>> {
+    let mut rows: Option<(Columns, Particles)> = None;
+    for k in 0..n {
+        ensure!(
+            lines.advance()?,
+            "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
+             cut off, or still being written",
+            lines.source.name
+        );
+        if !keep {
+            continue;
+        }
+        if rows.is_none() {
+            let columns = match words(lines.line()).count() {
+                8 => Columns::named(PLANE.split(' ')),
+                14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
+                count => bail!(
+                    "{}: {count} columns; 8 (discs) or 14 (spheres) are expected",
+                    lines.place()
+                ),
+            };
+            let mut columns = columns.chosen(&lines.place(), options)?;
+            let particles = columns.particles(&lines.place(), options)?;
+            rows = Some((columns, particles));
+        }
+        let Some((columns, particles)) = &mut rows else { continue };
+        columns.push_words(particles, lines.line(), lines)?;
+    }
+    Ok(rows)
+}
+
+/// The domain of a frame: least coordinates, then largest.
+fn in_bounds(
+    lines: &Lines<'_>,
+    bounds: &[f64],
+    particles: &Particles,
+    options: Options,
+) -> anyhow::Result<About> {
+    let half = bounds.len() / 2;
+    let bounds: Vec<[f64; 2]> =
+        (0..particles.dim().min(half)).map(|k| [bounds[k], bounds[k + half]]).collect();
+    let bounds = Some(bounds).filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
+    in_order(bounds.as_deref().unwrap_or_default(), options.boundaries)
+        .with_context(|| lines.source.name.to_string())?;
+    // It stands in no data file whether the domain repeats.
+    let declared = bounds.as_ref().map(|bounds| Declared::between(bounds, None));
+    Ok(About { bounds, declared, ..About::default() })
+}

@@ -1,0 +1,124 @@
+//! Arrays with fields (structured arrays): each row is a record of named numbers.
+
+use anyhow::{Context, bail, ensure};
+
+use super::Header;
+use crate::lines::{Source, short};
+use crate::particles::{Column, Columns, Particles};
+use crate::scalars::Kind;
+use crate::{Options, RadiusSource};
+
+/// A field of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Field {
+    pub name: String,
+    /// None where it is no single number that is read.
+    number: Option<(Kind, bool)>,
+    /// Bytes.
+    width: usize,
+}
+
+/// Most bytes of a record.
+const WIDEST: usize = 1 << 20;
+
+/// The fields of a type such as `[('x', '<f8'), ('v', '<f4', (3,))]`.
+pub(super) fn parse(text: &str) -> anyhow::Result<Vec<Field>> {
+    let bad = || format!("the type {} is not read; save one plain array", short(text));
+    let mut fields = Vec::new();
+    let mut rest = text.strip_prefix('[').with_context(bad)?.trim_start();
+    while !rest.starts_with(']') {
+        rest = rest.strip_prefix('(').with_context(bad)?;
+        let (name, after) = quoted(rest).with_context(bad)?;
+        let (kind, after) = quoted(after.strip_prefix(',').with_context(bad)?).with_context(bad)?;
+        let (mut count, mut after) = (1_usize, after);
+        let single = !after.starts_with(',');
+        if !single {
+            let shape = after[1..].trim_start().strip_prefix('(').with_context(bad)?;
+            let (shape, behind) = shape.split_once(')').with_context(bad)?;
+            for size in shape.split(',').map(str::trim).filter(|size| !size.is_empty()) {
+                let size: usize = size.parse().ok().with_context(bad)?;
+                count = count.checked_mul(size).with_context(bad)?;
+            }
+            after = behind.trim_start();
+        }
+        let (number, width) = width(kind).with_context(bad)?;
+        let width = width.checked_mul(count).filter(|&width| width <= WIDEST).with_context(bad)?;
+        fields.push(Field { name: name.into(), number: number.filter(|_| single), width });
+        ensure!(fields.len() <= 10_000, bad());
+        rest = after.strip_prefix(')').with_context(bad)?.trim_start();
+        rest = rest.strip_prefix(',').unwrap_or(rest).trim_start();
+    }
+    let row = fields.iter().map(|field| field.width).fold(0, usize::saturating_add);
+    ensure!((1..=WIDEST).contains(&row), bad());
+    Ok(fields)
+}
+
+/// The text between quotes at the start, and what stands behind it.
+fn quoted(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim_start();
+    let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+    let (inner, rest) = text[1..].split_once(quote)?;
+    Some((inner, rest.trim_start()))
+}
+
+/// How a field of that type is read, if it is a number, and its bytes.
+fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
+    let number = super::header::kind_of(kind);
+    if let Some((kind, _)) = number {
+        return Some((number, kind.width()));
+    }
+    let letter = kind.trim_start_matches(['<', '>', '|', '=']);
+    let bytes = letter.get(1..)?.split('[').next()?.parse::<usize>().ok()?;
+    match letter.as_bytes()[0] {
+        b'U' => Some((None, bytes.checked_mul(4)?)),
+        b'S' | b'V' | b'f' | b'c' | b'M' | b'm' => Some((None, bytes)),
+        // Objects are not in the file as numbers.
+        _ => None,
+    }
+}
+
+/// The particles of an array of records, whose fields are named as columns are.
+pub fn records(
+    source: &mut Source<'_>,
+    header: &Header,
+    options: Options,
+) -> anyhow::Result<(Particles, RadiusSource)> {
+    let (name, fields) = (source.name, &header.fields);
+    let remedy = || {
+        let all = fields.iter().take(4).map(|field| format!("a['{}']", short(&field.name)));
+        let all = all.collect::<Vec<_>>().join(", ");
+        format!(
+            "{name} is an array with fields; save numpy.column_stack([{all}]), with x, y, z and \
+             the radius in this order, or name the fields x, y, z and radius"
+        )
+    };
+    let &[rows] = &header.sizes[..] else {
+        bail!("the shape is {}; {}", super::shape(&header.sizes), remedy())
+    };
+    ensure!(rows <= u64::from(u32::MAX), "{name}: {rows} particles; split the file");
+    let mut columns = Columns::named(fields.iter().map(|field| field.name.as_str()));
+    for (meaning, field) in columns.meaning.iter_mut().zip(fields) {
+        // Three numbers named r are a place, and no radius.
+        if field.number.is_none() {
+            *meaning = Column::Other;
+        }
+    }
+    let mut columns = columns.chosen(name, options)?;
+    let mut particles = columns.particles(name, options).with_context(remedy)?;
+    let mut ends = vec![0];
+    ends.extend(fields.iter().scan(0, |end, field| {
+        *end += field.width;
+        Some(*end)
+    }));
+    let mut record = vec![0; ends[fields.len()]];
+    for k in 0..rows {
+        let whole = source.fill(&mut record)?;
+        ensure!(whole, "{name} ends before the {rows} records that its header announces");
+        let value = |place: usize| {
+            let (kind, big) = fields[place].number?;
+            Some(kind.get(&record[ends[place]..], big))
+        };
+        columns.push_values(&mut particles, (name, "record", k), value)?;
+    }
+    Ok((particles, columns.radius()))
+}

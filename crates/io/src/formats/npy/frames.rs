@@ -1,0 +1,103 @@
+//! The frames of an array: one, or as many as its first dimension says.
+
+use anyhow::{Context, bail, ensure};
+
+use super::{Header, any_header, particles, records};
+use crate::counted::Counted;
+use crate::frames::{Choice, Reader, Step};
+use crate::lines::Source;
+use crate::particles::{Particles, loaded};
+use crate::{About, Options};
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Array { source, options, header: None, read: 0 })
+}
+
+struct Array<'a> {
+    source: Source<'a>,
+    options: Options,
+    header: Option<Header>,
+    /// So many frames were read or passed over.
+    read: u64,
+}
+
+impl Reader<(Particles, About)> for Array<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Array { source, options, header, read } = self;
+        let header = match header {
+            Some(header) => header,
+            None => {
+                let read = any_header(source)?;
+                if read.fields.is_empty() {
+                    read.of_rows(true).with_context(|| source.name.to_string())?;
+                }
+                header.insert(read)
+            }
+        };
+        while *read < header.frames.unwrap_or(1) {
+            let k = *read;
+            let step = match header.frames {
+                None => Step::Keep,
+                Some(_) => choice.begin(|| format!("{}: frame {k}", source.name))?,
+            };
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            *read += 1;
+            if step == Step::Keep {
+                let frame = frame(source, header, *options);
+                return match header.frames {
+                    None => frame.map(Some),
+                    Some(_) => {
+                        let read = frame.with_context(|| format!("frame {k}"))?;
+                        choice.done(None, None);
+                        Ok(Some(read))
+                    }
+                };
+            }
+            let numbers = header.rows.saturating_mul(header.columns.unwrap_or(1) as u64);
+            let bytes = numbers.saturating_mul(header.kind.width() as u64);
+            ensure!(
+                source.skip(bytes)?,
+                "{} ends in frame {k} of the {} that its header announces; write it again",
+                source.name,
+                header.frames.unwrap_or(1)
+            );
+            choice.done(None, None);
+        }
+        source.end(header)?;
+        Ok(None)
+    }
+}
+
+/// The next rows as particles.
+fn frame(
+    source: &mut Source<'_>,
+    header: &Header,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
+    if !header.fields.is_empty() {
+        let (particles, radius) = records(source, header, options)?;
+        return Ok(loaded("NumPy npy", particles, radius));
+    }
+    ensure!(
+        options.columns.is_none(),
+        "{}: the columns of an array have no names; leave out --columns, and save them in the \
+         order x, y, z, radius",
+        source.name
+    );
+    let (particles, radius) = particles(source, header, options)?;
+    if options.dim.is_none() {
+        // Who gives the dimension knows the columns.
+        let which = match particles.counted() {
+            Some(Counted::First) => "first column counts the particles, and is taken for x",
+            Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
+            None | Some(Counted::Graph) => return Ok(loaded("NumPy npy", particles, radius)),
+        };
+        bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name);
+    }
+    Ok(loaded("NumPy npy", particles, radius))
+}

@@ -1,0 +1,307 @@
+//! The header of an array: its type, order and shape; and the numbers behind it, in pieces.
+
+use std::io::{self, Write};
+
+use anyhow::{Context, bail, ensure};
+
+use super::fields::{self, Field};
+use crate::lines::{Source, short};
+use crate::scalars::Kind;
+
+/// The first bytes of every npy file.
+pub const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// Longest header read; NumPy's own default limit is 10,000.
+const LONGEST_HEADER: usize = 1 << 20;
+
+/// A shape as NumPy writes it.
+pub fn shape(sizes: &[u64]) -> String {
+    match sizes {
+        [one] => format!("({one},)"),
+        _ => format!("({})", sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+impl Source<'_> {
+    /// Nothing may follow an array.
+    pub(crate) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
+        let more = self.fill(&mut [0])?;
+        ensure!(
+            !more,
+            "{} goes on after the {} numbers that its header announces; write it again",
+            self.name,
+            header.shape_in_words()
+        );
+        Ok(())
+    }
+}
+
+/// What the header of an array says.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub kind: Kind,
+    pub descr: String,
+    pub big: bool,
+    pub fortran: bool,
+    /// None for an array of one or two dimensions.
+    pub frames: Option<u64>,
+    pub rows: u64,
+    /// None for an array of one dimension.
+    pub columns: Option<usize>,
+    pub shape: String,
+    /// The same as numbers.
+    pub sizes: Vec<u64>,
+    /// Of an array of records.
+    pub fields: Vec<Field>,
+}
+
+impl Header {
+    /// How many numbers there are.
+    pub fn count(&self) -> u64 {
+        self.sizes.iter().fold(1, |count, &size| count.saturating_mul(size))
+    }
+
+    /// The shape and the type, for messages.
+    pub fn words(&self) -> String {
+        let order = if self.fortran && self.sizes.len() > 1 { " in Fortran order" } else { "" };
+        format!("an array of shape {} and type {}{order}", shape(&self.sizes), self.descr)
+    }
+
+    /// Refuses what is no array of one or two dimensions; where `frames` are known, also three.
+    pub(super) fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
+        let shape = &self.shape;
+        ensure!(
+            self.fields.is_empty(),
+            "the array has fields; save numpy.column_stack([a['i'], a['j']]), with their names"
+        );
+        match self.sizes[..] {
+            [_] | [_, _] => Ok(()),
+            // Of frames without particles there may be more than anybody can count.
+            [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
+                ensure!(
+                    !self.fortran,
+                    "the shape is ({shape}), in Fortran order; write frames in C order, with \
+                     numpy.ascontiguousarray"
+                );
+                Ok(())
+            }
+            _ => bail!(
+                "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
+                 particles (x, y, z, and the radius last), (N, 2) for pairs"
+            ),
+        }
+    }
+
+    /// Are these the numbers of particles, in a type that is read?
+    pub fn is_real(&self) -> bool {
+        matches!(self.kind, Kind::F64 | Kind::F32)
+    }
+
+    fn shape_in_words(&self) -> String {
+        self.columns
+            .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
+    }
+
+    /// The next `count` numbers in file order, with their places.
+    pub fn values(
+        &self,
+        source: &mut Source<'_>,
+        count: u64,
+        mut then: impl FnMut(u64, f64) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        self.pieces(source, count, 1, |first, numbers| {
+            (first..).zip(numbers).try_for_each(|(at, &number)| then(at, number))
+        })
+    }
+
+    /// The next `count` rows of so many columns, some at a time, with the place of the first: so a
+    /// false shape cannot ask for more memory than the file has bytes.
+    pub(super) fn pieces(
+        &self,
+        source: &mut Source<'_>,
+        count: u64,
+        columns: usize,
+        mut then: impl FnMut(u64, &[f64]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let row = columns * self.kind.width();
+        let most = ((1 << 16) / row).max(1) as u64;
+        let (mut piece, mut numbers) = (vec![0; most as usize * row], Vec::new());
+        let mut first = 0;
+        while first < count {
+            let rows = (count - first).min(most);
+            let bytes = &mut piece[..rows as usize * row];
+            if !source.fill(bytes)? {
+                bail!(
+                    "{} ends before the {} numbers that its header announces; write it again",
+                    source.name,
+                    self.shape_in_words()
+                );
+            }
+            numbers.clear();
+            match (self.kind, self.big) {
+                (Kind::F64, false) => {
+                    let words = bytes.as_chunks().0;
+                    numbers.extend(words.iter().map(|word| f64::from_le_bytes(*word)));
+                }
+                (kind, big) => {
+                    let words = bytes.chunks_exact(kind.width());
+                    numbers.extend(words.map(|word| kind.get(word, big)));
+                }
+            }
+            then(first, &numbers)?;
+            first += rows;
+        }
+        Ok(())
+    }
+}
+
+/// The header of an array of one or two dimensions.
+pub fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
+    let header = any_header(source)?;
+    header.of_rows(false).with_context(|| source.name.to_string())?;
+    Ok(header)
+}
+
+/// The header of an array of any shape.
+pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
+    let name = source.name;
+    let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
+        Ok(true) => Ok(()),
+        Ok(false) => bail!("{name}: the npy header is cut off; write the file again"),
+        Err(error) => Err(error),
+    };
+    let mut start = [0; 8];
+    need(&mut start)?;
+    ensure!(
+        start.starts_with(MAGIC),
+        "{name} is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"
+    );
+    let length = match start[6] {
+        1 => {
+            let mut length = [0; 2];
+            need(&mut length)?;
+            usize::from(u16::from_le_bytes(length))
+        }
+        2 | 3 => {
+            let mut length = [0; 4];
+            need(&mut length)?;
+            u32::from_le_bytes(length) as usize
+        }
+        version => bail!(
+            "{name} is npy version {version}; versions 1 to 3 are read: write it with numpy.save"
+        ),
+    };
+    ensure!(
+        length <= LONGEST_HEADER,
+        "{name}: the npy header has {length} bytes; at most {LONGEST_HEADER} are read"
+    );
+    let mut text = vec![0; length];
+    need(&mut text)?;
+    let text = String::from_utf8_lossy(&text).to_string();
+    parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
+}
+
+/// The header of an array of two dimensions in C order, version 1.
+pub(crate) fn write_header(
+    out: &mut dyn Write,
+    kind: &str,
+    rows: usize,
+    columns: usize,
+) -> io::Result<()> {
+    let header =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    // NumPy aligns the data to 64 bytes: magic, version, length and header, which blanks fill up
+    // and a newline ends.
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    out.write_all(&(length as u16).to_le_bytes())?;
+    writeln!(out, "{header:width$}", width = length - 1)
+}
+
+/// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
+/// 'shape': (10, 3), }`.
+fn parse(text: &str) -> anyhow::Result<Header> {
+    // Fields may have any names, and stand before the other keys.
+    let value = |key: &str| -> anyhow::Result<&str> {
+        let find = |quoted: &String| match key {
+            "descr" => text.find(quoted.as_str()).map(|at| at + quoted.len()),
+            _ => text.rfind(quoted.as_str()).map(|at| at + quoted.len()),
+        };
+        let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(find);
+        let rest = text[at.with_context(|| format!("it has no '{key}'"))?..].trim_start();
+        Ok(rest.strip_prefix(':').with_context(|| format!("'{key}' has no value"))?.trim_start())
+    };
+    let whole = value("descr")?;
+    let (descr, fields) = match whole.starts_with('[') {
+        true => (short(whole), fields::parse(whole)?),
+        false => (short(whole.split(',').next().unwrap_or_default()), Vec::new()),
+    };
+    let inner = descr.trim_matches(['\'', '"']);
+    let (kind, big) = match kind_of(inner) {
+        _ if !fields.is_empty() => (Kind::U8, false),
+        Some(kind) => kind,
+        None => bail!("the type {descr} is not read; {}", remedy(inner)),
+    };
+    let order = value("fortran_order")?;
+    let fortran = order.starts_with("True");
+    ensure!(fortran || order.starts_with("False"), "fortran_order is neither True nor False");
+    let shape = value("shape")?
+        .strip_prefix('(')
+        .and_then(|rest| rest.split_once(')'))
+        .map(|(shape, _)| shape);
+    let shape = short(shape.context("the shape is not of the form (N, 3)")?);
+    let sizes: Option<Vec<u64>> = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|size| !size.is_empty())
+        .map(|size| size.parse().ok())
+        .collect();
+    let sizes = sizes.with_context(|| {
+        format!("the shape is ({shape}); it must be that of rows, as (N, 3), in whole numbers")
+    })?;
+    let narrow = |columns: u64| usize::try_from(columns).unwrap_or(usize::MAX);
+    let (frames, rows, columns) = match sizes[..] {
+        [] => (None, 1, None),
+        [rows] => (None, rows, None),
+        [rows, columns] => (None, rows, Some(narrow(columns))),
+        [frames, rows, columns, ..] => (Some(frames), rows, Some(narrow(columns))),
+    };
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, shape, sizes, fields })
+}
+
+/// The numbers of a type such as `<f8`, and whether they are big-endian.
+pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
+    let kind = match descr.get(1..)? {
+        "f8" => Kind::F64,
+        "f4" => Kind::F32,
+        "u4" => Kind::U32,
+        "i4" => Kind::I32,
+        "u8" => Kind::U64,
+        "i8" => Kind::I64,
+        "u2" => Kind::U16,
+        "i2" => Kind::I16,
+        "u1" | "b1" => Kind::U8,
+        "i1" => Kind::I8,
+        _ => return None,
+    };
+    match descr.as_bytes()[0] {
+        // A byte has no order.
+        b'<' | b'|' => Some((kind, false)),
+        b'>' => Some((kind, true)),
+        _ => None,
+    }
+}
+
+/// What to do about a type that is not read.
+fn remedy(descr: &str) -> &'static str {
+    match descr.trim_start_matches(['<', '>', '|', '=']).as_bytes().first() {
+        Some(b'O') => {
+            "it holds Python objects: save numpy.array(a.tolist(), dtype='f8'), or one array for \
+             each if their lengths differ"
+        }
+        Some(b'c') => "it holds complex numbers: save a.real",
+        Some(b'M' | b'm') => "it holds dates or times",
+        _ => "convert with .astype('f8')",
+    }
+}

@@ -1,0 +1,172 @@
+//! NumPy npy: versions 1 to 3, f64 and f32 of either byte order, C and Fortran order.
+//!
+//! Shape N x 2: x, y. N x 3: x, y, z, or x, y, radius where the options ask for two dimensions. N x
+//! 4: x, y, z, radius. f32 widens without error. Shape (frames, N, 2 to 4), in C order: as many
+//! frames of such rows. Format:
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+
+mod fields;
+mod frames;
+mod header;
+
+use anyhow::{bail, ensure};
+use nalgebra::Point;
+
+use crate::lines::Source;
+use crate::particles::{Centres, Column, Particles};
+use crate::room::room;
+use crate::{Options, RadiusSource};
+pub use fields::records;
+pub use frames::frames;
+pub use header::MAGIC;
+pub(crate) use header::{Header, any_header, header, shape, write_header};
+
+/// The particles of an array of two dimensions.
+pub fn particles(
+    source: &mut Source<'_>,
+    header: &Header,
+    options: Options,
+) -> anyhow::Result<(Particles, RadiusSource)> {
+    let name = source.name;
+    let rows = header.rows;
+    let Some(columns @ 2..=4) = header.columns else {
+        bail!(
+            "{name}: the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
+             radius last{}",
+            header.shape,
+            match header.columns {
+                Some(_) if matches!(rows, 2..=4) => "; save the transpose, a.T",
+                Some(5..) => "; choose columns, as in a[:, [0, 1, 2, 3]]",
+                _ => "",
+            }
+        )
+    };
+    ensure!(
+        header.is_real(),
+        "{name}: the type {} is not read; convert with .astype('f8')",
+        header.descr
+    );
+    ensure!(
+        rows <= u64::from(u32::MAX),
+        "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file",
+        u32::MAX
+    );
+    let (dim, has_radii) = meaning(columns, options);
+    let mut particles = Particles::new(dim, has_radii);
+    let checked = |value: f64, row: u64, column: usize| {
+        let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
+        ensure!(
+            value.is_finite(),
+            "{name}: particle {row} (from 0): {axis} is {value}; it must be finite: mend or \
+             remove the row"
+        );
+        let negative = column == dim && value < 0.0;
+        ensure!(
+            !negative,
+            "{name}: particle {row} (from 0): the radius {value} is negative; mend or remove the \
+             row"
+        );
+        Ok(value)
+    };
+    let radius = if has_radii {
+        RadiusSource::Column(format!("last of {columns} columns"))
+    } else {
+        RadiusSource::Missing
+    };
+    if header.fortran {
+        // The first column brings the particles, the others fill them up.
+        header.values(source, rows, |row, x| {
+            particles.push([checked(x, row, 0)?, 0.0, 0.0], 0.0, 0)
+        })?;
+        for column in 1..columns {
+            header.values(source, rows, |row, value| {
+                let (value, row) = (checked(value, row, column)?, row as usize);
+                match (&mut particles.centres, &mut particles.radii) {
+                    (_, Some(radii)) if column == dim => radii[row] = value,
+                    (Centres::Plane(points), _) => points[row][column] = value,
+                    (Centres::Space(points), _) => points[row][column] = value,
+                }
+                Ok(())
+            })?;
+        }
+        return Ok((particles, radius));
+    }
+    // Of fewer rows than parts all are kept.
+    let part = options.part.filter(|[_, parts]| rows >= *parts);
+    let kept = part.map_or(0..rows, |[k, parts]| rows * k / parts..rows * (k + 1) / parts);
+    particles.first = part.map(|_| kept.start);
+    header.pieces(source, rows, columns, |first, numbers| {
+        let mut sound = true;
+        numbers.iter().for_each(|x| sound &= x.is_finite());
+        let mut rows = numbers.chunks_exact(columns);
+        if !sound || has_radii && !rows.all(|row| row[dim] >= 0.0) {
+            for (k, &value) in numbers.iter().enumerate() {
+                checked(value, first + (k / columns) as u64, k % columns)?;
+            }
+        }
+        let last = first + (numbers.len() / columns) as u64;
+        let row = |row: u64| (row.clamp(first, last) - first) as usize * columns;
+        particles.extend(&numbers[row(kept.start)..row(kept.end)], columns)
+    })?;
+    Ok((particles, radius))
+}
+
+/// Returns the dimension of rows of two to four numbers, and whether the last one is the radius.
+pub fn meaning(columns: usize, options: Options) -> (usize, bool) {
+    match (columns, options.dim) {
+        (2, _) => (2, false),
+        (3, Some(2)) => (2, true),
+        (3, _) => (3, false),
+        _ => (3, true),
+    }
+}
+
+/// All numbers of an array in file order: coordinates of particles, or their sizes.
+pub fn list(
+    source: &mut Source<'_>,
+    header: &Header,
+    label: &str,
+    column: Column,
+) -> anyhow::Result<Vec<f64>> {
+    let mut list = Vec::new();
+    let name = source.name;
+    header.values(source, header.count(), |row, value| {
+        let value = match column {
+            Column::Axis(_) if value.is_finite() => Ok(value),
+            Column::Axis(_) => Err("is not a finite number"),
+            _ => column.size(value),
+        };
+        let value = value.map_err(|why| {
+            anyhow::anyhow!(
+                "{name}: particle {row} (from 0): a number of '{label}' {why}; mend or remove it"
+            )
+        })?;
+        room(&mut list)?;
+        list.push(value);
+        Ok(())
+    })?;
+    Ok(list)
+}
+
+/// Particles of coordinates that came one axis after the other.
+pub fn zip(
+    axes: [Option<Vec<f64>>; 3],
+    radii: Option<Vec<f64>>,
+    name: &str,
+) -> anyhow::Result<Particles> {
+    let [Some(x), Some(y), z] = axes else {
+        bail!("{name}: arrays x and y of the same length are needed")
+    };
+    let lengths = [Some(y.len()), z.as_ref().map(Vec::len), radii.as_ref().map(Vec::len)];
+    ensure!(
+        lengths.into_iter().flatten().all(|n| n == x.len()),
+        "{name}: the arrays x, y, z and r are not of the same length"
+    );
+    let centres = match z {
+        None => Centres::Plane(x.into_iter().zip(y).map(|(x, y)| Point::from([x, y])).collect()),
+        Some(z) => Centres::Space(
+            x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect(),
+        ),
+    };
+    Ok(Particles::of(centres, radii))
+}

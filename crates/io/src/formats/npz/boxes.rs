@@ -1,0 +1,150 @@
+//! The box in an archive of arrays: `box`, `cell`, `lattice` or `L`, with `pbc` or `periodic`.
+
+use anyhow::{bail, ensure};
+
+use crate::boxes::Declared;
+use crate::formats::npy::{self, Header};
+use crate::lines::{Source, short};
+use crate::particles::Column;
+use crate::{Notice, Options};
+
+/// Names of arrays that hold a box, in lower case.
+const BOXES: [&str; 9] = [
+    "box",
+    "cell",
+    "lattice",
+    "l",
+    "boxsize",
+    "box_size",
+    "boxlength",
+    "box_length",
+    "box_lengths",
+];
+/// Names of arrays that say along which vectors it repeats.
+const FLAGS: [&str; 3] = ["pbc", "periodic", "periodicity"];
+
+/// What an archive says of its box.
+#[derive(Default)]
+pub(super) struct Cell {
+    vectors: Option<Found>,
+    periodic: Option<[bool; 3]>,
+}
+
+struct Found {
+    values: Vec<f64>,
+    shape: Vec<u64>,
+    label: String,
+}
+
+impl Cell {
+    pub fn is_named(label: &str) -> bool {
+        let label = label.to_ascii_lowercase();
+        BOXES.contains(&&*label) || FLAGS.contains(&&*label)
+    }
+
+    /// Takes an array of such a name.
+    pub fn take(
+        &mut self,
+        source: &mut Source<'_>,
+        header: &Header,
+        label: &str,
+        options: Options,
+    ) -> anyhow::Result<()> {
+        // What the options say counts alone.
+        if options.boundaries.open || options.boundaries.edges.is_some() {
+            return Ok(());
+        }
+        let is_flags = FLAGS.contains(&&*label.to_ascii_lowercase());
+        let place = source.name;
+        let what = || format!("{place}: '{}' is {}", short(label), header.words());
+        ensure!(header.fields.is_empty(), "{}, and no box; give --box LX,LY,LZ or --open", what());
+        let mut values = npy::list(source, header, label, Column::Axis(0))?;
+        let shape = header.sizes.clone();
+        if is_flags {
+            let all: Option<Vec<bool>> = values.iter().map(|&value| flag(value)).collect();
+            self.periodic = Some(match (&shape[..], all.as_deref()) {
+                ([] | [1], Some(&[all])) => [all; 3],
+                ([2], Some(&[x, y])) => [x, y, false],
+                ([3], Some(&[x, y, z])) => [x, y, z],
+                _ => bail!("{}; it must say true or false for each axis: give --periodic", what()),
+            });
+            return Ok(());
+        }
+        ensure!(
+            self.vectors.is_none(),
+            "{place}: there are two arrays for the box, '{}' and '{}'; remove one, or give --box",
+            short(label),
+            self.vectors.as_ref().map_or("", |found| &found.label)
+        );
+        if let (true, &[rows, columns]) = (header.fortran, &shape[..]) {
+            let (rows, columns) = (rows as usize, columns as usize);
+            let at = |k: usize| values.get(k % columns * rows + k / columns).copied();
+            values = (0..values.len()).filter_map(at).collect();
+        }
+        let fits = !header.fortran || shape.len() < 3;
+        ensure!(fits, "{}; write it in C order, with numpy.ascontiguousarray", what());
+        let label = short(label);
+        self.vectors = Some(Found { values, shape, label });
+        Ok(())
+    }
+
+    /// The box of a frame, given as its number and the number of all, and what was assumed.
+    pub fn declared(
+        &self,
+        frame: Option<[u64; 2]>,
+        name: &str,
+        options: Options,
+        notices: &mut Vec<Notice>,
+    ) -> anyhow::Result<Option<Declared>> {
+        let periodic = self.periodic;
+        let Some(Found { values, shape, label }) = &self.vectors else {
+            return Ok(periodic.map(|_| Declared { periodic, ..Declared::default() }));
+        };
+        if options.boundaries.open || options.boundaries.edges.is_some() {
+            return Ok(None);
+        }
+        let (mut values, mut one) = (&values[..], &shape[..]);
+        if let (Some([k, frames]), [first, rest @ ..]) = (frame, &shape[..])
+            && *first == frames
+            && !rest.is_empty()
+            && !matches!(shape[..], [2, 2] | [3, 3])
+        {
+            let length = values.len() / (frames as usize).max(1);
+            (values, one) = (&values[k as usize * length..][..length], rest);
+        }
+        let (vectors, what) = match (one, values) {
+            ([] | [1], &[a]) => (edges([a, a, a]), "edge"),
+            ([2], &[a, b]) => (edges([a, b, 0.0]), "edges"),
+            ([3], &[a, b, c]) => (edges([a, b, c]), "edges"),
+            ([2, 2], &[a, b, c, d]) => {
+                ([[a, b, 0.0], [c, d, 0.0], [0.0; 3]], "vectors, one a row,")
+            }
+            ([3, 3], &[a, b, c, d, e, f, g, h, i]) => {
+                ([[a, b, c], [d, e, f], [g, h, i]], "vectors, one a row,")
+            }
+            _ => bail!(
+                "{name}: '{label}' has the shape {}, and is not known to be a box: edges (3,) or \
+                 vectors (3, 3), in two dimensions (2,) or (2, 2); give --box LX,LY,LZ, or --open",
+                npy::shape(shape)
+            ),
+        };
+        let numbers: Vec<String> = values.iter().map(f64::to_string).collect();
+        notices.push(Notice::Assumed(format!(
+            "the array '{label}' is taken as the {what} of the box: {}",
+            numbers.join(" ")
+        )));
+        Ok(Some(Declared { vectors: Some(vectors), periodic, ..Declared::default() }))
+    }
+}
+
+fn edges([a, b, c]: [f64; 3]) -> [[f64; 3]; 3] {
+    [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]
+}
+
+fn flag(value: f64) -> Option<bool> {
+    match value {
+        0.0 => Some(false),
+        1.0 => Some(true),
+        _ => None,
+    }
+}

@@ -1,0 +1,130 @@
+//! NumPy npz: a zip archive of arrays, as `numpy.savez` and `numpy.savez_compressed` write it, read
+//! from front to back.
+//!
+//! Arrays of one dimension named `x`, `y`, `z` and `r`, `radius`, `radii`, `d`, `diameter` or
+//! `diameters` make the particles; or one array of shape (N, 2) to (N, 4), as in
+//! [`crate::formats::npy`], of frames (frames, N, 2) to (frames, N, 4), or of records with
+//! fields; with or without an array of radii, and with a box ([`boxes`]). Other arrays are skipped.
+
+mod boxes;
+mod scenes;
+
+use std::io::{BufReader, Read};
+
+use anyhow::{Context, bail, ensure};
+use flate2::bufread::DeflateDecoder;
+
+use crate::lines::{Source, short};
+pub use scenes::frames;
+
+/// What stands before each file of an archive.
+struct Local {
+    name: String,
+    method: u16,
+    /// Bytes in the archive; none where they follow the data.
+    size: Option<u64>,
+    wide: bool,
+}
+
+/// Calls `member` with each file of the archive, in order, and its name there.
+pub fn members(
+    source: &mut Source<'_>,
+    mut member: impl FnMut(Source<'_>, &str) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    while let Some(local) = local(source)? {
+        let name = format!("{}: {}", source.name, short(&local.name));
+        match (local.method, local.size) {
+            (0, Some(size)) => {
+                let mut stored = Read::take(&mut *source.input, size);
+                let input = &mut BufReader::new(&mut stored);
+                let of_member = Source { input, name: &name, unpacking: source.unpacking };
+                member(of_member, &local.name)?;
+                std::io::copy(&mut stored, &mut std::io::sink())
+                    .with_context(|| format!("cannot read {name}"))?;
+            }
+            (8, size) => {
+                {
+                    let decoder = DeflateDecoder::new(&mut *source.input);
+                    let unpacked = source.unpacking.unpacked(decoder);
+                    let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
+                    let input = &mut unpacked;
+                    let of_member = Source { input, name: &name, unpacking: source.unpacking };
+                    member(of_member, &local.name)?;
+                    // To its end, so that the next file begins where it should.
+                    std::io::copy(&mut unpacked, &mut std::io::sink())
+                        .with_context(|| format!("cannot read {name}"))?;
+                }
+                if size.is_none() {
+                    descriptor(source, local.wide)?;
+                }
+            }
+            (0, None) => {
+                bail!("{name}: stored without its size; write the archive to a file, not to a pipe")
+            }
+            (method, _) => bail!(
+                "{name}: compressed by method {method}; write it with numpy.savez or \
+                 numpy.savez_compressed"
+            ),
+        }
+    }
+    Ok(())
+}
+
+fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
+    let name = source.name;
+    let torn = || format!("{name}: the zip archive is cut off; write it again");
+    let mut start = [0; 4];
+    // The list of contents begins where the files end.
+    // Every archive has a list of contents: one without is cut off, and arrays may be missing.
+    ensure!(source.fill(&mut start)?, torn());
+    if matches!(&start, b"PK\x01\x02" | b"PK\x05\x06" | b"PK\x06\x06") {
+        return Ok(None);
+    }
+    ensure!(
+        &start == b"PK\x03\x04",
+        "{name}: no file begins where the zip archive should have one; write it again"
+    );
+    let mut fixed = [0; 26];
+    ensure!(source.fill(&mut fixed)?, torn());
+    let short_at = |k: usize| u16::from_le_bytes([fixed[k], fixed[k + 1]]);
+    let long_at = |k: usize| {
+        u64::from(u32::from_le_bytes([fixed[k], fixed[k + 1], fixed[k + 2], fixed[k + 3]]))
+    };
+    let (flags, method, mut size) = (short_at(2), short_at(4), long_at(14));
+    ensure!(flags & 1 == 0, "{name}: the zip archive is encrypted; write it without a password");
+    let mut label = vec![0; usize::from(short_at(22))];
+    let mut extra = vec![0; usize::from(short_at(24))];
+    ensure!(source.fill(&mut label)? && source.fill(&mut extra)?, torn());
+    let mut wide = false;
+    let mut rest = &extra[..];
+    while let Some((&[a, b, c, d], after)) = rest.split_first_chunk() {
+        let (id, length) = (u16::from_le_bytes([a, b]), usize::from(u16::from_le_bytes([c, d])));
+        let Some(field) = after.get(..length) else { break };
+        if id == 1 {
+            wide = true;
+            // The size before compression stands first, then that in the archive.
+            if let (true, Some(&bytes)) =
+                (size == u64::from(u32::MAX), field.get(8..).and_then(|field| field.first_chunk()))
+            {
+                size = u64::from_le_bytes(bytes);
+            }
+        }
+        rest = &after[length..];
+    }
+    let size = (flags & 8 == 0).then_some(size);
+    Ok(Some(Local { name: String::from_utf8_lossy(&label).into_owned(), method, size, wide }))
+}
+
+/// Passes over the sizes that stand behind the data of a streamed archive.
+fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
+    let mut start = [0; 4];
+    let whole = source.fill(&mut start)?;
+    let signed = &start == b"PK\x07\x08";
+    let length = if wide { 20 } else { 12 } - if signed { 0 } else { 4 };
+    ensure!(
+        whole && source.skip(length)?,
+        "{}: the zip archive is cut off; write it again",
+        source.name
+    );
+    Ok(())
+}

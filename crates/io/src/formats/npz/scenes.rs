@@ -1,0 +1,361 @@
+//! The particles of an archive of arrays, in one frame or in several.
+
+use anyhow::{Context, bail, ensure};
+
+use super::boxes::Cell;
+use super::members;
+use crate::arrays::one_of;
+use crate::formats::npy::{self, Header};
+use crate::frames::{Choice, Reader, Step};
+use crate::lines::{Source, short};
+use crate::particles::{Column, Particles, loaded, unused_sizes};
+use crate::room::{room, room_for};
+use crate::scalars::{Ids, Kind, Size};
+use crate::{About, Chosen, Notice, Options, RadiusSource};
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Frames { source, options, scenes: None, next: 0 })
+}
+
+struct Frames<'a> {
+    source: Source<'a>,
+    options: Options,
+    scenes: Option<Scenes>,
+    next: u64,
+}
+
+/// Coordinates of all frames, one row after the other.
+struct Points {
+    values: Vec<f64>,
+    frames: u64,
+    rows: usize,
+    columns: usize,
+    label: String,
+}
+
+/// The arrays that are read.
+#[derive(Default)]
+struct Scenes {
+    axes: [Option<Vec<f64>>; 3],
+    /// One array of points, and where it has radii, from where.
+    whole: Option<(Particles, RadiusSource, String)>,
+    frames: Option<Points>,
+    sizes: Vec<(Size, Vec<u64>)>,
+    around: Cell,
+    ids: Vec<Ids>,
+    /// Names of all arrays, and of those that are not used.
+    names: Vec<String>,
+    others: Vec<String>,
+    /// Sizes that are not used, since the radius is given.
+    unused: Vec<Notice>,
+}
+
+impl Reader<(Particles, About)> for Frames<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Frames { source, options, scenes, next } = self;
+        let name = source.name;
+        let scenes = match scenes {
+            Some(scenes) => scenes,
+            None => {
+                let mut read = Scenes::default();
+                members(source, |member, file| read.member(member, file, *options))?;
+                read.settle(name, *options)?;
+                scenes.insert(read)
+            }
+        };
+        let Some(count) = scenes.frames.as_ref().map(|points| points.frames) else {
+            let first = std::mem::replace(next, 1) == 0;
+            return first.then(|| scenes.one(name, *options)).transpose();
+        };
+        while *next < count {
+            let k = *next;
+            let step = choice.begin(|| format!("{name}: frame {k}"))?;
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            *next += 1;
+            if step == Step::Keep {
+                let frame = scenes.frame(k, name, *options);
+                return frame.with_context(|| format!("frame {k}")).map(Some);
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Scenes {
+    /// Takes one file of the archive.
+    fn member(
+        &mut self,
+        mut source: Source<'_>,
+        file: &str,
+        options: Options,
+    ) -> anyhow::Result<()> {
+        let Some(label) = file.strip_suffix(".npy") else { return Ok(()) };
+        room(&mut self.names)?;
+        self.names.push(label.to_string());
+        let column = Chosen::meaning(options.columns, label);
+        let is_box = matches!(column, Column::Other) && Cell::is_named(label);
+        let header = match npy::any_header(&mut source) {
+            Ok(header) => header,
+            // Texts, objects and the like need not be understood, unless they are to be used.
+            Err(_) if matches!(column, Column::Other | Column::Id) && !is_box => {
+                self.others.push(label.to_string());
+                return Ok(());
+            }
+            Err(error) => return Err(error),
+        };
+        let source = &mut source;
+        match (&header.sizes[..], column) {
+            _ if is_box => return self.around.take(source, &header, label, options),
+            _ if !header.fields.is_empty() => {
+                let read = npy::records(source, &header, options)?;
+                return self.whole(read, label, source.name);
+            }
+            (&[_], _) if options.ids && Ids::is_named(label, column) => {
+                let mut ids = Ids::new(label, column);
+                header.values(source, header.count(), |_, value| ids.push(value))?;
+                self.ids.push(ids);
+            }
+            (_, Column::Radius | Column::Diameter) if is_size(&header, label, options) => {
+                ensure!(
+                    !header.fortran || header.sizes.len() < 2 || header.sizes.contains(&1),
+                    "{}: '{}' is {}; write it in C order, with numpy.ascontiguousarray",
+                    source.name,
+                    short(label),
+                    header.words()
+                );
+                // As they stand: the values may yet be coordinates.
+                let values = npy::list(source, &header, label, Column::Axis(0))?;
+                let (label, of_cells) = (label.to_string(), false);
+                self.sizes.push((Size { values, column, label, of_cells }, header.sizes.clone()));
+            }
+            (&[_, 2..=4], _) if header.is_real() => {
+                let read = npy::particles(source, &header, options)?;
+                return self.whole(read, label, source.name);
+            }
+            (&[frames, rows, 2..=4], _) if header.is_real() && frames.min(rows) > 0 => {
+                return self.take_frames(source, &header, label);
+            }
+            (&[_] | &[_, 1], Column::Axis(k)) => {
+                self.axes[k] = Some(npy::list(source, &header, label, column)?);
+            }
+            (_, Column::Axis(_)) => bail!(
+                "{}: '{}' is {}; x, y and z have one number for each particle, shape (N,); frames \
+                 are one array of shape (frames, N, 3): numpy.stack([x, y, z], axis=-1)",
+                source.name,
+                short(label),
+                header.words()
+            ),
+            _ => self.others.push(label.to_string()),
+        }
+        Ok(())
+    }
+
+    fn whole(
+        &mut self,
+        (particles, radius): (Particles, RadiusSource),
+        label: &str,
+        place: &str,
+    ) -> anyhow::Result<()> {
+        self.alone(label, place)?;
+        self.whole = Some((particles, radius, label.to_string()));
+        Ok(())
+    }
+
+    /// Refuses a second array of points.
+    fn alone(&self, label: &str, place: &str) -> anyhow::Result<()> {
+        let whole = self.whole.as_ref().map(|(.., other)| other);
+        let other = whole.or(self.frames.as_ref().map(|points| &points.label));
+        match other {
+            None => Ok(()),
+            Some(other) => bail!(
+                "{place}: both '{}' and '{}' could hold the particles; keep one array of points",
+                short(other),
+                short(label)
+            ),
+        }
+    }
+
+    fn take_frames(
+        &mut self,
+        source: &mut Source<'_>,
+        header: &Header,
+        label: &str,
+    ) -> anyhow::Result<()> {
+        self.alone(label, source.name)?;
+        ensure!(
+            !header.fortran,
+            "{}: '{}' is {}; write frames in C order, with numpy.ascontiguousarray",
+            source.name,
+            short(label),
+            header.words()
+        );
+        let &[frames, rows, columns] = &header.sizes[..] else { return Ok(()) };
+        let values = npy::list(source, header, label, Column::Axis(0))?;
+        let label = label.to_string();
+        let (rows, columns) = (rows as usize, columns as usize);
+        self.frames = Some(Points { values, frames, rows, columns, label });
+        Ok(())
+    }
+
+    /// What holds for all frames: one array of points, and one of sizes.
+    fn settle(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
+        if let Some(chosen) = options.columns {
+            chosen.among(&self.names, name)?;
+        }
+        let has = |label: &str| self.others.iter().any(|other| other.eq_ignore_ascii_case(label));
+        let sure = options.columns.is_some_and(|chosen| chosen.sizes());
+        if !sure && has("g") && has("b") {
+            let red = |(size, _): &mut (Size, Vec<u64>)| size.label.eq_ignore_ascii_case("r");
+            let red: Vec<_> = self.sizes.extract_if(.., red).collect();
+            self.others.extend(red.into_iter().map(|(size, _)| size.label));
+        }
+        self.places(name, options)?;
+        if let Some(given) = options.radius {
+            let unused = self.sizes.drain(..).map(|(size, _)| unused_sizes(&size.label, given));
+            self.unused.extend(unused);
+        }
+        let whole = self.whole.as_ref().map(|(.., label)| label);
+        let points = whole.or(self.frames.as_ref().map(|points| &points.label));
+        match (points, &self.axes) {
+            (Some(_), [None, None, None]) | (None, [Some(_), Some(_), _]) => Ok(()),
+            (Some(label), _) => bail!(
+                "{name} holds points in '{}' and in x, y, z, too; keep one of them",
+                short(label)
+            ),
+            (None, _) => bail!(
+                "{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4), or \
+                 (frames, N, 2) to (frames, N, 4), in f8 or f4"
+            ),
+        }
+    }
+
+    /// Rows named r are places where nothing else is.
+    fn places(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
+        let others = self.whole.is_some() || self.frames.is_some();
+        if others || self.axes.iter().any(Option::is_some) {
+            return Ok(());
+        }
+        let rows = |(_, shape): &(Size, Vec<u64>)| matches!(shape[..], [_, 2..=4]);
+        if let Some(k) = self.sizes.iter().position(rows) {
+            let (size, shape) = self.sizes.swap_remove(k);
+            let (particles, radius) = of_rows(&size.values, shape[1] as usize, name, options)?;
+            self.whole = Some((particles, radius, size.label));
+        }
+        Ok(())
+    }
+
+    /// The only frame.
+    fn one(&mut self, name: &str, options: Options) -> anyhow::Result<(Particles, About)> {
+        let (particles, radius) = match self.whole.take() {
+            Some((particles, radius, _)) => (particles, radius),
+            None => {
+                let axes = std::mem::take(&mut self.axes);
+                (npy::zip(axes, None, name)?, RadiusSource::Missing)
+            }
+        };
+        self.sized(particles, radius, None, name, options)
+    }
+
+    /// Frame `k` of several.
+    fn frame(&self, k: u64, name: &str, options: Options) -> anyhow::Result<(Particles, About)> {
+        let Some(points) = &self.frames else { bail!("{name} holds no frames") };
+        let length = points.rows * points.columns;
+        let values = &points.values[k as usize * length..][..length];
+        let (particles, radius) = of_rows(values, points.columns, name, options)?;
+        self.sized(particles, radius, Some([k, points.frames]), name, options)
+    }
+
+    /// With the sizes and the box that stand in other arrays.
+    fn sized(
+        &self,
+        mut particles: Particles,
+        mut radius: RadiusSource,
+        frame: Option<[u64; 2]>,
+        name: &str,
+        options: Options,
+    ) -> anyhow::Result<(Particles, About)> {
+        let n = particles.len();
+        particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
+        particles.notices.extend(self.unused.iter().cloned());
+        let mut sizes = Vec::new();
+        for (size, shape) in &self.sizes {
+            let values = of_frame(size, shape, n, frame).with_context(|| name.to_string())?;
+            let (column, label) = (size.column, size.label.clone());
+            sizes.push(Size { values, column, label, of_cells: false });
+        }
+        if let Some(size) = one_of(sizes, name, &mut particles.notices)? {
+            ensure!(
+                !particles.has_radii(),
+                "{name} holds radii in the array of points and in '{}', too; keep one of them",
+                short(&size.label)
+            );
+            (radius, particles.radii) = size.radii();
+        }
+        particles.unused.extend(self.others.iter().take(256).cloned());
+        let declared = self.around.declared(frame, name, options, &mut particles.notices)?;
+        let (particles, about) = loaded("NumPy npz", particles, radius);
+        Ok((particles, About { declared, ..about }))
+    }
+}
+
+/// The particles of rows of coordinates, and of radii behind them.
+fn of_rows(
+    values: &[f64],
+    columns: usize,
+    name: &str,
+    options: Options,
+) -> anyhow::Result<(Particles, RadiusSource)> {
+    let (dim, has_radii) = npy::meaning(columns, options);
+    let mut particles = Particles::new(dim, has_radii);
+    particles.extend(values, columns)?;
+    let bad = particles.radii.iter().flatten().position(|r| *r < 0.0);
+    ensure!(bad.is_none(), "{name}: the radius of particle {} is negative", bad.unwrap_or(0));
+    let radius = match has_radii {
+        true => RadiusSource::Column(format!("last of {columns} columns")),
+        false => RadiusSource::Missing,
+    };
+    Ok((particles, radius))
+}
+
+/// Bytes named r are red, unless they are chosen.
+fn is_size(header: &Header, label: &str, options: Options) -> bool {
+    let chosen = options.columns.is_some_and(|chosen| chosen.sizes());
+    chosen || header.kind != Kind::U8 || !label.eq_ignore_ascii_case("r")
+}
+
+/// The radii of one frame: one for all, one for each particle, or one for each in each frame.
+fn of_frame(
+    size: &Size,
+    shape: &[u64],
+    n: usize,
+    frame: Option<[u64; 2]>,
+) -> anyhow::Result<Vec<f64>> {
+    let (values, one) = (&size.values, shape.iter().all(|&length| length == 1));
+    let mut radii = Vec::new();
+    room_for(&mut radii, n)?;
+    match (shape, frame) {
+        (&[length] | &[length, 1], _) if length == n as u64 => radii.extend(values),
+        (&[frames, length], Some([k, of])) if (frames, length) == (of, n as u64) => {
+            radii.extend(&values[k as usize * n..][..n]);
+        }
+        _ if one && values.len() == 1 => radii.resize(n, values[0]),
+        _ => bail!(
+            "{n} points, but '{}' has the shape {}; write one number for all, or one for each \
+             particle, shape ({n},)",
+            short(&size.label),
+            npy::shape(shape)
+        ),
+    }
+    for (k, radius) in radii.iter_mut().enumerate() {
+        let of = size.column.size(*radius);
+        *radius = of.map_err(|why| {
+            anyhow::anyhow!("particle {k} (from 0): '{}': {radius} {why}", short(&size.label))
+        })?;
+    }
+    Ok(radii)
+}

@@ -1,0 +1,340 @@
+//! VTK legacy: `POINTS` of a POLYDATA, UNSTRUCTURED_GRID or STRUCTURED_GRID data set, text or
+//! binary (big-endian).
+//!
+//! The size is a SCALARS or FIELD array of the points named `radius`, `r`, `diameter` or `d`, or of
+//! the cells if each is one point. Points that polygons or larger cells join are refused. Format:
+//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::arrays::{Arrays, Cells, Of};
+use crate::lines::{Lines, Source, short, shown, texts};
+use crate::particles::Particles;
+use crate::scalars::{Kind, Target};
+use crate::{About, Options};
+
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut file = Vtk {
+        lines: Lines::new(source),
+        options,
+        arrays: Arrays::default(),
+        binary: false,
+        points: 0,
+        of: Of::Nothing,
+        tuples: 0,
+    };
+    file.lines.advance()?;
+    // A title, whatever it says.
+    file.lines.advance()?;
+    ensure!(
+        file.lines.advance()?,
+        "{} is cut off in its header; write it again",
+        file.lines.source.name
+    );
+    file.binary = match file.lines.line() {
+        b"ASCII" => false,
+        b"BINARY" => true,
+        _ => bail!(
+            "{}: '{}' is neither ASCII nor BINARY",
+            file.lines.place(),
+            short(&file.lines.text())
+        ),
+    };
+    while file.lines.advance_over_blanks()? {
+        let words = texts(file.lines.line());
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let Some((first, rest)) = words.split_first() else { continue };
+        if !file.section(&first.to_ascii_uppercase(), rest)? {
+            break;
+        }
+    }
+    let format = if file.binary { "VTK legacy, binary" } else { "VTK legacy, text" };
+    file.arrays.particles(format, file.lines.source.name, options)
+}
+
+struct Vtk<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    arrays: Arrays,
+    binary: bool,
+    points: u64,
+    /// What the arrays that follow have tuples for, and how many.
+    of: Of,
+    tuples: u64,
+}
+
+impl Vtk<'_> {
+    /// One part of the file, which begins with the words of this line. False if no more is needed.
+    fn section(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<bool> {
+        match (first, rest) {
+            ("DATASET", [kind, ..]) => ensure!(
+                matches!(
+                    kind.to_ascii_uppercase().as_str(),
+                    "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID"
+                ),
+                "{}: a data set of kind {} has no points of its own; write POLYDATA",
+                self.lines.place(),
+                short(kind)
+            ),
+            ("POINTS", [n, kind, ..]) => {
+                let n = self.count(n, "the number of points")?;
+                let kind = self.kind(kind)?;
+                (self.points, self.tuples) = (n, n);
+                let points = self.array(Target::points(), kind, 3 * n, "POINTS")?;
+                self.arrays.keep(points, self.lines.source.name)?;
+            }
+            ("POINT_DATA", [n, ..]) => {
+                (self.of, self.tuples) = (Of::Points, self.points);
+                self.same_number(n)?;
+            }
+            ("CELL_DATA", [n, ..]) => {
+                // Behind the sizes of points nothing of it is needed.
+                if self.of == Of::Points && !self.arrays.wants_cells(self.options) {
+                    return Ok(false);
+                }
+                (self.of, self.tuples) = (Of::Cells, self.count(n, "the number of cells")?);
+            }
+            ("METADATA", _) => while self.lines.advance()? && !self.lines.line().is_empty() {},
+            ("OFFSETS" | "CONNECTIVITY", [kind, ..]) => {
+                bail!("{}: {first} {} without CELLS before it", self.lines.place(), short(kind))
+            }
+            ("DIMENSIONS", sizes) => self.grid(sizes),
+            ("CELL_TYPES", [n, ..]) => {
+                let n = self.count(n, "the number of cells")?;
+                let types = Target::Types(Cells::default());
+                let types = self.array(types, Kind::I32, n, "CELL_TYPES")?;
+                self.arrays.keep(types, self.lines.source.name)?;
+            }
+            ("CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS", [n, size]) => {
+                self.cells(n, size, first)?
+            }
+            _ => self.attributes(first, rest)?,
+        }
+        Ok(true)
+    }
+
+    /// The numbers that points or cells have.
+    fn attributes(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<()> {
+        match (first, rest) {
+            ("GLOBAL_IDS", [name, kind]) => {
+                let kind = self.kind(kind)?;
+                let target = self.arrays.target(self.of, "GlobalIds", kind, 1, self.options)?;
+                let ids = self.array(target, kind, self.tuples, name)?;
+                self.arrays.keep(ids, self.lines.source.name)?;
+            }
+            ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
+            ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
+            ("VECTORS" | "NORMALS", [name, kind, ..]) => self.skip(kind, 3, name)?,
+            ("TENSORS", [name, kind, ..]) => self.skip(kind, 9, name)?,
+            ("TEXTURE_COORDINATES", [name, k, kind, ..]) => {
+                self.skip(kind, k.parse().unwrap_or(0), name)?;
+            }
+            ("COLOR_SCALARS", [name, k]) => self.skip(
+                if self.binary { "uchar" } else { "float" },
+                k.parse().unwrap_or(0),
+                name,
+            )?,
+            ("FIELD", [_, count, ..]) => {
+                for _ in 0..self.count(count, "a number of arrays")? {
+                    self.field()?;
+                }
+            }
+            ("LOOKUP_TABLE", [_, n]) => {
+                let n = self.count(n, "the size of a table")?;
+                let kind = if self.binary { Kind::U8 } else { Kind::F64 };
+                self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
+            }
+            _ => bail!(
+                "{}: '{}' is no part of a VTK file that is known here; is an array before it too \
+                 long or too short?",
+                self.lines.place(),
+                short(&self.lines.text())
+            ),
+        }
+        Ok(())
+    }
+
+    fn scalars(&mut self, name: &str, kind: &str, components: Option<&&str>) -> anyhow::Result<()> {
+        let components = components
+            .map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)))
+            .with_context(|| format!("{}: SCALARS have 1 to 4 components", self.lines.place()))?;
+        let (kind, place) = (self.kind(kind)?, self.lines.place());
+        let target = self.arrays.target(self.of, name, kind, components, self.options);
+        let target = target.with_context(|| place)?;
+        // The line LOOKUP_TABLE is part of it.
+        ensure!(
+            self.lines.advance()?
+                && self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE"),
+            "{}: a line LOOKUP_TABLE is expected behind SCALARS",
+            self.lines.place()
+        );
+        let sizes = self.array(target, kind, components.saturating_mul(self.tuples), name)?;
+        self.arrays.keep(sizes, self.lines.source.name)
+    }
+
+    /// A grid of more than one row has cells between its points.
+    fn grid(&mut self, sizes: &[&str]) {
+        let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
+        match sizes.iter().filter(long).count() {
+            0 | 1 => {}
+            2 => self.arrays.cells.faces += 1,
+            _ => self.arrays.cells.bodies += 1,
+        }
+    }
+
+    fn count(&self, text: &str, what: &str) -> anyhow::Result<u64> {
+        self.lines.count(text.as_bytes(), what)
+    }
+
+    fn kind(&self, name: &str) -> anyhow::Result<Kind> {
+        Kind::named(name).with_context(|| {
+            format!(
+                "{}: numbers of type '{}' are not read; write float or double",
+                self.lines.place(),
+                short(name)
+            )
+        })
+    }
+
+    fn same_number(&self, n: &str) -> anyhow::Result<()> {
+        let n = self.lines.count(n.as_bytes(), "the number of points")?;
+        ensure!(
+            n == self.points,
+            "{}: data of {n} points, but there are {} POINTS; write it again",
+            self.lines.place(),
+            self.points
+        );
+        Ok(())
+    }
+
+    /// The numbers of an array, which begin on the next line.
+    fn array(
+        &mut self,
+        mut target: Target,
+        kind: Kind,
+        count: u64,
+        what: &str,
+    ) -> anyhow::Result<Target> {
+        let what = short(what);
+        if self.binary {
+            let place = self.lines.place();
+            let whole = target
+                .take(&mut self.lines.source, kind, true, count)
+                .with_context(|| format!("{place}: {what}"))?;
+            ensure!(
+                whole,
+                "{} ends before the {count} numbers of {what} that it announces; write it again",
+                self.lines.source.name
+            );
+            return Ok(target);
+        }
+        self.lines.end_line();
+        for _ in 0..count {
+            let value = self.lines.number(&what)?;
+            if let Err(error) = target.push(value) {
+                return Err(error.context(format!("{}: {what}", self.lines.place_of_word())));
+            }
+        }
+        let rest = shown(self.lines.rest());
+        ensure!(
+            rest.is_empty(),
+            "{}: '{rest}' stands behind the {count} numbers of {what}",
+            self.lines.place()
+        );
+        Ok(target)
+    }
+
+    fn skip(&mut self, kind: &str, components: u64, what: &str) -> anyhow::Result<()> {
+        let kind = self.kind(kind)?;
+        self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what).map(drop)
+    }
+
+    /// One array of a FIELD: `name components tuples type`.
+    fn field(&mut self) -> anyhow::Result<()> {
+        let name = self.lines.source.name;
+        loop {
+            ensure!(
+                self.lines.advance_over_blanks()?,
+                "{name} is cut off in a FIELD; write it again"
+            );
+            // What describes the array before may stand between two.
+            if !self.lines.line().starts_with(b"METADATA") {
+                break;
+            }
+            while self.lines.advance()? && !self.lines.line().is_empty() {}
+        }
+        let place = self.lines.place();
+        let words = texts(self.lines.line());
+        let [label, components, tuples, kind] = &words[..] else {
+            bail!(
+                "{place}: '{}' is not of the form 'name components tuples type'",
+                short(&self.lines.text())
+            )
+        };
+        let components = self.lines.count(components.as_bytes(), "a number of components")?;
+        let tuples = self.lines.count(tuples.as_bytes(), "a number of tuples")?;
+        ensure!(
+            kind != "string",
+            "{place}: texts in a FIELD are not read; remove the array '{}'",
+            short(label)
+        );
+        let kind = self.kind(kind)?;
+        let of = if tuples == self.tuples { self.of } else { Of::Nothing };
+        let target = self.arrays.target(of, label, kind, components, self.options);
+        let target = target.with_context(|| place)?;
+        let target = self.array(target, kind, components.saturating_mul(tuples), label)?;
+        self.arrays.keep(target, name)
+    }
+
+    /// Cells: before version 5 `size` numbers, since then offsets and connectivity.
+    fn cells(&mut self, n: &str, size: &str, what: &str) -> anyhow::Result<()> {
+        let n = self.count(n, "the number of cells")?;
+        let size = self.count(size, "a number of indices")?;
+        let old = self.old_cells()?;
+        let cells = if old { n } else { n.saturating_sub(1) };
+        let joining = match what {
+            "LINES" => &mut self.arrays.cells.lines,
+            "POLYGONS" | "TRIANGLE_STRIPS" => &mut self.arrays.cells.faces,
+            _ => &mut 0,
+        };
+        *joining = joining.saturating_add(cells);
+        let points = matches!(what, "VERTICES" | "CELLS");
+        let target = if points { Target::indices(old) } else { Target::Nothing };
+        let name = self.lines.source.name;
+        if old {
+            let indices = self.array(target, Kind::I32, size, what)?;
+            return self.arrays.keep(indices, name);
+        }
+        let mut target = Some(target);
+        for (label, count) in [("OFFSETS", n), ("CONNECTIVITY", size)] {
+            ensure!(
+                self.lines.advance_over_blanks()?,
+                "{} is cut off in {what}; write it again",
+                self.lines.source.name
+            );
+            let words = texts(self.lines.line());
+            let [found, kind] = &words[..] else {
+                bail!("{}: a line '{label} type' is expected", self.lines.place())
+            };
+            ensure!(found == label, "{}: a line '{label} type' is expected", self.lines.place());
+            let kind = self.kind(kind)?;
+            let to = if label == "OFFSETS" { None } else { target.take() };
+            let read = self.array(to.unwrap_or(Target::Nothing), kind, count, label)?;
+            self.arrays.keep(read, name)?;
+        }
+        Ok(())
+    }
+
+    /// Do the indices follow at once? Nobody but the next bytes can tell. Blank lines may stand
+    /// before them in text; in a binary file the next byte is of a number, or the O of OFFSETS.
+    fn old_cells(&mut self) -> anyhow::Result<bool> {
+        loop {
+            let Source { input, name, .. } = &mut self.lines.source;
+            let next = input.fill_buf().with_context(|| format!("cannot read {name}"))?;
+            match next.first() {
+                Some(b'\n' | b'\r' | b' ' | b'\t') if !self.binary => input.consume(1),
+                first => return Ok(first != Some(&b'O')),
+            }
+        }
+    }
+}

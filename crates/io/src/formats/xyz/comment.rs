@@ -1,0 +1,286 @@
+//! The comment line of extended XYZ: pairs `key=value`, as the specification allows and ASE reads
+//! them.
+//!
+//! * Blanks and tabs may stand around `=`; a key may be quoted; a bare word is no pair.
+//! * A value is a bare word, a text in double or single quotes, `{...}`, or an array `[a, b]` or
+//!   `[[a, b], [c, d]]`. A backslash escapes the next character. Commas and blanks both separate
+//!   numbers.
+//! * Capitals make no difference in keys.
+//!
+//! Specification: <https://github.com/libAtoms/extxyz>.
+
+use anyhow::bail;
+
+use crate::lines::short;
+
+/// Keys that decide which contacts are found; names for which each may be meant.
+const DECIDE: [(&str, &[&str]); 3] = [
+    ("Lattice", &["cell", "unit-cell", "box", "box-size", "lattice-vectors", "cell-vectors"]),
+    ("pbc", &["pcb", "bpc", "periodic", "periodicity", "boundary", "boundaries"]),
+    ("Properties", &["property", "columns"]),
+];
+
+/// One pair of the line.
+#[derive(Debug)]
+pub(super) struct Pair {
+    key: String,
+    /// The place of the key in the line, counted from 1.
+    pub column: usize,
+    /// The value without its quotes; of an array, as it is written.
+    pub text: String,
+    /// The value's words or numbers.
+    pub cells: Vec<String>,
+}
+
+/// All pairs of the line; none where it is the comment of a plain file.
+#[derive(Debug, Default)]
+pub(super) struct Comment(Vec<Pair>);
+
+impl Comment {
+    /// Reads the line. A line that is not made of pairs is a comment, unless a key that decides
+    /// contacts stands in it.
+    pub fn read(line: &str) -> anyhow::Result<Comment> {
+        match pairs(line) {
+            Ok(pairs) => {
+                let comment = Comment(pairs).once()?;
+                let is_lost = |key: &str| mentions(line, key) && comment.get(key).is_none();
+                let lost = DECIDE.iter().find(|(key, _)| is_lost(key));
+                if let Some((key, _)) = lost {
+                    bail!("{key} stands within the value of another key: mend the quotes");
+                }
+                Ok(comment)
+            }
+            Err((at, why)) => {
+                let key = DECIDE.iter().find(|(key, _)| mentions(line, key));
+                match key {
+                    Some((key, _)) => bail!("column {}: {why}, so {key} is not read", at + 1),
+                    None => Ok(Comment::default()),
+                }
+            }
+        }
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&Pair> {
+        self.0.iter().find(|pair| pair.key.eq_ignore_ascii_case(key))
+    }
+
+    /// Refuses a key that is likely `wanted` under another name, where `wanted` is not there.
+    pub fn no_other(&self, wanted: &str, remedy: &str) -> anyhow::Result<()> {
+        let others = DECIDE.iter().find(|(key, _)| *key == wanted).map_or(&[][..], |it| it.1);
+        let plain = wanted.to_lowercase();
+        let near = |key: &str| {
+            let key = key.to_lowercase().replace('_', "-");
+            others.contains(&&*key)
+                || plain.len() > 3 && strsim::osa_distance(&key, &plain) <= 2
+                || wanted == "pbc" && key.starts_with("pbc")
+        };
+        if self.get(wanted).is_none()
+            && let Some(pair) = self.0.iter().find(|pair| near(&pair.key))
+        {
+            bail!(
+                "column {}: the key '{}' is not read, and may be meant for {wanted}; name it \
+                 {wanted}{remedy}",
+                pair.column,
+                short(&pair.key)
+            );
+        }
+        Ok(())
+    }
+
+    /// Refuses keys that decide contacts and stand there twice.
+    fn once(self) -> anyhow::Result<Comment> {
+        for (key, _) in DECIDE {
+            let mut same = self.0.iter().filter(|pair| pair.key.eq_ignore_ascii_case(key));
+            if let (Some(_), Some(second)) = (same.next(), same.next()) {
+                bail!("column {}: {key} stands there twice; remove one", second.column);
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// Whether the key stands before a sign `=` somewhere in the line.
+fn mentions(line: &str, key: &str) -> bool {
+    let (line, key) = (line.to_ascii_lowercase(), key.to_ascii_lowercase());
+    let begins =
+        |at: usize| !line[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || "_-".contains(c));
+    line.match_indices(&key).filter(|&(at, _)| begins(at)).any(|(at, _)| {
+        let rest = line[at + key.len()..].trim_start_matches(['"', '\'', ' ', '\t']);
+        rest.starts_with('=')
+    })
+}
+
+/// The byte where the line cannot be read, counted from 0, and why.
+type Fault = (usize, &'static str);
+
+fn pairs(line: &str) -> Result<Vec<Pair>, Fault> {
+    let mut scan = Scan { line, at: 0 };
+    let mut pairs = Vec::new();
+    loop {
+        scan.blanks();
+        let start = scan.at;
+        let Some(first) = scan.peek() else { return Ok(pairs) };
+        let key = match first {
+            '"' | '\'' => scan.quoted(first)?,
+            '=' => return Err((start, "no key stands before '='")),
+            _ => scan.bare(|c| c == '=' || c.is_whitespace()),
+        };
+        let after = scan.at;
+        scan.blanks();
+        if scan.peek() != Some('=') {
+            scan.at = after;
+            continue;
+        }
+        scan.at += 1;
+        scan.blanks();
+        let (text, cells) = scan.value()?;
+        pairs.push(Pair { key, column: start + 1, text, cells });
+    }
+}
+
+/// A place in the line.
+struct Scan<'a> {
+    line: &'a str,
+    at: usize,
+}
+
+impl Scan<'_> {
+    fn peek(&self) -> Option<char> {
+        self.line[self.at..].chars().next()
+    }
+
+    fn next(&mut self) -> Option<char> {
+        let next = self.peek();
+        self.at += next.map_or(0, char::len_utf8);
+        next
+    }
+
+    fn blanks(&mut self) {
+        while self.peek().is_some_and(char::is_whitespace) {
+            self.next();
+        }
+    }
+
+    /// The text up to a character that ends it.
+    fn bare(&mut self, ends: impl Fn(char) -> bool) -> String {
+        let mut text = String::new();
+        while let Some(c) = self.peek().filter(|&c| !ends(c)) {
+            self.next();
+            text.extend(if c == '\\' { self.next() } else { Some(c) });
+        }
+        text
+    }
+
+    /// The text between the sign that stands here and `end`.
+    fn quoted(&mut self, end: char) -> Result<String, Fault> {
+        let start = self.at;
+        let mut text = String::new();
+        self.next();
+        while let Some(c) = self.next() {
+            match c {
+                '\\' => text.extend(self.next().map(|c| if c == 'n' { '\n' } else { c })),
+                _ if c == end => return Ok(text),
+                _ => text.push(c),
+            }
+        }
+        Err((start, "the quote or brace that begins here has no end"))
+    }
+
+    /// The value that begins here, and its words.
+    fn value(&mut self) -> Result<(String, Vec<String>), Fault> {
+        let start = self.at;
+        let words = |text: &str| {
+            let words = text.split(|c: char| c == ',' || c.is_whitespace());
+            words.filter(|word| !word.is_empty()).map(String::from).collect()
+        };
+        let text = match self.peek() {
+            None | Some('=') => return Err((start, "no value stands behind '='")),
+            Some('[') => {
+                let mut cells = Vec::new();
+                self.array(&mut cells, true)?;
+                return Ok((self.line[start..self.at].into(), cells));
+            }
+            Some('{') => self.quoted('}')?,
+            Some(quote @ ('"' | '\'')) => self.quoted(quote)?,
+            Some(_) => self.bare(char::is_whitespace),
+        };
+        let cells = words(&text);
+        Ok((text, cells))
+    }
+
+    /// Adds the cells of an array, whose rows may be arrays; gives their number.
+    fn array(&mut self, cells: &mut Vec<String>, rows: bool) -> Result<usize, Fault> {
+        let (start, mut count, mut length) = (self.at, 0, None);
+        self.next();
+        loop {
+            self.blanks();
+            let at = self.at;
+            match self.peek() {
+                None => return Err((start, "the bracket that begins here has no end")),
+                Some(']') => {
+                    self.next();
+                    return Ok(count);
+                }
+                Some(',') => {
+                    self.next();
+                    continue;
+                }
+                Some('[') if rows => {
+                    let row = self.array(cells, false)?;
+                    if *length.get_or_insert(row) != row {
+                        return Err((at, "the rows of the array are not equally long"));
+                    }
+                }
+                Some('[') => return Err((at, "arrays have two levels at most")),
+                Some(quote @ ('"' | '\'')) => cells.push(self.quoted(quote)?),
+                Some(_) => {
+                    let ends = |c: char| c.is_whitespace() || [',', '[', ']'].contains(&c);
+                    cells.push(self.bare(ends));
+                }
+            }
+            count += 1;
+        }
+    }
+}
+
+impl Pair {
+    /// Three truth values, `T T F`, `[true, true, false]` or `1,1,0`; or one for all; or two, where
+    /// there are two axes.
+    pub fn flags(&self, dim: usize) -> anyhow::Result<[bool; 3]> {
+        let flag = |cell: &String| match cell.to_ascii_lowercase().as_str() {
+            "t" | "true" | "1" => Some(true),
+            "f" | "false" | "0" => Some(false),
+            _ => None,
+        };
+        let flags: Option<Vec<bool>> = self.cells.iter().map(flag).collect();
+        match flags.as_deref() {
+            Some(&[x, y, z]) => Ok([x, y, z]),
+            Some(&[x, y]) if dim == 2 => Ok([x, y, false]),
+            Some(&[all]) => Ok([all; 3]),
+            _ => self.wrong(
+                "T or F for each vector, as in pbc=\"T T F\"; mend the line, or give --periodic or \
+                 --open",
+            ),
+        }
+    }
+
+    /// As many finite numbers as `counts` allows.
+    pub fn numbers(&self, counts: &[usize], what: &str) -> anyhow::Result<Vec<f64>> {
+        let number = |cell: &String| crate::lines::number(cell.as_bytes());
+        let numbers: Option<Vec<f64>> = self.cells.iter().map(number).collect();
+        let fits = |numbers: &Vec<f64>| {
+            counts.contains(&numbers.len()) && numbers.iter().all(|x| x.is_finite())
+        };
+        match numbers.filter(fits) {
+            Some(numbers) => Ok(numbers),
+            None => self.wrong(&format!("{what}; mend the line, or give --open")),
+        }
+    }
+
+    fn wrong<T>(&self, what: &str) -> anyhow::Result<T> {
+        let quote = if self.text.starts_with('[') { "" } else { "\"" };
+        let Pair { key, column, text, .. } = self;
+        bail!("column {column}: {}={quote}{}{quote} must be {what}", short(key), short(text))
+    }
+}

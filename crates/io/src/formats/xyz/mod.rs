@@ -1,0 +1,249 @@
+//! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line;
+//! frames follow each other.
+//!
+//! * Extended: the comment holds pairs `key=value` (see [`comment`]), among them
+//!   `Properties=species:S:1:pos:R:3:radius:R:1`: names, types and numbers of columns. `pos` gives
+//!   two or three coordinates; `r`, `radius`, `d` or `diameter` the size; the rest is skipped.
+//! * The box: `Lattice="ax ay az bx by bz cx cy cz"`, of any direction, from the corner `Origin`;
+//!   three numbers are edges along the axes, four the vectors of discs. It repeats along all
+//!   vectors unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
+//! * Its time: `step=100` (or `timestep`), `time=0.5`.
+//! * Plain: `species x y z`. The meaning of further columns is unknown: they may be radii, charges
+//!   or velocities. So a plain file with more columns is refused, unless the options give the
+//!   radius: then the columns are skipped.
+
+mod comment;
+
+use anyhow::{Context, bail, ensure};
+use comment::Comment;
+
+use crate::frames::{Framed, Reader};
+use crate::lines::{Lines, Source, number, short, shown, step_of, words};
+use crate::particles::{Column, Columns, Particles};
+use crate::{About, Boundaries, Declared, Notice, Options};
+
+const MOST_COLUMNS: usize = 10_000;
+
+pub fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Xyz { lines: Lines::new(source), options, count: None })
+}
+
+struct Xyz<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    /// Particles of the frame that has begun; none before the first.
+    count: Option<u64>,
+}
+
+impl Framed for Xyz<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        // The first line counts the particles, blank or not.
+        let more = match self.count {
+            None => self.lines.advance().map(|_| true),
+            Some(_) => self.lines.advance_over_blanks(),
+        };
+        if !more? {
+            return Ok(None);
+        }
+        let what = "the number of particles, which is the first line of an XYZ file";
+        self.count = Some(self.lines.count(self.lines.line(), what)?);
+        Ok(Some(self.lines.place()))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let n = self.count.unwrap_or_default();
+        if keep {
+            return frame(&mut self.lines, n, self.options).map(Some);
+        }
+        self.lines.advance()?;
+        (0..n).try_for_each(|k| row(&mut self.lines, k, n)).map(|()| None)
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
+    }
+}
+
+/// The doubt about a comment with three numbers or more, or with the names of columns: codes write
+/// boxes and columns there without a common form, and none of it is read.
+fn maybe_box(line: &str) -> Option<Notice> {
+    let cells = line.split(|c: char| c.is_whitespace() || ",:=".contains(c));
+    let numbers = cells.filter(|cell| number(cell.as_bytes()).is_some_and(|x| x > 0.0)).count();
+    let columns = line.to_ascii_lowercase().contains("columns:");
+    (numbers >= 3 || columns).then(|| {
+        Notice::Assumed(
+            "line 2 may hold a box or the names of columns, in a form that is not read: \
+             boundaries are open, and columns are species x y z; --box and --columns say otherwise"
+                .into(),
+        )
+    })
+}
+
+/// Goes to the line of particle `k` of `n`.
+fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
+    ensure!(
+        lines.advance()?,
+        "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
+         cut off, or still being written; mend the number or the file",
+        lines.source.name
+    );
+    Ok(())
+}
+
+/// The comment line and the rows of one frame.
+fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Particles, About)> {
+    // A file of no particles may end before its comment line.
+    let line = if lines.advance()? { lines.text() } else { String::new() };
+    let comment = Comment::read(&line).with_context(|| lines.place())?;
+    let columns = columns(&comment, options).with_context(|| lines.place())?;
+    let space = columns.meaning.contains(&Column::Axis(2));
+    let declared = match declared(&line, &comment, space, options) {
+        // No box is wanted.
+        Err(_) if options.boundaries.open => None,
+        declared => declared.with_context(|| lines.place())?,
+    };
+    let mut columns = columns.chosen(&lines.place(), options)?;
+    let mut particles = columns.particles(&lines.place(), options)?;
+    for k in 0..n {
+        row(lines, k, n)?;
+        let line = lines.line();
+        if columns.or_more && options.columns.is_none() {
+            let first = words(line).next().unwrap_or_default();
+            ensure!(
+                number(first).is_none_or(|value| value.fract() == 0.0),
+                "{}: '{}' stands where the species is expected, as a plain XYZ file is species x y \
+                 z; say which column is which, as in --columns x=1,y=2,z=3,r=4",
+                lines.place(),
+                shown(first)
+            );
+        }
+        if columns.or_more && options.radius.is_none() && options.columns.is_none() {
+            let count = words(line).count();
+            ensure!(
+                count <= columns.names.len(),
+                "{}: {count} columns in a plain XYZ file: it is not known whether the others are \
+                 radii; give --radius R to skip them, or name them in line 2 as in \
+                 Properties=species:S:1:pos:R:3:radius:R:1",
+                lines.place()
+            );
+        }
+        columns.push_words(&mut particles, line, lines)?;
+    }
+    let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
+    let (mut particles, about) = crate::particles::loaded(format, particles, columns.radius());
+    let silent =
+        columns.or_more && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
+    particles.notices.extend(maybe_box(&line).filter(|_| silent));
+    let first = |keys: &[&str]| {
+        keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)
+    };
+    let step = first(&["step", "timestep"]).and_then(step_of);
+    let time = first(&["time"]).and_then(number);
+    Ok((particles, About { declared, step, time, ..about }))
+}
+
+/// The columns that the comment line announces, or those of a plain file.
+fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
+    match comment.get("Properties") {
+        Some(pair) => {
+            announced(&pair.text).with_context(|| format!("Properties={}", short(&pair.text)))
+        }
+        None => {
+            if options.columns.is_none() {
+                comment.no_other("Properties", ", or give --columns")?;
+            }
+            Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) })
+        }
+    }
+}
+
+/// The box that the comment line declares. A lattice repeats along all vectors where nothing is
+/// said.
+fn declared(
+    line: &str,
+    comment: &Comment,
+    space: bool,
+    options: Options,
+) -> anyhow::Result<Option<Declared>> {
+    let boundaries = options.boundaries;
+    let dim = if space { 3 } else { 2 };
+    let mut vectors = None;
+    if boundaries.edges.is_none() {
+        ensure!(
+            !line.contains("CELL(") && !line.contains("CELL{"),
+            "the box as i-PI writes it (CELL) is not read; give --box or --open"
+        );
+        comment.no_other("Lattice", ", or give --box or --open")?;
+        let what = match space {
+            true => "nine finite numbers, one vector after the other, or three edges",
+            false => "nine finite numbers, one vector after the other, or four for discs",
+        };
+        let counts: &[usize] = if space { &[9, 3] } else { &[9, 3, 4] };
+        let lattice = comment.get("Lattice").map(|pair| pair.numbers(counts, what)).transpose()?;
+        vectors = lattice.map(|n| match n[..] {
+            [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+            [ax, ay, bx, by] => [[ax, ay, 0.0], [bx, by, 0.0], [0.0; 3]],
+            _ => [[n[0], n[1], n[2]], [n[3], n[4], n[5]], [n[6], n[7], n[8]]],
+        });
+    }
+    let counts: &[usize] = if space { &[3] } else { &[3, 2] };
+    let origin = comment.get("Origin").map(|pair| pair.numbers(counts, "three finite numbers"));
+    let origin = origin.transpose()?;
+    let mut periodic = vectors.map(|_| [true; 3]);
+    if boundaries.periodic.is_none() {
+        comment.no_other("pbc", ", or give --periodic or --open")?;
+        if let Some(pair) = comment.get("pbc") {
+            periodic = Some(pair.flags(dim)?);
+        }
+    }
+    let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
+    let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n.get(2).copied().unwrap_or(0.0)]);
+    Ok(declared.then_some(Declared { vectors, origin, periodic, rounded: false }))
+}
+
+/// The columns that `name:type:number` triples announce.
+fn announced(properties: &str) -> anyhow::Result<Columns> {
+    let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
+    let mut columns = Columns::default();
+    ensure!(
+        parts.len().is_multiple_of(3),
+        "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1"
+    );
+    for triple in parts.chunks_exact(3) {
+        let (name, count) =
+            (triple[0], triple[2].parse::<usize>().ok().filter(|count| (1..=1000).contains(count)));
+        let Some(count) = count else {
+            bail!("'{}' is not a number of columns from 1 to 1000", short(triple[2]))
+        };
+        // Else a line of a million letters could ask for gigabytes of columns.
+        ensure!(
+            columns.names.len() + count <= MOST_COLUMNS,
+            "it announces more than {MOST_COLUMNS} columns; remove what is not needed"
+        );
+        for k in 0..count {
+            let (meaning, name) = match (name.to_ascii_lowercase().as_str(), Column::named(name)) {
+                ("pos", _) => {
+                    ensure!(
+                        count == 2 || count == 3,
+                        "pos has {count} columns; it must have 2 or 3"
+                    );
+                    (Column::Axis(k), ["x", "y", "z"][k].to_string())
+                }
+                (_, meaning @ (Column::Radius | Column::Diameter | Column::Id)) if count == 1 => {
+                    (meaning, name.to_string())
+                }
+                _ => (Column::Other, name.to_string()),
+            };
+            columns.meaning.push(meaning);
+            columns.names.push(name);
+        }
+    }
+    ensure!(
+        columns.meaning.contains(&Column::Axis(0)),
+        "there is no pos; the positions must be named pos:R:3"
+    );
+    Ok(columns)
+}

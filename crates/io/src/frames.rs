@@ -1,0 +1,322 @@
+//! The frames of a file, one after the other, and which of them are wanted.
+
+use anyhow::{anyhow, bail, ensure};
+
+use crate::lines::Lines;
+use crate::{About, Notice, Options, Particles};
+
+/// A choice among the frames of a file, which are numbered from 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// The only one; several are refused.
+    #[default]
+    Only,
+    /// The one of that number.
+    Number(u64),
+    /// The last one.
+    Last,
+    /// Each of them: see [`Frames`].
+    All,
+}
+
+impl std::str::FromStr for Frame {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Frame, String> {
+        match text {
+            "last" => Ok(Frame::Last),
+            "first" => Ok(Frame::Number(0)),
+            "all" => Ok(Frame::All),
+            _ => text
+                .parse()
+                .map(Frame::Number)
+                .map_err(|_| "it must be a number from 0, or last, or all".into()),
+        }
+    }
+}
+
+/// What to do with the frame that begins.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Step {
+    Keep,
+    Skip,
+    Stop,
+}
+
+/// Counts frames as they begin, and says which are wanted.
+pub struct Choice {
+    frame: Frame,
+    /// To the end of the file, whatever is wanted.
+    survey: bool,
+    /// The number of the last that has begun, and one more.
+    pub seen: u64,
+    /// Frames that are not there hold nothing.
+    pub sparse: bool,
+    /// Frames say their time step, and those that are not there have no number.
+    pub by_step: bool,
+    /// Rows behind a frame may belong to it: only a file that is read to its end has frames.
+    pub through: bool,
+    /// The number of frames read or passed over to their end.
+    whole: u64,
+    /// The line where the last of these ends; 0 where frames are not made of lines.
+    line: u64,
+    /// What is wrong with frames behind the chosen one.
+    torn: Option<String>,
+    /// The file is compressed with gzip.
+    pub gzip: bool,
+}
+
+impl Choice {
+    pub fn new(frame: Frame, survey: bool) -> Choice {
+        let (sparse, by_step, through, torn) = (false, false, false, None);
+        let (seen, whole, line, gzip) = (0, 0, 0, false);
+        Choice { frame, survey, seen, sparse, by_step, through, whole, line, torn, gzip }
+    }
+
+    /// A frame was read, or passed over, to its end: that of [`Lines::end`] if it has lines.
+    pub fn done(&mut self, end: Option<(u64, bool)>, particles: Option<&mut Particles>) {
+        self.whole = self.seen;
+        self.line = end.map_or(0, |(line, _)| line);
+        // A program that writes frames ends each with a line feed: its last number may be cut.
+        if self.seen > 1 && end.is_some_and(|(_, has_feed)| !has_feed) {
+            let why = format!(
+                "the last line of frame {} has no line feed: if the file is being written, its \
+                 last number may be cut off",
+                self.seen - 1
+            );
+            match particles {
+                Some(particles) => particles.notices.push(Notice::Assumed(why)),
+                None => self.torn = Some(why),
+            }
+        }
+    }
+
+    /// A frame ended before this line.
+    pub fn done_before(&mut self, lines: &Lines<'_>) {
+        (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
+    }
+
+    /// The error of a frame that cannot be read, with the frames before it that can.
+    fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
+        // With a second frame where one is expected nothing is torn.
+        if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
+            return error;
+        }
+        let last = self.whole - 1;
+        let which = match last {
+            0 => "frame 0 is whole".into(),
+            _ => format!("frames 0 to {last} are whole"),
+        };
+        let all = match (self.line, self.gzip) {
+            (0, _) => String::new(),
+            (line, false) => format!(", or all with head -n {line} {name}"),
+            (line, true) => format!(", or all with zcat {name} | head -n {line}"),
+        };
+        anyhow!("{error:#}; {which}: take --frame {last}{all}")
+    }
+
+    /// All are wanted.
+    pub fn is_all(&self) -> bool {
+        self.frame == Frame::All
+    }
+
+    /// The first of `count` frames that need be looked at, where each can be had alone.
+    pub fn first_of(&self, count: usize) -> usize {
+        match self.frame {
+            Frame::Last => count.saturating_sub(1),
+            Frame::Number(k) => usize::try_from(k).unwrap_or(count).min(count.saturating_sub(1)),
+            Frame::Only | Frame::All => 0,
+        }
+    }
+
+    /// The next frame begins at `place`.
+    pub fn begin(&mut self, place: impl Fn() -> String) -> anyhow::Result<Step> {
+        self.begin_at(self.seen, place)
+    }
+
+    /// The frame of this number begins at `place`; those between it and the last are not there.
+    pub fn begin_at(&mut self, index: u64, place: impl Fn() -> String) -> anyhow::Result<Step> {
+        let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
+        Ok(match self.frame {
+            Frame::Only if !is_first => bail!(
+                "{}: a second frame begins; say which one is to be read, with --frame 0 (the \
+                 first) to --frame last, or remove the others",
+                place()
+            ),
+            Frame::Only | Frame::Last | Frame::All => Step::Keep,
+            Frame::Number(k) if k == index => Step::Keep,
+            Frame::Number(k) if k < index && !self.survey => Step::Stop,
+            Frame::Number(_) => Step::Skip,
+        })
+    }
+
+    /// The file has ended, or no more is wanted: the number of the frame that was kept last.
+    fn end(&self, name: &str) -> anyhow::Result<u64> {
+        if let Frame::Number(k) = self.frame
+            && (self.seen > 0 || self.sparse)
+        {
+            ensure!(
+                k < self.seen || self.sparse && !self.by_step,
+                "{name} holds {} frames, numbered from 0; there is no frame {k}",
+                self.seen
+            );
+            return Ok(k);
+        }
+        Ok(self.seen.saturating_sub(1))
+    }
+}
+
+/// Reads the frames of a file of one format: of particles, or of contact lists.
+pub trait Reader<T> {
+    /// The next frame that is kept; none when the file has ended, or no more is wanted.
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>>;
+}
+
+/// A file whose frames follow each other, each behind a beginning of its own.
+pub trait Framed {
+    /// Goes to the next frame, and gives its place for messages; none at the end.
+    fn begin(&mut self) -> anyhow::Result<Option<String>>;
+
+    /// Reads the frame that has begun; or passes over it, and gives none.
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>>;
+
+    /// [`Lines::end`], if the file is made of lines.
+    fn end(&self) -> Option<(u64, bool)> {
+        None
+    }
+}
+
+impl<F: Framed> Reader<(Particles, About)> for F {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        while let Some(place) = self.begin()? {
+            let step = choice.begin(|| place.clone())?;
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            let mut read = self.frame(step == Step::Keep)?;
+            choice.done(self.end(), read.as_mut().map(|(particles, _)| particles));
+            if read.is_some() {
+                return Ok(read);
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// A reader of a file that holds one frame.
+pub struct Once<F>(Option<F>);
+
+impl<F> Once<F> {
+    pub fn new(read: F) -> Once<F> {
+        Once(Some(read))
+    }
+}
+
+impl<T, F: FnOnce() -> anyhow::Result<T>> Reader<T> for Once<F> {
+    fn next(&mut self, _: &mut Choice) -> anyhow::Result<Option<T>> {
+        self.0.take().map(|read| read()).transpose()
+    }
+}
+
+/// The one frame that was chosen, and its number.
+pub fn chosen<T>(
+    reader: &mut dyn Reader<T>,
+    choice: &mut Choice,
+    name: &str,
+) -> anyhow::Result<(Option<T>, u64)> {
+    ensure!(
+        choice.frame != Frame::All,
+        "{name}: one frame is wanted here; give --frame a number from 0, or last"
+    );
+    let mut kept = None;
+    loop {
+        match reader.next(choice) {
+            Ok(Some(frame)) => kept = Some(frame),
+            Ok(None) => break,
+            // The frame that is wanted is whole.
+            Err(error)
+                if kept.is_some()
+                    && !choice.through
+                    && matches!(choice.frame, Frame::Number(_)) =>
+            {
+                let k = choice.end(name)?;
+                let why = format!("frame {k} is whole, and a later one is not: {error:#}");
+                choice.torn = Some(why);
+                break;
+            }
+            Err(error) => return Err(choice.with_whole(error, name)),
+        }
+        // Nothing behind the chosen frame can change it.
+        let is_last = !choice.survey && !choice.sparse && !choice.through;
+        if matches!(choice.frame, Frame::Number(_)) && is_last {
+            break;
+        }
+    }
+    Ok((kept, choice.end(name)?))
+}
+
+/// The frames of a particle file, one after the other: no more than one is held at a time.
+///
+/// Particles stand in the order of the file, frame by frame; see [`Particles::sort_by_id`] for one
+/// that is the same in all. Each frame says its number and, where the format has one, its time step
+/// ([`About`]). Numbers of particles, ids and boxes may change from one to the next.
+pub struct Frames<'a> {
+    pub(super) reader: Box<dyn Reader<(Particles, About)> + 'a>,
+    pub(super) choice: Choice,
+    pub(super) name: &'a str,
+    pub(super) options: Options,
+    pub(super) gzip: bool,
+    pub(super) ended: bool,
+}
+
+impl Frames<'_> {
+    /// The frame that was chosen.
+    pub(super) fn chosen(mut self) -> anyhow::Result<(Particles, About)> {
+        let (kept, frame) = self.one()?;
+        self.finished(kept, frame)
+    }
+
+    /// The frame that was chosen, as it is in the file.
+    pub(super) fn raw(mut self) -> anyhow::Result<(Particles, About)> {
+        self.one().map(|(kept, _)| kept)
+    }
+
+    fn one(&mut self) -> anyhow::Result<((Particles, About), u64)> {
+        let Frames { reader, choice, name, .. } = self;
+        let (kept, frame) = chosen(&mut **reader, choice, name)?;
+        let Some(mut kept) = kept else {
+            bail!("{name} holds no frame of particles; is it of another format?")
+        };
+        if let Some(why) = choice.torn.take() {
+            kept.0.notices.push(Notice::Assumed(why));
+        }
+        Ok((kept, frame))
+    }
+
+    fn finished(
+        &self,
+        (particles, about): (Particles, About),
+        frame: u64,
+    ) -> anyhow::Result<(Particles, About)> {
+        let (gzip, frames) = (self.gzip, self.choice.seen.max(1));
+        let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
+        super::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
+    }
+}
+
+/// An error ends them.
+impl Iterator for Frames<'_> {
+    type Item = anyhow::Result<(Particles, About)>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.reader.next(&mut self.choice).transpose()?;
+        let next = next.map_err(|error| self.choice.with_whole(error, self.name));
+        let frame = self.choice.seen.saturating_sub(1);
+        let next = next.and_then(|read| self.finished(read, frame));
+        self.ended = next.is_err();
+        Some(next)
+    }
+}

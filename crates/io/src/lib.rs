@@ -1,0 +1,273 @@
+//! Files that people bring: particles in, contact lists in, pairs and scenes out.
+//!
+//! One file per format, one line each in [`FORMATS`]. The format is told by the file's first bytes,
+//! then by its ending; `format` overrides both. A file may be compressed with gzip. Numbers are
+//! converted with correct rounding. Errors name file, line and column, and particles are numbered
+//! from 0 as everywhere.
+//!
+//! **Dimension.** Columns z or three-vectors give spheres, even where all z are 0: a plane scene
+//! written with z = 0 stays a scene of spheres unless `dim: Some(2)` asks for discs; then every z
+//! must be 0. An array of three columns without names is x, y, z; with `dim: Some(2)` it is x, y,
+//! radius.
+//!
+//! **Radii.** From the file (a column of diameters is halved, without error above 10^-307), or one
+//! for all from the options, which counts before the file's. Equal radii become one radius for all.
+//!
+//! **Frames.** A file of several frames is refused unless the options say which one. All are read
+//! one after the other by [`frames`].
+//!
+//! **Boxes.** A box that repeats stays with the particles, and no open scene is made of them unless
+//! the options say so: see [`boxes`].
+//!
+//! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
+//! promises; nothing else is kept.
+
+mod arrays;
+pub mod boxes;
+mod chosen;
+mod columns;
+mod counted;
+pub mod exchange;
+mod formats;
+mod frames;
+mod given;
+mod lines;
+mod notice;
+mod options;
+pub mod pairs;
+mod particles;
+mod room;
+mod scalars;
+mod series;
+mod units;
+mod without;
+pub mod write;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+pub use boxes::{Boundaries, Declared};
+pub use chosen::Chosen;
+use formats::gzip::{self, Unpacking};
+pub use formats::{FORMATS, Format};
+use frames::Choice;
+pub use frames::{Frame, Frames};
+pub use given::Given;
+pub use lines::LONGEST_LINE;
+use lines::Source;
+pub use lines::short;
+pub use notice::{Notice, Place};
+pub use options::{FileOption, OPTIONS, Options};
+pub use particles::Particles;
+pub use room::room;
+pub use series::exists;
+pub use without::{Groups, Without};
+
+use contactbench_core::scene::AnyScene;
+
+/// Where radii come from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum RadiusSource {
+    /// A column or array of that name.
+    Column(String),
+    /// A column or array of diameters of that name, halved.
+    Halved(String),
+    /// The options.
+    Given,
+    /// Nowhere.
+    #[default]
+    Missing,
+}
+
+/// What was understood of a file, beside its particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct About {
+    /// The format's name.
+    pub format: &'static str,
+    /// It was compressed with gzip.
+    pub gzip: bool,
+    /// Where the radius comes from.
+    pub radius: RadiusSource,
+    /// Frames in the file, as far as it was read.
+    pub frames: u64,
+    /// The frame that was read.
+    pub frame: u64,
+    /// Its time step, where the format counts them.
+    pub step: Option<i64>,
+    /// Its time, where the format has one.
+    pub time: Option<f64>,
+    /// The box that the file declares, where it has edges along the axes: least and largest
+    /// coordinate along each.
+    pub bounds: Option<Vec<[f64; 2]>>,
+    /// The same as vectors, and whether it repeats.
+    pub declared: Option<Declared>,
+    /// The file of the frame, where several files are one trajectory.
+    pub file: Option<String>,
+}
+
+impl About {
+    /// `frame 3 (step 300)`.
+    pub fn which(&self) -> String {
+        match self.step {
+            Some(step) => format!("frame {} (step {step})", self.frame),
+            None => format!("frame {}", self.frame),
+        }
+    }
+}
+
+/// Reads the particles of a file, in file order, as a scene with open boundaries.
+pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load(path, options)?;
+    particles.scene(&path.display().to_string(), options.radius)
+}
+
+/// As [`scene`], in the box in which it repeats.
+pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
+    let (particles, _) = load(path, options)?;
+    particles.given(&path.display().to_string(), options.radius)
+}
+
+/// Reads particles from a stream; `name` stands in messages, `ending` is the file name's, in lower
+/// case.
+pub fn from(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load_from(reader, name, ending, options)?;
+    particles.scene(name, options.radius)
+}
+
+/// Reads the particles of a file, which need not have radii, and says what was understood.
+pub fn load(path: &Path, options: Options) -> anyhow::Result<(Particles, About)> {
+    frames(path, options, |frames| frames.chosen())
+}
+
+/// Hands the frames of a file that are chosen to `body`, which takes them one by one. The path may
+/// stand for several files: a pattern such as `run_*.vtp`, or a list of files (`.pvd`, `.series`).
+pub fn frames<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let Some(series) = series::of(path, options)? else { return opened(path, options, body) };
+    options.check()?;
+    let choice = Choice::new(options.frame, options.survey);
+    let (reader, name) = (Box::new(series), &*path.display().to_string());
+    body(Frames { reader, choice, name, options, gzip: false, ended: false })
+}
+
+/// Reads one file; see [`frames`].
+fn opened<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let name = path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let reader = BufReader::with_capacity(1 << 18, file);
+    frames_from(reader, &name, &ending(path), options, body)
+}
+
+/// The ending of a file's name in lower case, without `.gz`.
+fn ending(path: &Path) -> String {
+    let ending = |path: &Path| {
+        path.extension()
+            .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+            .unwrap_or_default()
+    };
+    match (ending(path), path.file_stem()) {
+        (last, Some(stem)) if last == "gz" => ending(Path::new(stem)),
+        (last, _) => last,
+    }
+}
+
+/// As [`load`], from a stream; `ending` is the file name's, in lower case.
+pub fn load_from(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
+    frames_from(reader, name, ending, options, |frames| frames.chosen())
+}
+
+/// As [`frames`], from a stream; `ending` is the file name's, in lower case.
+pub fn frames_from<T>(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    options.check()?;
+    let unpacking = Unpacking::default();
+    let mut reader = unpacking.file(reader);
+    let head = head(&mut reader, name)?;
+    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
+    let frames = |input: &mut dyn BufRead, head: &[u8], gzip: bool| {
+        let source = Source { input, name, unpacking: &unpacking };
+        let reader = formats::find(head, name, ending, options)?.open(source, options);
+        let mut choice = Choice::new(options.frame, options.survey);
+        choice.gzip = gzip;
+        body(Frames { reader, choice, name, options, gzip, ended: false })
+    };
+    if !head.starts_with(gzip::MAGIC) {
+        return frames(&mut reader, &head, false);
+    }
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
+    let head = self::head(&mut reader, name)?;
+    ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
+    frames(&mut std::io::Cursor::new(&head[..]).chain(reader), &head, true)
+}
+
+/// What holds for the particles of every format.
+fn finished(
+    mut particles: Particles,
+    mut about: About,
+    name: &str,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
+    particles.as_asked(name, options, &mut about.radius)?;
+    if options.without.is_some() {
+        let groups = particles.groups.as_ref().with_context(|| {
+            format!(
+                "{name}: --without needs a column with that name, and {} has none that is read; \
+                 write a text such as CSV, or a LAMMPS dump",
+                about.format
+            )
+        })?;
+        groups.check(particles.len(), options.frame, name)?;
+    }
+    particles.notices.extend(formats::maybe_frames(about.format, &particles.unused));
+    let (dim, declared) = (particles.dim(), about.declared.as_ref());
+    particles.lattice = options.boundaries.lattice(name, dim, declared, &mut particles.notices)?;
+    particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());
+    if options.boundaries.unknown(declared) {
+        particles.notices.push(Notice::Boundaries);
+    }
+    let repeats = particles.lattice.as_ref().is_some_and(|lattice| lattice.periodic()[2]);
+    if options.dim.is_none() && particles.is_flat() {
+        particles.notices.push(if repeats { Notice::Plane } else { Notice::Flat });
+    }
+    particles.notices.extend(particles.cut_to().map(Notice::Digits));
+    particles.source = Some(about.radius.clone());
+    Ok((particles, about))
+}
+
+/// The first bytes, which tell the format.
+fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
+    ensure!(
+        !head.is_empty(),
+        "{name} is empty; a particle file has at least a header such as x,y,r"
+    );
+    Ok(head)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+//! Assumptions that a reader made about a file. Every verb that reads particles prints them.
+
+use crate::{RadiusSource, short};
+
+/// An assumption about a file, or a doubt, that decides which contacts are found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Notice {
+    /// It has a box and does not say whether that repeats: boundaries are taken as open.
+    Boundaries,
+    /// All z are 0, and the box repeats along z.
+    Plane,
+    /// Coordinates are written with so many significant digits, and were cut to them.
+    Digits(u32),
+    /// All z are 0, in open space.
+    Flat,
+    /// Some radii are 0.
+    Points,
+    /// Nothing touches.
+    Apart,
+    /// More contacts per particle than hard bodies have, by so much that the unit must differ, or
+    /// not.
+    Crowded {
+        /// Contacts per particle.
+        each: f64,
+        /// Five times too many, or more.
+        other_unit: bool,
+        /// Where the radii come from.
+        source: RadiusSource,
+    },
+    /// Contacts overlap by this much in the mean, in mean radii: more than those of hard bodies.
+    Deep(f64),
+    /// Number of nearly concentric pairs, and the first of them.
+    Nested(u64, [u32; 2]),
+    /// Particles that have the centre of another, and the first of them.
+    Coincident(u64, u32),
+    /// Coordinates are from 0 to 1, and the contacts are not those of a packing.
+    Scaled,
+    /// f32 places bodies only to this many mean radii.
+    Far(f64),
+    /// Any other assumption: a whole sentence, with the option that says otherwise.
+    Assumed(String),
+}
+
+/// Where the file is named, and so how its options are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// As an argument.
+    Argument,
+    /// In a scene, as in `file:path=p.dump`.
+    Spec,
+    /// In an experiment.
+    Experiment,
+}
+
+impl Notice {
+    /// Is it the same, or the same doubt with other numbers, as those of another frame have?
+    pub fn is_like(&self, other: &Notice) -> bool {
+        match (self, other) {
+            (Notice::Assumed(a), Notice::Assumed(b)) => a == b,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+
+    /// The sentence, with the remedy.
+    pub fn words(&self, place: Place) -> String {
+        let [periodic, open, plane] = match place {
+            Place::Argument => ["--periodic xyz", "--open", "--dim 2"],
+            Place::Spec => ["periodic=xyz", "open=true", "dim=2"],
+            Place::Experiment => {
+                ["periodic = \"xyz\" in the experiment", "open = true", "file-dim = 2"]
+            }
+        };
+        match self {
+            Notice::Assumed(words) => words.clone(),
+            Notice::Flat => format!("z is 0 for all: these may be discs; then give {plane}"),
+            Notice::Points => "there are radii of 0: points".into(),
+            Notice::Apart => "nothing touches: are the radii in the units of the coordinates, and \
+                              not too small by a half?"
+                .into(),
+            Notice::Crowded { each, other_unit, source } => {
+                let what = match source {
+                    _ if *other_unit => {
+                        "the radii may be in another unit than the coordinates".into()
+                    }
+                    RadiusSource::Column(name) => {
+                        format!("'{}' may hold diameters: name the column d then", short(name))
+                    }
+                    RadiusSource::Given => "--radius may have been given a diameter".into(),
+                    _ => "the sizes may be too large, or in other units".into(),
+                };
+                format!(
+                    "{each:.1} contacts per particle are more than a packing of hard bodies has; \
+                     {what}"
+                )
+            }
+            Notice::Deep(overlap) => format!(
+                "contacts overlap by {overlap:.2} mean radii in the mean, and those of hard bodies \
+                 hardly do; unless bodies may overlap, the sizes may be diameters, or in another \
+                 unit"
+            ),
+            Notice::Nested(pairs, [i, j]) => format!(
+                "{} nearly concentric, such as particles {i} and {j} (from 0): was something \
+                 written twice, or is a radius too large?",
+                if *pairs == 1 { "1 pair is".into() } else { format!("{pairs} pairs are") }
+            ),
+            Notice::Coincident(count, first) => format!(
+                "at least {count} particles have the centre of another, such as particle {first} \
+                 (from 0): was something written twice?"
+            ),
+            Notice::Scaled => "all coordinates are from 0 to 1, and fill that range: are they \
+                               scaled by a box?"
+                .into(),
+            Notice::Far(spacing) => format!(
+                "the scene is so far from the origin that f32 places bodies only to {spacing:.1e} \
+                 radii: shift it, or use f64"
+            ),
+            Notice::Digits(digits) => format!(
+                "coordinates have {digits} significant digits at most, so what nearly touches is \
+                 decided by the digits that were cut off; write all 17 (LAMMPS: dump_modify ID \
+                 format float %.17g)"
+            ),
+            Notice::Boundaries => format!(
+                "the file does not say whether its box repeats: boundaries are taken as open; say \
+                 {periodic} if it does, and {open} if not"
+            ),
+            Notice::Plane => format!(
+                "z is 0 for all, and the box repeats along z: if these are discs, give {plane}"
+            ),
+        }
+    }
+}

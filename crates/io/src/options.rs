@@ -1,0 +1,169 @@
+//! How a file is to be read, and the names under which the command line, scenes and tests say it.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+use anyhow::ensure;
+
+use crate::{Boundaries, Chosen, Format, Frame, Without};
+use contactbench_terms::number;
+
+/// What a file does not say, or what counts in its place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// The radius of all particles; the sizes in the file are then not used.
+    pub radius: Option<f64>,
+    /// 2 or 3, where the file leaves it open; none lets the file decide.
+    pub dim: Option<u32>,
+    /// Which frame, of a file that has several.
+    pub frame: Frame,
+    /// The format; none lets the file decide.
+    pub format: Option<Format>,
+    /// Keep the file's own numbers of the particles.
+    pub ids: bool,
+    /// Read on to the end of the file, to count its frames.
+    pub survey: bool,
+    /// Which columns or arrays hold what; none lets their names decide.
+    pub columns: Option<Chosen>,
+    /// The box, where it is not the file's.
+    pub boundaries: Boundaries,
+    /// Contacts that are left out.
+    pub without: Option<Without>,
+    /// Part k of this many parts, from 0, where a format can leave out the others:
+    /// [`Particles::first`](crate::Particles::first).
+    pub part: Option<[u64; 2]>,
+}
+
+/// One of the options that users give, as text.
+pub struct FileOption {
+    /// The name on the command line; in a scene too, but for `dim`, which is `file-dim` there.
+    pub name: &'static str,
+    /// What it takes, for the help; empty for a flag.
+    pub value: &'static str,
+    /// The line of help.
+    pub meaning: &'static str,
+    set: fn(&mut Options, &str) -> Result<(), String>,
+}
+
+/// All of them.
+pub const OPTIONS: [FileOption; 8] = [
+    FileOption {
+        name: "radius",
+        value: "RADIUS",
+        meaning: "The radius of all particles, for files without radii",
+        set: |options, text| parsed(text, &mut options.radius),
+    },
+    FileOption {
+        name: "dim",
+        value: "DIM",
+        meaning: "2 or 3, where the file leaves it open (three columns without names, or z = 0)",
+        set: |options, text| {
+            let dim = number::whole(text).and_then(|dim| u32::try_from(dim).ok());
+            options.dim = Some(dim.ok_or("it must be a whole number: 2 or 3")?);
+            Ok(())
+        },
+    },
+    FileOption {
+        name: "frame",
+        value: "FRAME",
+        meaning: "Which frame of a file that has several: a number from 0, or last; some verbs \
+                  take all (default: last)",
+        set: |options, text| {
+            options.frame = text.parse()?;
+            Ok(())
+        },
+    },
+    FileOption {
+        name: "columns",
+        value: "KEY=COLUMN,...",
+        meaning: "Which column holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, \
+                  y, z, r, d for a diameter, id; frame, or frame=none, for tables)",
+        set: |options, text| parsed(text, &mut options.columns),
+    },
+    FileOption {
+        name: "format",
+        value: "FORMAT",
+        meaning: "The file's format (default: told by its content, then by its ending)",
+        set: |options, text| parsed(text, &mut options.format),
+    },
+    FileOption {
+        name: "box",
+        value: "NUMBERS",
+        meaning: "The box, in the place of the file's: LX,LY[,LZ], with the tilt of LAMMPS \
+                  LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)",
+        set: |options, text| parsed(text, &mut options.boundaries.edges),
+    },
+    FileOption {
+        name: "periodic",
+        value: "AXES",
+        meaning: "The axes along which the box repeats, whatever the file says: x, xy, xyz and so \
+                  on, or none",
+        set: |options, text| parsed(text, &mut options.boundaries.periodic),
+    },
+    FileOption {
+        name: "open",
+        value: "",
+        meaning: "Boundaries are open, whatever the file says: contacts across its box are left out",
+        set: |options, text| {
+            options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
+            Ok(())
+        },
+    },
+];
+
+fn parsed<T: FromStr<Err: Display>>(text: &str, value: &mut Option<T>) -> Result<(), String> {
+    *value = Some(text.parse().map_err(|error: T::Err| error.to_string())?);
+    Ok(())
+}
+
+impl FileOption {
+    /// Gives the option this value.
+    ///
+    /// # Errors
+    /// In words, without the name of the option.
+    pub fn set(&self, options: &mut Options, text: &str) -> Result<(), String> {
+        (self.set)(options, text)
+    }
+
+    /// The text, if the option takes it.
+    ///
+    /// # Errors
+    /// As [`FileOption::set`].
+    pub fn check(&self, text: &str) -> Result<String, String> {
+        self.set(&mut Options::default(), text).map(|()| text.to_string())
+    }
+}
+
+impl Options {
+    /// The file says everything.
+    pub const NONE: Options = Options {
+        radius: None,
+        dim: None,
+        frame: Frame::Only,
+        format: None,
+        ids: false,
+        survey: false,
+        columns: None,
+        boundaries: Boundaries::AS_DECLARED,
+        without: None,
+        part: None,
+    };
+
+    /// Refuses what no file can be read with.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        if let Some(radius) = self.radius {
+            ensure!(
+                radius.is_finite() && radius >= 0.0,
+                "the radius given is {radius}; it must be finite and not negative"
+            );
+        }
+        if let Some(dim) = self.dim {
+            ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
+        }
+        ensure!(
+            self.radius.is_none() || !self.columns.is_some_and(|chosen| chosen.sizes()),
+            "the radius is given, and a column of sizes is chosen, too; leave one out"
+        );
+        self.boundaries.check()
+    }
+}

@@ -1,0 +1,158 @@
+//! npz: arrays `i` and `j` of whole numbers, named as the columns of a table are, with images as
+//! `sx`, `sy`, `sz` or as one array `S` of shape (pairs, 2) or (pairs, 3); or one array of pairs.
+
+use anyhow::{Context, bail, ensure};
+
+use super::array::Array;
+use super::columns::{Columns, is_image};
+use super::list::List;
+use super::{image, push};
+use crate::Frame;
+use crate::formats::npy::{self, Header};
+use crate::formats::npz;
+use crate::frames::{Choice, Reader};
+use crate::lines::{Source, listed, short};
+use crate::notice::Notice;
+use crate::room::room;
+
+/// Names that numpy.savez gives to arrays without a name.
+const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
+
+#[derive(Default)]
+struct Arrays {
+    /// Columns and their names, of whole numbers.
+    names: Vec<String>,
+    columns: Vec<Vec<i64>>,
+    /// The names of arrays of other numbers.
+    others: Vec<String>,
+    /// What arrays of pairs hold, or why it is not read.
+    tables: Vec<(String, anyhow::Result<List>)>,
+}
+
+pub(super) fn read(mut source: Source<'_>, chosen: &[&str]) -> anyhow::Result<List> {
+    let mut arrays = Arrays::default();
+    npz::members(&mut source, |member, name| arrays.member(member, name))?;
+    arrays.finish(source.name, chosen)
+}
+
+impl Arrays {
+    fn member(&mut self, mut source: Source<'_>, name: &str) -> anyhow::Result<()> {
+        let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
+        // Texts and objects need not be understood.
+        let Ok(header) = npy::header(&mut source) else { return Ok(()) };
+        match header.columns {
+            None => match columns(&mut source, &header, 1)?.and_then(|mut it| it.pop()) {
+                Some(column) => {
+                    self.names.push(label);
+                    self.columns.push(column);
+                }
+                None => self.others.push(label),
+            },
+            Some(count @ 2..=3) if is_image(&label) => {
+                let of = columns(&mut source, &header, count)?;
+                let place = || format!("{}: an image is not a whole number", source.name);
+                self.columns.extend(of.with_context(place)?);
+                self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
+            }
+            Some(_) => {
+                let mut array = Array::behind(source, header);
+                let list = array.next(&mut Choice::new(Frame::Only, false));
+                self.tables.push((label, list.map(Option::unwrap_or_default)));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, name: &str, chosen: &[&str]) -> anyhow::Result<List> {
+        let place = || name.to_string();
+        let mut named = match chosen.is_empty() || !self.names.is_empty() {
+            true => Columns::named(&self.names, chosen, place)?,
+            false => None,
+        };
+        let mut notices = Vec::new();
+        if named.is_none() && self.names == UNNAMED {
+            named = Some(Columns::bare(2));
+            let words = "the arrays arr_0 and arr_1 are taken as i and j; name them, as in \
+                         numpy.savez(file, i=i, j=j)";
+            notices.push(Notice::Assumed(words.into()));
+        }
+        let Some(columns) = named else { return self.table(name) };
+        ensure!(
+            !self.names.iter().any(|name| ["frame", "step", "timestep"].contains(&&**name)),
+            "{name}: pairs of several frames are not read from npz; write them as CSV with a \
+             column frame"
+        );
+        let pair @ [i, j] = columns.pair();
+        let all = columns.image().iter().chain(&pair);
+        let n = self.columns[i].len();
+        for &k in all {
+            ensure!(
+                self.columns[k].len() == n,
+                "{name}: the array '{}' has {} numbers, and '{}' has {n}; write one for each pair",
+                short(&self.names[k]),
+                self.columns[k].len(),
+                short(&self.names[i])
+            );
+        }
+        let mut list = List { format: "NumPy npz", notices, ..List::default() };
+        for row in 0..n {
+            push(&mut list, [self.columns[i][row], self.columns[j][row]])?;
+            if !columns.image().is_empty() {
+                let mut numbers = [0; 3];
+                let of = columns.image().iter().map(|&k| self.columns[k][row]);
+                numbers.iter_mut().zip(of).for_each(|(to, from)| *to = from);
+                let images = list.images.get_or_insert_default();
+                room(images)?;
+                images.push(image(numbers, || format!("{name}: pair {row}"))?);
+            }
+        }
+        columns.end(&mut list);
+        list.others.extend(self.others.iter().map(|name| super::Other {
+            name: short(name),
+            named: true,
+            whole: false,
+        }));
+        Ok(list)
+    }
+
+    /// The pairs of the one array that holds some.
+    fn table(&mut self, name: &str) -> anyhow::Result<List> {
+        let good = self.tables.iter().filter(|(_, list)| list.is_ok()).count();
+        let all: Vec<&str> = self.tables.iter().map(|(label, _)| &**label).collect();
+        ensure!(
+            good <= 1,
+            "{name}: several arrays may hold the pairs: {}; name two i and j, or keep one",
+            listed(&all)
+        );
+        let which = self.tables.iter().position(|(_, list)| list.is_ok() || good == 0);
+        let Some(k) = which else {
+            let mut all = std::mem::take(&mut self.names);
+            all.append(&mut self.others);
+            bail!(
+                "{name} holds no arrays i and j, and none of shape (pairs, 2); there are: {}",
+                listed(&all)
+            )
+        };
+        Ok(List { format: "NumPy npz", ..self.tables.swap_remove(k).1? })
+    }
+}
+
+/// So many columns of an array in either order; none if a number is not whole.
+fn columns(
+    source: &mut Source<'_>,
+    header: &Header,
+    count: usize,
+) -> anyhow::Result<Option<Vec<Vec<i64>>>> {
+    let mut columns = vec![Vec::new(); count];
+    let mut are_whole = true;
+    let (rows, width) = (header.rows, count as u64);
+    header.values(source, rows.saturating_mul(width), |k, value| {
+        let column = if header.fortran { k / rows } else { k % width };
+        are_whole &= value.fract() == 0.0 && value.abs() < 9e15;
+        let column = &mut columns[column as usize];
+        room(column)?;
+        column.push(value as i64);
+        Ok(())
+    })?;
+    Ok(are_whole.then_some(columns))
+}

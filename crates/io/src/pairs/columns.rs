@@ -1,0 +1,250 @@
+//! Which columns of a table hold the two particles and the image of the second, and which are not
+//! looked at.
+
+use std::collections::HashMap;
+
+use anyhow::{Context, ensure};
+
+use crate::lines::{Lines, listed, short, shown, whole};
+use crate::pairs::{List, image};
+use crate::room::room;
+
+/// How the two particles are called.
+const PAIRS: [[&str; 2]; 5] =
+    [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];
+/// How images are called, before the letter or the number of an axis, in small letters and figures
+/// alone: `sx`, `S_x`, `shift[0]`, `Periodic Image.X`.
+const IMAGES: [&str; 9] = [
+    "s",
+    "shift",
+    "cellshift",
+    "unitshift",
+    "unitcellshift",
+    "image",
+    "periodicimage",
+    "pbcshift",
+    "celloffset",
+];
+const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"], ["1", "2", "3"]];
+/// What else holds whole numbers, and no images.
+const HARMLESS: [&str; 7] = ["index", "type", "ptype", "ntype", "patom", "natom", "id"];
+
+const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
+                      the line";
+
+/// A column that was not looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Other {
+    /// Its name, or its number from 1.
+    pub name: String,
+    /// The list says what it is called, and that is not an image.
+    pub named: bool,
+    /// It holds whole numbers alone, and nothing says that it is no image.
+    pub whole: bool,
+}
+
+impl Other {
+    /// The column of that number from 0.
+    pub(super) fn unnamed(k: usize) -> Other {
+        Other { name: (k + 1).to_string(), named: false, whole: false }
+    }
+}
+
+/// The columns of a table.
+#[derive(Clone)]
+pub(super) struct Columns {
+    pair: [usize; 2],
+    /// None, two or three.
+    image: Vec<usize>,
+    /// Nobody says that those are images: they are until a number is not whole.
+    guessed: bool,
+    /// They are called `id1` and `id2`.
+    ids: bool,
+    others: Vec<(usize, Other)>,
+    /// Which of the others have held whole numbers alone.
+    whole: Vec<usize>,
+    count: usize,
+}
+
+impl Columns {
+    /// By their names; by those that were `chosen`, which may be numbers from 1, and nothing else
+    /// is asked about then. None where no pair is named.
+    pub fn named(
+        names: &[String],
+        chosen: &[&str],
+        place: impl Fn() -> String,
+    ) -> anyhow::Result<Option<Columns>> {
+        let at = |label: &str| names.iter().position(|name| name.eq_ignore_ascii_case(label));
+        if !chosen.is_empty() {
+            let by_number = |label: &str| label.parse::<usize>().ok()?.checked_sub(1);
+            let mut places = Vec::new();
+            for label in chosen {
+                let found = at(label).or_else(|| by_number(label).filter(|&k| k < names.len()));
+                places.push(found.with_context(|| {
+                    format!("{}: there is no column '{label}' among {}", place(), listed(names))
+                })?);
+            }
+            let image = places.split_off(2);
+            let pair = [places[0], places[1]];
+            let columns = Columns {
+                pair,
+                image,
+                guessed: false,
+                ids: false,
+                others: vec![],
+                whole: vec![],
+                count: usize::MAX,
+            };
+            return Ok(Some(columns));
+        }
+        let mut pairs = PAIRS.iter().map(|[i, j]| at(i).zip(at(j)));
+        let Some((i, j)) = pairs.find_map(|pair| pair).or_else(|| of_one_compute(names)) else {
+            return Ok(None);
+        };
+        let image = images(names, &place)?;
+        let others = (0..names.len()).filter(|k| ![i, j].contains(k) && !image.contains(k));
+        let other = |k: usize| {
+            let plain = plain(&names[k]);
+            let harmless = HARMLESS.contains(&plain.trim_end_matches(['1', '2']));
+            let named = !plain.is_empty() && !IMAGES.contains(&&*plain);
+            (k, Other { name: short(&names[k]), named, whole: !harmless })
+        };
+        let others: Vec<(usize, Other)> = others.map(other).collect();
+        let whole = (0..others.len()).filter(|&m| others[m].1.whole).collect();
+        let ids = names[i].eq_ignore_ascii_case("id1");
+        let (pair, guessed, count) = ([i, j], false, names.len());
+        Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
+    }
+
+    /// The first two of so many that have no names. Two or three more may be images.
+    pub fn bare(count: usize) -> Columns {
+        let guessed = [4, 5].contains(&count);
+        let image = if guessed { (2..count).collect() } else { Vec::new() };
+        let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
+        Columns { pair: [0, 1], image, guessed, ids: false, others, whole: Vec::new(), count }
+    }
+
+    /// The columns of the two particles.
+    pub fn pair(&self) -> [usize; 2] {
+        self.pair
+    }
+
+    /// The columns of the image: none, two or three.
+    pub fn image(&self) -> &[usize] {
+        &self.image
+    }
+
+    /// What this column holds is known otherwise.
+    pub fn known(&mut self, column: usize) {
+        let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
+        self.others.remove(m);
+        self.whole.retain(|&k| k != m);
+        self.whole.iter_mut().filter(|k| **k > m).for_each(|k| *k -= 1);
+    }
+
+    /// Adds the pair of one line.
+    pub fn push(
+        &mut self,
+        lines: &Lines<'_>,
+        cells: &[&[u8]],
+        list: &mut List,
+    ) -> anyhow::Result<()> {
+        let number = |k: usize, what: &str| {
+            let found = cells.get(k).copied().unwrap_or_default();
+            whole(found).with_context(|| {
+                let (place, found) = (lines.place(), shown(found));
+                let remedy = if self.pair.contains(&k) { REMEDY } else { "" };
+                format!("{place}: column {}: '{found}' is not the number of {what}{remedy}", k + 1)
+            })
+        };
+        let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
+        room(&mut list.pairs)?;
+        list.pairs.push(pair);
+        if !self.image.is_empty() {
+            let mut numbers = [0; 3];
+            let read = self.image.iter().zip(&mut numbers).try_for_each(|(&k, to)| {
+                *to = number(k, "an image")?;
+                anyhow::Ok(())
+            });
+            match read.and_then(|()| image(numbers, || lines.place())) {
+                Ok(found) => {
+                    let images = list.images.get_or_insert_default();
+                    room(images)?;
+                    images.push(found);
+                }
+                Err(_) if self.guessed => {
+                    list.images = None;
+                    self.others.extend(self.image.drain(..).map(unnamed));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let others = &self.others;
+        self.whole.retain(|&m| cells.get(others[m].0).is_some_and(|cell| whole(cell).is_some()));
+        if cells.len() > self.count {
+            self.others.extend((self.count..cells.len()).map(unnamed));
+            self.count = cells.len();
+        }
+        Ok(())
+    }
+
+    /// What is to be said of the columns when all lines are read.
+    pub fn end(self, list: &mut List) {
+        list.flat = self.image.len() == 2;
+        list.named_ids = self.ids;
+        list.guessed = self.guessed && !self.image.is_empty();
+        if !self.image.is_empty() {
+            list.images.get_or_insert_default();
+        }
+        list.others = self.others.into_iter().map(|(_, other)| other).collect();
+        list.others.iter_mut().for_each(|other| other.whole = false);
+        self.whole.iter().for_each(|&m| list.others[m].whole = true);
+    }
+}
+
+fn unnamed(k: usize) -> (usize, Other) {
+    (k, Other::unnamed(k))
+}
+
+/// Whether an array of this name holds images, one in each row.
+pub(super) fn is_image(name: &str) -> bool {
+    IMAGES.contains(&&*plain(name))
+}
+
+/// Small letters and figures alone.
+fn plain(name: &str) -> String {
+    name.chars().filter(|c| c.is_ascii_alphanumeric()).map(|c| c.to_ascii_lowercase()).collect()
+}
+
+/// The first two columns of a compute of LAMMPS.
+fn of_one_compute(names: &[String]) -> Option<(usize, usize)> {
+    let first = names.iter().position(|name| name.ends_with("[1]"))?;
+    let second = names[first].replace("[1]", "[2]");
+    Some((first, names.iter().position(|name| *name == second)?))
+}
+
+/// The columns of images: none, two or three.
+fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<usize>> {
+    let mut places = HashMap::new();
+    for (k, name) in names.iter().enumerate() {
+        places.entry(plain(name)).or_insert(k);
+    }
+    for axes in AXES {
+        for stem in IMAGES {
+            let at = axes.map(|axis| places.get(&format!("{stem}{axis}")).copied());
+            match at {
+                [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),
+                [Some(x), Some(y), None] => return Ok(vec![x, y]),
+                // s1 alone may be anything.
+                [None, None, None] => {}
+                _ => ensure!(
+                    axes != AXES[0],
+                    "{}: images need the columns {stem}x and {stem}y, and {stem}z for spheres; \
+                     name them",
+                    place()
+                ),
+            }
+        }
+    }
+    Ok(Vec::new())
+}

@@ -1,0 +1,222 @@
+//! Two columns of whole numbers, and those of images: by a header, which may be a comment, or the
+//! first ones. Rows may say their frame. Comments begin with `#` or, as in MATLAB, with `%`, and
+//! may stand behind a row.
+
+use anyhow::{Context, ensure};
+
+use super::ascends;
+use super::columns::Columns;
+use super::list::List;
+use crate::formats::names_a_frame;
+use crate::frames::{Choice, Reader, Step};
+use crate::lines::{Lines, Separator, number, short, shown, whole, words};
+use crate::notice::Notice;
+
+pub(super) struct Csv<'a> {
+    lines: Lines<'a>,
+    chosen: &'a [&'a str],
+    layout: Option<Layout>,
+    /// The line at hand is still to be taken.
+    ahead: bool,
+    /// The frame or step of the last row.
+    last: Option<i64>,
+    ended: bool,
+    notices: Vec<Notice>,
+}
+
+/// The part of a line before a comment.
+fn uncommented(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|c| matches!(c, b'#' | b'%')).unwrap_or(line.len());
+    line[..end].trim_ascii_end()
+}
+
+/// Names alone: each cell begins with a letter or `_`.
+fn is_header(names: &[String]) -> bool {
+    let named = |name: &String| name.starts_with(|c: char| c.is_alphabetic() || c == '_');
+    names.iter().all(|name| named(name) && number(name.as_bytes()).is_none())
+}
+
+/// Names of the two particles, whatever the other columns are called.
+fn is_pair(names: &[String]) -> bool {
+    matches!(Columns::named(names, &[], String::new), Ok(Some(_)))
+}
+
+/// How the lines of a table are read.
+struct Layout {
+    separator: Separator,
+    columns: Columns,
+    /// The column that says the frame, if there is one.
+    label: Option<Label>,
+}
+
+#[derive(Clone, Copy)]
+struct Label {
+    column: usize,
+    /// It is a time step, not the number of the frame.
+    is_step: bool,
+}
+
+impl Label {
+    fn named(names: &[String]) -> Option<Label> {
+        let at = |names_of: &[&str]| {
+            names.iter().position(|name| names_of.iter().any(|it| it.eq_ignore_ascii_case(name)))
+        };
+        let of = |is_step: bool| move |column: usize| Label { column, is_step };
+        at(&["frame"]).map(of(false)).or_else(|| at(&["step", "timestep"]).map(of(true)))
+    }
+
+    fn name(self) -> &'static str {
+        if self.is_step { "step" } else { "frame" }
+    }
+
+    /// What the row says.
+    fn of(self, cells: &[&[u8]], lines: &Lines<'_>) -> anyhow::Result<i64> {
+        let cell = cells.get(self.column).copied().unwrap_or_default();
+        let label = whole(cell).filter(|&label| self.is_step || label >= 0);
+        label.with_context(|| {
+            let (place, found) = (lines.place(), shown(cell));
+            format!("{place}: column {}: '{found}' is not a {}", self.column + 1, self.name())
+        })
+    }
+}
+
+impl<'a> Csv<'a> {
+    pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
+        Csv { lines, chosen, layout: None, ahead: false, last: None, ended: false, notices: vec![] }
+    }
+
+    /// Reads up to the first pair, and learns what the columns hold.
+    fn begin(&mut self) -> anyhow::Result<()> {
+        let Csv { lines, chosen, .. } = self;
+        while self.layout.is_none() {
+            if !lines.advance()? {
+                self.ended = true;
+                return Ok(());
+            }
+            let line = lines.line();
+            if line.is_empty() {
+                continue;
+            }
+            let comment = uncommented(line).is_empty();
+            let line = if comment { line[1..].trim_ascii() } else { line };
+            // A name may hold a sign of its own, as in 'overlap %' and 'Pair #,i,j'.
+            let end = line.windows(2).position(|two| two == b" #").unwrap_or(line.len());
+            let bare = uncommented(&line[..end]);
+            let in_name = words(bare).count() < 2
+                && Separator::guess(bare) == Separator::Blanks
+                && Separator::guess(line) != Separator::Blanks;
+            let line = if in_name { line } else { &line[..end] };
+            let separator = Separator::guess(if in_name { line } else { bare });
+            let cells: Vec<&[u8]> = separator.cells(line).collect();
+            let names: Vec<String> =
+                cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
+            let header = is_header(&names) || is_pair(&names);
+            if comment {
+                if let (true, Ok(Some(columns))) =
+                    (header, Columns::named(&names, chosen, || lines.place()))
+                {
+                    let label = Label::named(&names);
+                    self.layout = Some(Layout { separator, columns, label });
+                }
+                continue;
+            }
+            ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
+            let label = if header { Label::named(&names) } else { None };
+            let count =
+                if header { cells.len() } else { separator.cells(uncommented(line)).count() };
+            let numbers = || (1..=count).map(|k| k.to_string()).collect();
+            let names = if header { names } else { numbers() };
+            let named = Columns::named(&names, chosen, || lines.place())?;
+            ensure!(
+                named.is_some() || !header || names.len() == 2,
+                "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
+                lines.place()
+            );
+            if header && named.is_none() {
+                self.notices.push(Notice::Assumed(format!(
+                    "line {} is taken for a header, with the names {} and {}; write i,j if it is \
+                     one, and numbers if it is a pair",
+                    lines.at(),
+                    short(&names[0]),
+                    short(&names[1])
+                )));
+            }
+            let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
+            self.layout = Some(Layout { separator, columns, label });
+            self.ahead = !header;
+        }
+        if let Some(Layout { columns, label: Some(label), .. }) = &mut self.layout {
+            columns.known(label.column);
+        }
+        Ok(())
+    }
+}
+
+impl Reader<List> for Csv<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
+        if self.layout.is_none() && !self.ended {
+            self.begin()?;
+            // A file without rows is a list without pairs.
+            if self.layout.is_none() {
+                return Ok(Some(List { format: "CSV", ..List::default() }));
+            }
+        }
+        let Csv { lines, layout: Some(layout), ahead, last, ended, notices, .. } = self else {
+            return Ok(None);
+        };
+        choice.sparse = layout.label.is_some();
+        choice.by_step = layout.label.as_ref().is_some_and(|label| label.is_step);
+        while !*ended {
+            let sparse = choice.sparse;
+            let mut list = List { format: "CSV", sparse, ..List::default() };
+            list.notices = std::mem::take(notices);
+            let mut columns = layout.columns.clone();
+            let (mut step, mut empty, mut divided) = (Step::Keep, true, None);
+            loop {
+                if !std::mem::take(ahead) && !lines.advance()? {
+                    *ended = true;
+                    break;
+                }
+                let line = uncommented(lines.line());
+                if line.is_empty() {
+                    let comment = lines.text();
+                    if layout.label.is_none() && !empty && names_a_frame(&comment) {
+                        divided = divided.or(Some(comment));
+                    }
+                    continue;
+                }
+                if let Some(comment) = divided.take() {
+                    list.divided(&comment);
+                }
+                let cells: Vec<&[u8]> = layout.separator.cells(line).collect();
+                if let Some(label) = layout.label {
+                    let value = label.of(&cells, lines)?;
+                    if !empty && *last != Some(value) {
+                        *ahead = true;
+                        break;
+                    }
+                    if empty {
+                        ascends(last.replace(value), value, label.name(), || lines.place())?;
+                        let index = if label.is_step { choice.seen } else { value as u64 };
+                        list.frame = Some(index);
+                        list.step = label.is_step.then_some(value);
+                        step = choice.begin_at(index, || lines.place())?;
+                        if step == Step::Stop {
+                            *ended = true;
+                            return Ok(None);
+                        }
+                    }
+                }
+                empty = false;
+                if step == Step::Keep {
+                    columns.push(lines, &cells, &mut list)?;
+                }
+            }
+            if step == Step::Keep && !(layout.label.is_some() && empty) {
+                columns.end(&mut list);
+                return Ok(Some(list));
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,220 @@
+//! Contact lists that other codes wrote: CSV, npy, MercuryDPM `.fstat`, LAMMPS dump local.
+//!
+//! A list names particles by numbers, whose meaning is the caller's business: indices from 0 or 1,
+//! or the ids of the particles' file. A file may hold a list for each of several frames: the
+//! sections of a dump, those of an `.fstat` file, or rows in order of a column `frame` (from 0) or
+//! `step`; in npy the first of three, five or six columns, where all frames are wanted.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+
+use crate::Frame;
+use crate::formats::gzip::{self, Unpacking};
+use crate::formats::{npy, unread};
+use crate::frames::{Choice, Once, Reader, Step, chosen};
+use crate::lines::{Lines, Source};
+use crate::room::room;
+use crate::{Notice, series};
+
+mod archive;
+mod array;
+mod columns;
+mod csv;
+mod dump;
+pub(super) mod fstat;
+mod list;
+pub use columns::Other;
+pub use list::{List, columns_of};
+
+/// The contact lists of a file, one after the other: no more than one is held at a time.
+pub struct Lists<'a> {
+    reader: Box<dyn Reader<List> + 'a>,
+    choice: Choice,
+    name: &'a str,
+    ended: bool,
+}
+
+impl Lists<'_> {
+    /// Frames that are not there are lists without pairs: so it is where rows say their frame.
+    pub fn is_sparse(&self) -> bool {
+        self.choice.sparse
+    }
+
+    fn chosen(mut self) -> anyhow::Result<List> {
+        let (kept, frame) = chosen(&mut *self.reader, &mut self.choice, self.name)?;
+        let frame = Some(frame).filter(|_| self.choice.seen > 0);
+        let none = || List { format: "CSV", frame, sparse: true, ..List::default() };
+        Ok(kept.unwrap_or_else(none))
+    }
+}
+
+/// An error ends them.
+impl Iterator for Lists<'_> {
+    type Item = anyhow::Result<List>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.reader.next(&mut self.choice).transpose()?;
+        self.ended = next.is_err();
+        Some(next)
+    }
+}
+
+/// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
+/// none, the two of the particles, or these and the two or three of the image.
+pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
+    lists(path, columns, frame, |lists| lists.chosen())
+}
+
+/// As [`read`], from a stream.
+pub fn from(
+    reader: impl BufRead,
+    name: &str,
+    columns: &[&str],
+    frame: Frame,
+) -> anyhow::Result<List> {
+    lists_from(reader, name, columns, frame, |lists| lists.chosen())
+}
+
+/// Hands the lists of a file that are chosen to `body`, which takes them one by one.
+pub fn lists<T>(
+    path: &Path,
+    columns: &[&str],
+    frame: Frame,
+    body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let name = path.display().to_string();
+    if let Some((files, notice)) = series::matching(path)? {
+        let reader = Box::new(Files { files, notice, columns, next: 0 });
+        let choice = Choice::new(frame, false);
+        return body(Lists { reader, choice, name: &name, ended: false });
+    }
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
+}
+
+/// The lists of several files, one a frame.
+struct Files<'a> {
+    files: Vec<PathBuf>,
+    notice: Option<Notice>,
+    columns: &'a [&'a str],
+    next: usize,
+}
+
+impl Reader<List> for Files<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
+        // Files before the one that is wanted are not opened.
+        self.next = self.next.max(choice.first_of(self.files.len()));
+        let Some(file) = self.files.get(self.next) else { return Ok(None) };
+        let frame = self.next as u64;
+        self.next += 1;
+        if choice.begin_at(frame, || file.display().to_string())? == Step::Stop {
+            return Ok(None);
+        }
+        let mut list = read(file, self.columns, Frame::Only)?;
+        list.notices.extend(self.notice.take());
+        Ok(Some(List { frame: Some(frame), sparse: false, ..list }))
+    }
+}
+
+/// As [`lists`], from a stream.
+pub fn lists_from<T>(
+    reader: impl BufRead,
+    name: &str,
+    columns: &[&str],
+    frame: Frame,
+    body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    ensure!(
+        matches!(columns.len(), 0 | 2 | 4 | 5),
+        "--pairs-columns takes the two columns of the particles, and those of the image where \
+         there is one, with commas between: I,J or I,J,SX,SY or I,J,SX,SY,SZ"
+    );
+    let unpacking = &Unpacking::default();
+    let mut reader = unpacking.file(reader);
+    let head = head(&mut reader, name)?;
+    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
+    let lists = |input: &mut dyn BufRead, head: &[u8]| {
+        let reader = open(Source { input, name, unpacking }, head, columns)?;
+        body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
+    };
+    if !head.starts_with(gzip::MAGIC) {
+        return lists(&mut reader, &head);
+    }
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
+    let head = self::head(&mut reader, name)?;
+    lists(&mut std::io::Cursor::new(&head[..]).chain(reader), &head)
+}
+
+/// The first bytes, which tell the format.
+fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
+    Ok(head)
+}
+
+fn open<'a>(
+    source: Source<'a>,
+    head: &[u8],
+    columns: &'a [&'a str],
+) -> anyhow::Result<Box<dyn Reader<List> + 'a>> {
+    let name = source.name;
+    if head.starts_with(npy::MAGIC) {
+        return Ok(Box::new(array::Array::new(source)));
+    }
+    unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
+    if head.starts_with(b"PK\x03\x04") {
+        return Ok(Box::new(Once::new(move || archive::read(source, columns))));
+    }
+    ensure!(
+        !head.contains(&0),
+        "{name} is binary, and no npy or npz file; write the pairs as CSV with a header i,j"
+    );
+    let lines = Lines::new(source);
+    if head.starts_with(b"ITEM:") {
+        return Ok(Box::new(dump::Dump::new(lines, columns)));
+    }
+    if fstat::tells(head, false) || name.ends_with(".fstat") {
+        return Ok(Box::new(fstat::Fstat::new(lines)));
+    }
+    Ok(Box::new(csv::Csv::new(lines, columns)))
+}
+
+fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
+    room(&mut list.pairs)?;
+    list.pairs.push(pair);
+    Ok(())
+}
+
+/// Images are numbered in 32 bits.
+fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 3]> {
+    let mut image = [0; 3];
+    for (image, number) in image.iter_mut().zip(numbers) {
+        *image = i32::try_from(number).ok().with_context(|| {
+            format!("{}: {number} is not the number of an image: below 2^31", place())
+        })?;
+    }
+    Ok(image)
+}
+
+/// Rows that say to which frame they belong stand in its order.
+fn ascends(
+    last: Option<i64>,
+    label: i64,
+    what: &str,
+    place: impl Fn() -> String,
+) -> anyhow::Result<()> {
+    let after = last.filter(|&last| last > label);
+    ensure!(
+        after.is_none(),
+        "{}: {what} {label} stands after {what} {}; sort the rows by {what}",
+        place(),
+        after.unwrap_or_default()
+    );
+    Ok(())
+}

@@ -1,0 +1,354 @@
+//! Particles as they are read: centres and radii that grow with the bytes of the file, never with
+//! what it promises.
+
+pub(super) mod digits;
+mod ids;
+
+use anyhow::{Context, bail, ensure};
+use nalgebra::Point;
+
+use crate::Given;
+use crate::boxes::along;
+pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, is_decimal_comma};
+use crate::lines::{listed, short};
+use crate::room::{room, room_for};
+use crate::{About, Groups, Notice, Options, RadiusSource};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+
+/// Centres of either dimension, in file order.
+#[derive(Debug, PartialEq)]
+pub enum Centres {
+    Plane(Vec<Point<f64, 2>>),
+    Space(Vec<Point<f64, 3>>),
+}
+
+/// Particles as read.
+#[derive(Debug, PartialEq)]
+pub struct Particles {
+    pub centres: Centres,
+    pub radii: Option<Vec<f64>>,
+    /// The file's own numbers of the particles, where they were asked for and are there.
+    pub ids: Option<Vec<i64>>,
+    /// Whose contacts are left out, where that was asked for.
+    pub groups: Option<Groups>,
+    /// The box, where it repeats.
+    pub lattice: Option<Lattice>,
+    /// The file has one, whether that repeats or not.
+    pub has_box: bool,
+    /// What the file leaves open.
+    pub notices: Vec<Notice>,
+    /// Names of columns or arrays that are not used: one of them may hold the sizes.
+    pub(crate) unused: Vec<String>,
+    /// Where the radii come from.
+    pub source: Option<RadiusSource>,
+    /// See [`Particles::first`].
+    pub first: Option<u64>,
+    /// How many of the coordinates looked at have how many significant digits.
+    pub(super) digits: digits::Counts,
+}
+
+impl Particles {
+    pub fn new(dim: usize, has_radii: bool) -> Particles {
+        let centres =
+            if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::Space(Vec::new()) };
+        Particles::of(centres, has_radii.then(Vec::new))
+    }
+
+    pub fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
+        let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
+        let digits = digits::Counts::default();
+        let (has_box, first, unused, source) = (false, None, Vec::new(), None);
+        Particles {
+            centres,
+            radii,
+            ids,
+            groups,
+            lattice,
+            has_box,
+            notices,
+            unused,
+            source,
+            first,
+            digits,
+        }
+    }
+
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        match &self.centres {
+            Centres::Plane(points) => points.len(),
+            Centres::Space(points) => points.len(),
+        }
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// 2 or 3.
+    pub fn dim(&self) -> usize {
+        if matches!(self.centres, Centres::Plane(_)) { 2 } else { 3 }
+    }
+
+    /// Has the file a radius for each?
+    pub fn has_radii(&self) -> bool {
+        self.radii.is_some()
+    }
+
+    /// The file's own numbers of the particles, if they were asked for and are there.
+    pub fn ids(&self) -> Option<&[i64]> {
+        self.ids.as_deref()
+    }
+
+    /// The box that repeats; none where boundaries are open, or taken as open.
+    pub fn lattice(&self) -> Option<&Lattice> {
+        self.lattice.as_ref()
+    }
+
+    /// What the file leaves open, to be said to whoever named it.
+    pub fn notices(&self) -> &[Notice] {
+        &self.notices
+    }
+
+    /// The number of the first particle in the file, if these are the part that was asked for; none
+    /// if they are all.
+    pub fn first(&self) -> Option<u64> {
+        self.first
+    }
+
+    /// Spheres of which all have the same z, 0?
+    pub fn is_flat(&self) -> bool {
+        matches!(&self.centres, Centres::Space(points)
+            if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
+    }
+
+    /// Coordinates of particle `k`; z is 0 in the plane.
+    pub fn centre(&self, k: usize) -> [f64; 3] {
+        match &self.centres {
+            Centres::Plane(points) => [points[k][0], points[k][1], 0.0],
+            Centres::Space(points) => [points[k][0], points[k][1], points[k][2]],
+        }
+    }
+
+    pub fn push(&mut self, point: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
+        ensure!(
+            self.len() < u32::MAX as usize,
+            "more than 2^32 - 1 = {} particles; split the file",
+            u32::MAX
+        );
+        match &mut self.centres {
+            Centres::Plane(points) => {
+                room(points)?;
+                points.push(Point::from([point[0], point[1]]));
+            }
+            Centres::Space(points) => {
+                room(points)?;
+                points.push(Point::from(point));
+            }
+        }
+        if let Some(radii) = &mut self.radii {
+            room(radii)?;
+            radii.push(radius);
+        }
+        if let Some(ids) = &mut self.ids {
+            room(ids)?;
+            ids.push(id);
+        }
+        Ok(())
+    }
+
+    /// Adds rows of coordinates, and of radii behind them if there are any.
+    pub fn extend(&mut self, numbers: &[f64], columns: usize) -> anyhow::Result<()> {
+        let (rows, dim) = (numbers.chunks_exact(columns), self.dim());
+        match &mut self.centres {
+            Centres::Plane(points) => {
+                room_for(points, rows.len())?;
+                points.extend(rows.clone().map(|row| Point::from([row[0], row[1]])));
+            }
+            Centres::Space(points) => {
+                room_for(points, rows.len())?;
+                points.extend(rows.clone().map(|row| Point::from([row[0], row[1], row[2]])));
+            }
+        }
+        if let Some(radii) = &mut self.radii {
+            room_for(radii, rows.len())?;
+            radii.extend(rows.map(|row| row[dim]));
+        }
+        Ok(())
+    }
+
+    /// Adds the particles of a further file of the same scene; `name` stands in messages.
+    pub fn append(&mut self, other: Particles, name: &str) -> anyhow::Result<()> {
+        let n = self.len() + other.len();
+        ensure!(n <= u32::MAX as usize, "more than 2^32 - 1 = {} particles", u32::MAX);
+        ensure!(
+            self.has_radii() == other.has_radii() || self.is_empty() || other.is_empty(),
+            "{name}: of the pieces of one scene some hold radii, and others none; write them alike"
+        );
+        match (&mut self.centres, other.centres) {
+            (Centres::Plane(all), Centres::Plane(more)) => {
+                room_for(all, more.len())?;
+                all.extend(more);
+            }
+            (Centres::Space(all), Centres::Space(more)) => {
+                room_for(all, more.len())?;
+                all.extend(more);
+            }
+            _ => bail!("{name}: some pieces of one scene hold discs, and others spheres"),
+        }
+        joined(&mut self.radii, other.radii, n)?;
+        joined(&mut self.ids, other.ids, n)?;
+        match (&mut self.groups, other.groups) {
+            (Some(all), Some(more)) => all.append(more)?,
+            (all, _) => *all = None,
+        }
+        let new = other.notices.into_iter().filter(|notice| !self.notices.contains(notice));
+        let new: Vec<Notice> = new.collect();
+        self.notices.extend(new);
+        Ok(())
+    }
+
+    /// Particles of which coordinates and sizes came one after the other; `name` stands in
+    /// messages.
+    pub(crate) fn from_columns(
+        points: Vec<Point<f64, 3>>,
+        radii: Option<Vec<f64>>,
+        name: &str,
+    ) -> anyhow::Result<Particles> {
+        if let Some(radii) = &radii {
+            ensure!(
+                radii.len() == points.len(),
+                "{name} holds {} points but {} radii; write it again",
+                points.len(),
+                radii.len()
+            );
+        }
+        Ok(Particles::of(Centres::Space(points), radii))
+    }
+
+    /// Puts the radius that is given in the place of the file's, turns spheres with z = 0 into
+    /// discs if that is asked for, and refuses what cannot be had.
+    pub(crate) fn as_asked(
+        &mut self,
+        name: &str,
+        options: Options,
+        radius: &mut RadiusSource,
+    ) -> anyhow::Result<()> {
+        if let Some(given) = options.radius {
+            if self.radii.take().is_some() {
+                let label = match radius {
+                    RadiusSource::Column(label) | RadiusSource::Halved(label) => label.as_str(),
+                    RadiusSource::Given | RadiusSource::Missing => "the last column",
+                };
+                self.notices.push(unused_sizes(label, given));
+            }
+            *radius = RadiusSource::Given;
+        }
+        ensure!(
+            options.dim != Some(3) || self.dim() == 3,
+            "{name} holds plane points (x and y only); it cannot be read as 3D: add a column z"
+        );
+        if let (Some(2), Centres::Space(points)) = (options.dim, &mut self.centres) {
+            if let Some(k) = points.iter().position(|point| point[2] != 0.0) {
+                bail!(
+                    "{name}: particle {k} has z = {}; only particles with z = 0 can be read as 2D",
+                    points[k][2]
+                );
+            }
+            self.centres = Centres::Plane(
+                std::mem::take(points).into_iter().map(|p| Point::from([p[0], p[1]])).collect(),
+            );
+        }
+        Ok(())
+    }
+
+    /// The scene with open boundaries. Radii must be in the file or given.
+    ///
+    /// # Errors
+    /// A box that repeats, among others: whoever wants the particles without it says so in the
+    /// options ([`crate::Boundaries::open`]).
+    pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
+        if let Some(lattice) = &self.lattice {
+            bail!(
+                "{name}: the box repeats along {}, and here boundaries are open; give --open to \
+                 leave out contacts across it",
+                along(lattice.periodic())
+            );
+        }
+        self.given(name, radius).map(|given| given.scene)
+    }
+
+    /// The particles, and the box in which they repeat: none where boundaries are open. Radii must
+    /// be in the file or given.
+    pub fn given(self, name: &str, radius: Option<f64>) -> anyhow::Result<Given> {
+        let radii = match (self.radii, radius) {
+            (None, None) => bail!("{name} holds no radii{}", without_radii(&self.unused)),
+            (None, Some(radius)) => Radii::Uniform(radius),
+            (Some(radii), _) => match radii.first() {
+                Some(&first) if radii.iter().all(|&r| r == first) => Radii::Uniform(first),
+                _ => Radii::Each(radii.into()),
+            },
+        };
+        let scene = match self.centres {
+            Centres::Plane(points) => AnyScene::from(
+                Scene::<f64, 2>::new(points, radii).with_context(|| name.to_string())?,
+            ),
+            Centres::Space(points) => AnyScene::from(
+                Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
+            ),
+        };
+        let Particles { lattice, has_box, notices, source, .. } = self;
+        Ok(Given { scene, lattice, has_box, notices, source })
+    }
+}
+
+/// Appends a list of further particles, of which there are `count` then; none is left where it is
+/// not of all.
+fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> anyhow::Result<()> {
+    if all.is_none() && more.is_none() {
+        return Ok(());
+    }
+    let (mut list, more) = (all.take().unwrap_or_default(), more.unwrap_or_default());
+    room_for(&mut list, more.len())?;
+    list.extend(more);
+    *all = (list.len() == count).then_some(list);
+    Ok(())
+}
+
+/// The radius that is given counts, and not the sizes of that column or array.
+pub(crate) fn unused_sizes(label: &str, given: f64) -> Notice {
+    Notice::Assumed(format!("the sizes in '{}' are not used: the radius is {given}", short(label)))
+}
+
+/// What to do about particles without radii; of the names that are there those like a size come
+/// first.
+fn without_radii(names: &[String]) -> String {
+    let like = |name: &&String| {
+        let name = name.to_ascii_lowercase();
+        ["rad", "diam", "size"].iter().any(|part| name.contains(part))
+    };
+    let (mut shown, others): (Vec<&String>, Vec<&String>) = names.iter().partition(like);
+    let remedy = match shown.first() {
+        Some(name) => format!("say which name is theirs: --columns r={0} or d={0}", short(name)),
+        None => "give --columns r=NAME or d=NAME if one of the names is theirs".into(),
+    };
+    shown.extend(others);
+    let there = match shown[..] {
+        [] => "; add a column named r, or".into(),
+        _ => format!(
+            " in a column r, radius, d or diameter; not used: {}; {remedy}, or",
+            listed(&shown)
+        ),
+    };
+    format!("{there} give --radius R (half the diameter; in an experiment radius = R)")
+}
+
+/// Particles of columns, and what was understood.
+pub fn loaded(
+    format: &'static str,
+    particles: Particles,
+    radius: RadiusSource,
+) -> (Particles, About) {
+    (particles, About { format, radius, ..About::default() })
+}

@@ -1,0 +1,211 @@
+//! Files of text, and what is read of them: `cases/*.txt`.
+//!
+//! A line `>>> ENDING` begins a file (`>>> list` a list of contacts), whose lines follow. A line
+//! `<<< NAME=VALUE ...` reads the file with these options, and below it stands what comes of that:
+//!
+//! | line | holds |
+//! |---|---|
+//! | `= FORMAT SOURCE:` | where radii are from; of each particle `#id`, coordinates, radius |
+//! | `@` | frame, step and time, unless it is frame 0 without these |
+//! | `+` or `-` | the box, if it repeats or not: vectors, flags, corner |
+//! | `~` | words of a notice, one line for each, with … between words |
+//! | `!` | words of the refusal |
+//!
+//! In a file `\t`, `\r`, `\0` and `\\` stand for themselves, `\xff` for a byte, and `\` at the end
+//! of a line for no line feed. A line without options reads the only frame.
+
+use std::fmt::Write;
+
+use super::*;
+use crate::pairs;
+
+macro_rules! files {
+    ($($name:literal),*) => { [$(($name, include_str!(concat!("cases/", $name, ".txt")))),*] };
+}
+const FILES: [(&str, &str); 9] =
+    files!["boxes", "codes", "columns", "frames", "lists", "refused", "tables", "vtk", "xyz"];
+
+/// A file as the cases write it.
+fn bytes(lines: &[&str]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for line in lines {
+        let mut rest = line.bytes();
+        let mut ended = true;
+        while let Some(byte) = rest.next() {
+            let escape = if byte == b'\\' { rest.next() } else { None };
+            match (byte, escape) {
+                (b'\\', None) => ended = false,
+                (_, Some(b'x')) => {
+                    let digits: String = rest.by_ref().take(2).map(char::from).collect();
+                    bytes.push(u8::from_str_radix(&digits, 16).unwrap());
+                }
+                (_, Some(letter)) => {
+                    let of = |(from, to): (u8, u8)| (from == letter).then_some(to);
+                    let all = [(b't', b'\t'), (b'r', b'\r'), (b'0', 0), (b'\\', b'\\')];
+                    bytes.push(all.into_iter().find_map(of).unwrap());
+                }
+                _ => bytes.push(byte),
+            }
+        }
+        bytes.extend(ended.then_some(b'\n'));
+    }
+    bytes
+}
+
+/// The options of a line, and the columns of a list.
+fn options(text: &str) -> Result<(Options, Vec<&str>), String> {
+    let (mut options, mut columns) = (NONE, Vec::new());
+    for word in text.split_whitespace() {
+        let (name, value) = word.split_once('=').unwrap_or((word, "true"));
+        match name {
+            "ids" => options.ids = true,
+            "pairs-columns" => columns = value.split(',').collect(),
+            _ => {
+                let option = OPTIONS.iter().find(|option| option.name == name).expect(word);
+                option.set(&mut options, value)?;
+            }
+        }
+    }
+    Ok((options, columns))
+}
+
+fn numbers(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn notices(notices: &[Notice], out: &mut String) {
+    notices.iter().for_each(|it| writeln!(out, "~ {}", it.words(Place::Argument)).unwrap());
+}
+
+/// What is to be said of a frame, line by line.
+fn frame(particles: Particles, about: &About, options: Options, out: &mut String) {
+    if (about.frame, about.step, about.time) != (0, None, None) {
+        let About { frame, step, time, .. } = about;
+        writeln!(out, "@ {frame} {step:?} {time:?}").unwrap();
+    }
+    if let Some(lattice) = particles.lattice() {
+        let (vectors, periodic) = (lattice.vectors().map(|it| numbers(&it)), lattice.periodic());
+        let flags = periodic.map(|yes| if yes { 'T' } else { 'F' });
+        let flags: String = flags.into_iter().collect();
+        let corner = numbers(&lattice.origin());
+        writeln!(out, "+ {}, {flags}, {corner}", vectors.join(" / ")).unwrap();
+    } else if let Some(Declared { vectors, periodic, .. }) = &about.declared {
+        let vectors = vectors.map(|it| it.map(|it| numbers(&it)).join(" / "));
+        writeln!(out, "- {} {periodic:?}", vectors.unwrap_or_default()).unwrap();
+    }
+    notices(particles.notices(), out);
+    let row = |k: usize| {
+        let id = particles.ids().map(|ids| format!("#{} ", ids[k])).unwrap_or_default();
+        let radius = particles.radii.as_ref().map_or(options.radius, |radii| Some(radii[k]));
+        let centre = particles.centre(k)[..particles.dim()].to_vec();
+        id + &numbers(&centre.into_iter().chain(radius).collect::<Vec<_>>())
+    };
+    let source = match &about.radius {
+        RadiusSource::Column(name) => format!("r {name}"),
+        RadiusSource::Halved(name) => format!("d {name}"),
+        RadiusSource::Given => "given".into(),
+        RadiusSource::Missing => "none".into(),
+    };
+    let rows: Vec<String> = (0..particles.len()).map(row).collect();
+    writeln!(out, "= {} {source}: {}", about.format, rows.join(" | ")).unwrap();
+    if let Err(error) = particles.given("p", options.radius) {
+        writeln!(out, "! {error:#}").unwrap();
+    }
+}
+
+/// What comes of a file of particles.
+fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
+    let mut out = String::new();
+    let read = if options.frame == Frame::All {
+        frames_from(bytes, "p", ending, options, |frames| {
+            for next in frames {
+                let (particles, about) = next?;
+                frame(particles, &about, options, &mut out);
+            }
+            Ok(())
+        })
+    } else {
+        load_from(bytes, "p", ending, options)
+            .map(|(particles, about)| frame(particles, &about, options, &mut out))
+    };
+    read.unwrap_or_else(|error| writeln!(out, "! {error:#}").unwrap());
+    out
+}
+
+/// What comes of lists of contacts.
+fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
+    let mut out = String::new();
+    let list = |list: pairs::List, out: &mut String| {
+        if list.frame.is_some() {
+            writeln!(out, "@ {:?} {:?}", list.frame, list.step).unwrap();
+        }
+        notices(&list.notices, out);
+        let images = list.images.as_deref();
+        let row = |(k, [i, j]): (usize, &[i64; 2])| match images.map(|images| images[k]) {
+            None => format!("{i} {j}"),
+            Some([x, y, z]) => format!("{i} {j} ({x} {y} {z})"),
+        };
+        let rows: Vec<String> = list.pairs.iter().enumerate().map(row).collect();
+        writeln!(out, "= {}: {}", list.format, rows.join(" | ")).unwrap();
+    };
+    let read = if frame == Frame::All {
+        pairs::lists_from(bytes, "p", columns, frame, |lists| {
+            for next in lists {
+                list(next?, &mut out);
+            }
+            Ok(())
+        })
+    } else {
+        pairs::from(bytes, "p", columns, frame).map(|it| list(it, &mut out))
+    };
+    read.unwrap_or_else(|error| writeln!(out, "! {error:#}").unwrap());
+    out
+}
+
+/// What comes of a file that is read with these options.
+fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
+    match options(text) {
+        Err(why) => format!("! {why}\n"),
+        Ok((options, columns)) if ending == "list" => lists(bytes, &columns, options.frame),
+        Ok((options, _)) => particles(bytes, ending, options),
+    }
+}
+
+/// Whether a line is what is expected: of notices and refusals in these words, which `…` parts.
+fn says(line: &str, expected: &str) -> bool {
+    let mut rest = line.split_at(1).1;
+    match expected.split_at(1) {
+        (sign @ ("~" | "!"), words) if line.starts_with(sign) => words.split('…').all(|words| {
+            let at = rest.find(words.trim());
+            rest = &rest[at.unwrap_or_default()..];
+            at.is_some()
+        }),
+        _ => line == expected,
+    }
+}
+
+#[test]
+fn files_of_text_give_particles_lists_or_words() {
+    let (mut count, mut wrong) = (0, String::new());
+    for (file, text) in FILES {
+        for case in text.split("\n>>> ").skip(1) {
+            let mut reads = case.split("\n<<<");
+            let mut lines = reads.next().unwrap().split('\n');
+            let ending = lines.next().unwrap().trim();
+            let bytes = bytes(&lines.collect::<Vec<_>>());
+            for read in reads {
+                let (options, expected) = read.split_once('\n').unwrap();
+                let is_said = |line: &&str| line.starts_with(['=', '@', '+', '-', '~', '!']);
+                let expected: Vec<&str> = expected.lines().filter(is_said).collect();
+                let found = outcome(&bytes, ending, options);
+                let lines: Vec<&str> = found.lines().collect();
+                let said = || lines.iter().zip(&expected).all(|(line, words)| says(line, words));
+                if lines.len() != expected.len() || !said() {
+                    writeln!(wrong, "{file}: {case}\n--- {options}: {found}").unwrap();
+                }
+                count += 1;
+            }
+        }
+    }
+    assert!(wrong.is_empty() && count > 500, "{count} cases; wrong are\n{wrong}");
+}

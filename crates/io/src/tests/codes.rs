@@ -1,0 +1,131 @@
+//! Files of HOOMD, and files whose last frame is being written.
+
+use super::*;
+
+/// Two whole frames of each format, and one that is being written.
+fn growing() -> [(&'static str, String, usize); 4] {
+    let dump = |step: u64| {
+        format!(
+            "ITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS \
+             pp pp pp\n0 10\n0 10\n0 10\nITEM: ATOMS id x y z\n1 {step} 5 5\n2 9.75 5 5\n"
+        )
+    };
+    let xyz =
+        |step: u64| format!("2\nLattice=\"10 10 10\" step={step}\nC {step} 5 5\nC 9.75 5 5\n");
+    let mercury =
+        |step: u64| format!("2 {step} 0 0 9 9\n{step} 5 0 0 .5 0 0 0\n1 5 0 0 .5 0 0 0\n");
+    let csv = |step: u64| {
+        let head = if step == 0 { "frame,x,y,z\n" } else { "" };
+        format!("{head}{step},{step},5.125,5.25\n{step},9.75,5.125,5.25\n")
+    };
+    let of = |frame: &dyn Fn(u64) -> String| frame(0) + &frame(1) + &frame(2);
+    [("dump", of(&dump), 26), ("xyz", of(&xyz), 8), ("", of(&mercury), 6), ("csv", of(&csv), 5)]
+}
+
+#[test]
+fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
+    for (ending, text, lines) in growing() {
+        let third: usize = text.split_inclusive('\n').take(lines).map(str::len).sum();
+        let rest = text.len() - third;
+        for cut in [text.len() - 12, text.len() - 9, third + rest / 4, third + 3] {
+            let bytes = &text.as_bytes()[..cut];
+            let radius = (!ending.is_empty()).then_some(0.5);
+            let options = Options { radius, ..NONE };
+            let load = |frame, survey| {
+                load_from(bytes, "p", ending, Options { frame, survey, ..options })
+                    .map_err(|error| format!("{error:#}"))
+            };
+            for k in [0, 1] {
+                for survey in [false, true] {
+                    let (particles, _) = load(Frame::Number(k), survey).unwrap();
+                    assert_eq!(particles.centre(0)[0], k as f64, "{ending} {cut} {k}");
+                    let said = |notice: &Notice| {
+                        let words = notice.words(Place::Argument);
+                        words.contains("is whole") || words.contains("no line feed")
+                    };
+                    // A table is read to its end, for the order of its rows.
+                    let through = survey || ending == "csv";
+                    assert_eq!(particles.notices().iter().any(said), through, "{ending} {cut}");
+                }
+            }
+            let whole =
+                format!("frames 0 to 1 are whole: take --frame 1, or all with head -n {lines} p");
+            let error = load(Frame::Last, false).unwrap_err();
+            assert!(error.ends_with(&whole), "{ending} {cut}: {error}");
+            let all = Options { frame: Frame::All, ..options };
+            let mut count = 0;
+            let end = frames_from(bytes, "p", ending, all, |frames| {
+                frames.map(|frame| frame.map(|_| count += 1)).collect::<anyhow::Result<Vec<_>>>()
+            });
+            assert!(format!("{:#}", end.unwrap_err()).ends_with(&whole));
+            assert_eq!(count, 2, "{ending} {cut}");
+        }
+        // The remedy of the message.
+        let some: String = text.split_inclusive('\n').take(lines).collect();
+        let options = Options { radius: (!ending.is_empty()).then_some(0.5), ..NONE };
+        let last = Options { frame: Frame::Last, ..options };
+        let (particles, _) = load_from(some.as_bytes(), "p", ending, last).unwrap();
+        assert_eq!(particles.centre(0)[0], 1.0);
+        // The last number of all may be cut, and nothing else shows it.
+        let cut = &text.as_bytes()[..text.len() - 1];
+        let (particles, _) = load_from(cut, "p", ending, last).unwrap();
+        let words = |notice: &Notice| notice.words(Place::Argument).contains("no line feed");
+        assert!(particles.notices().iter().any(words), "{ending}");
+    }
+}
+
+fn gsd(name: &str) -> Vec<u8> {
+    std::fs::read(
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data").join(name),
+    )
+    .unwrap()
+}
+
+#[test]
+fn gsd_of_hoomd_is_read_with_its_frames_box_and_diameters() {
+    let bytes = gsd("tilted.gsd");
+    let frame = |frame| load_from(&bytes[..], "p", "", Options { frame, ..NONE }).unwrap();
+    let (particles, about) = frame(Frame::Number(1));
+    assert_eq!((about.format, about.frame, about.step), ("GSD", 1, Some(50)));
+    let declared = about.declared.unwrap();
+    let vectors = [[4.0, 0.0, 0.0], [2.0, 4.0, 0.0], [0.0, 2.0, 8.0]];
+    assert_eq!(declared.vectors, Some(vectors));
+    assert_eq!((declared.origin, declared.periodic), ([-3.0, -3.0, -4.0], Some([true; 3])));
+    let given = particles.given("p", None).unwrap();
+    assert_eq!(rows(&given.scene), [[0.0, 0.0, 0.0, 0.5], [1.5, 0.0, 0.0, 0.75]]);
+    let (particles, about) = frame(Frame::Last);
+    assert_eq!((about.frames, about.step, particles.len()), (3, Some(75), 3));
+    assert_eq!(particles.centre(1), [0.0, 0.0, -3.75]);
+    // Discs without diameters.
+    let (particles, about) = load_from(&gsd("plane.gsd")[..], "p", "", NONE).unwrap();
+    assert_eq!((particles.dim(), about.step), (2, Some(7)));
+    assert_eq!(about.declared.unwrap().periodic, Some([true, true, false]));
+    let words = particles.notices()[0].words(Place::Argument);
+    assert!(words.contains("default of 1"), "{words}");
+    assert_eq!(particles.given("p", None).unwrap().scene.len(), 3);
+    let (particles, _) = load_from(&gsd("plane.gsd")[..], "p", "", HALF).unwrap();
+    assert!(particles.notices().is_empty());
+}
+
+/// Each field of the head and the index is set to other values; each prefix is read.
+#[test]
+fn damaged_gsd_gives_a_sentence() {
+    let bytes = gsd("tilted.gsd");
+    let mut read = [0, 0];
+    let mut see = |bytes: &[u8]| {
+        for frame in [Frame::Last, Frame::Number(0)] {
+            let loaded = load_from(bytes, "p", "", Options { frame, ..NONE });
+            read[usize::from(loaded.is_ok())] += 1;
+        }
+    };
+    (0..bytes.len()).step_by(37).for_each(|end| see(&bytes[..end]));
+    for at in (8..48).chain(256..256 + 32 * 18) {
+        for value in [0, 1, 0x7f, 0xff] {
+            let mut bytes = bytes.clone();
+            bytes[at] = value;
+            see(&bytes);
+        }
+    }
+    let [bad, good] = read;
+    assert!(bad > 100 && good > 100, "{bad} {good}");
+}

@@ -1,0 +1,52 @@
+//! What is read of files of text (`cases`), of arrays (`npy`, `arrays`) and of several files
+//! (`series`); the frames of arrays, frames that are being written (`frames`, `codes`), lists in
+//! arrays (`lists`); and that no bytes make a reader panic (`refused`).
+
+mod arrays;
+mod cases;
+mod codes;
+mod frames;
+mod lists;
+mod npy;
+mod refused;
+mod series;
+
+use super::*;
+use crate::formats::npy::MAGIC;
+use contactbench_core::scene::{Real, array};
+use contactbench_core::with_scene;
+
+const NONE: Options = Options::NONE;
+const HALF: Options = Options { radius: Some(0.5), ..NONE };
+
+fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
+    from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
+}
+
+/// Coordinates and radii of all particles, one list each.
+fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
+    with_scene!(scene, scene => {
+        let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
+        let row = |k: usize| centre(k).into_iter().chain([scene.radius(k).wide()]).collect();
+        (0..scene.len()).map(row).collect()
+    })
+}
+
+fn npy_file(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let header =
+        format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n");
+    let mut bytes =
+        [MAGIC, &[1, 0], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+    bytes.extend_from_slice(data);
+    bytes
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+#[test]
+fn equal_radii_are_one_radius() {
+    let uniform = |text: &str| read(text.as_bytes(), "csv", NONE).unwrap().uniform();
+    assert!(uniform("x,y,r\n1,2,1\n3,4,1\n") && !uniform("x,y,r\n1,2,1\n3,4,2\n"));
+}

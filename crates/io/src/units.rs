@@ -1,0 +1,107 @@
+//! Units of length behind the names of columns: `x [mm]`, `x (mm)`, `x_mm`.
+
+use std::borrow::Cow;
+
+/// Units by name: the family and the power of ten. Families do not turn into each other.
+const UNITS: [(&str, &str, i32); 37] = [
+    ("km", "m", 3),
+    ("m", "m", 0),
+    ("meter", "m", 0),
+    ("meters", "m", 0),
+    ("metre", "m", 0),
+    ("metres", "m", 0),
+    ("dm", "m", -1),
+    ("cm", "m", -2),
+    ("mm", "m", -3),
+    ("millimeter", "m", -3),
+    ("millimeters", "m", -3),
+    ("millimetre", "m", -3),
+    ("millimetres", "m", -3),
+    ("um", "m", -6),
+    ("µm", "m", -6),
+    ("μm", "m", -6),
+    ("micron", "m", -6),
+    ("microns", "m", -6),
+    ("micrometer", "m", -6),
+    ("micrometre", "m", -6),
+    ("nm", "m", -9),
+    ("nanometer", "m", -9),
+    ("nanometre", "m", -9),
+    ("angstrom", "m", -10),
+    ("Angstrom", "m", -10),
+    ("Å", "m", -10),
+    ("pm", "m", -12),
+    ("pc", "pc", 0),
+    ("kpc", "pc", 3),
+    ("Mpc", "pc", 6),
+    ("Gpc", "pc", 9),
+    ("px", "px", 0),
+    ("pixel", "px", 0),
+    ("pixels", "px", 0),
+    ("in", "in", 0),
+    ("inch", "in", 0),
+    ("ft", "ft", 0),
+];
+
+/// The family and the power of ten of a unit.
+pub fn known(unit: &str) -> Option<(&'static str, i32)> {
+    UNITS.iter().find(|(name, ..)| *name == unit).map(|&(_, family, power)| (family, power))
+}
+
+/// A name without the unit in brackets behind it, and that unit.
+pub fn split(name: &str) -> (&str, Option<&str>) {
+    let Some(at) = name.find(['[', '(']) else { return (name.trim(), None) };
+    let unit = name[at + 1..].trim_end_matches([']', ')', ' ']).trim();
+    (name[..at].trim(), Some(unit).filter(|unit| !unit.is_empty()))
+}
+
+/// A name that ends in an underscore and a unit, as `x_mm`, without them, and the unit.
+pub fn suffixed(name: &str) -> Option<(&str, &str)> {
+    name.trim().rsplit_once('_').filter(|(_, unit)| known(unit).is_some())
+}
+
+/// A decimal number times a power of ten, as text: so it is rounded once, when it is read.
+pub fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
+    let at = cell
+        .iter()
+        .position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'))
+        .unwrap_or(cell.len());
+    let (digits, exponent) = cell.split_at(at);
+    let written = match exponent {
+        [] => Some(0),
+        [_, exponent @ ..] => std::str::from_utf8(exponent).ok().and_then(|text| text.parse().ok()),
+    };
+    // Neither inf nor nan is a number times a power of ten.
+    let numeral = digits.last().is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.');
+    match written.and_then(|written: i32| written.checked_add(power)) {
+        Some(exponent) if numeral => [digits, format!("e{exponent}").as_bytes()].concat().into(),
+        _ => cell.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lines::number;
+
+    #[test]
+    fn a_power_of_ten_is_rounded_once() {
+        for (cell, power, value) in [
+            ("1000", -3, Some(1.0)),
+            ("0.3", -3, Some(0.0003)),
+            // 0.9 * 0.001 is rounded twice, to another number.
+            ("0.9", -3, Some(0.0009)),
+            ("-4.35E2", 3, Some(-435e3)),
+            ("4.35e+2", -9, Some(4.35e-7)),
+            ("1.", 3, Some(1e3)),
+            ("1D-3", -3, Some(1e-6)),
+            ("2.5d+02", 3, Some(2.5e5)),
+            ("inf", 3, Some(f64::INFINITY)),
+            ("1e", 3, None),
+            ("x", 3, None),
+            ("", 3, None),
+        ] {
+            assert_eq!(number(&shifted(cell.as_bytes(), power)), value, "{cell}");
+        }
+    }
+}

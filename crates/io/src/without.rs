@@ -1,0 +1,158 @@
+//! Contacts that are left out, by a column of the particles: `type=2`, or `type=1:2`.
+
+use std::str::FromStr;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::Frame;
+use crate::chosen::Word;
+use crate::lines::{listed, number};
+use crate::particles::Columns;
+use crate::room::{room, room_for};
+
+/// Contacts of particles that have some value in a column, with all others or with those of some
+/// value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Without {
+    column: Word,
+    /// Values that are named; the others have number [`MOST`].
+    values: [Option<Word>; MOST],
+    /// For the number of a value, one bit for each of those with which contacts are left out.
+    with: [u16; MOST + 1],
+}
+
+/// Values that may be named.
+const MOST: usize = 8;
+
+impl FromStr for Without {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Without, String> {
+        const FORM: &str =
+            "write a column and a value, as in type=2, or two values, as in type=1:2";
+        let mut without: Option<Without> = None;
+        for piece in text.split(',') {
+            let Some((column, values)) = piece.split_once('=') else {
+                return Err(format!("'{piece}' is not of the form type=2; {FORM}"));
+            };
+            let column = Word::new(column)?;
+            let without = without.get_or_insert(Without {
+                column,
+                values: [None; MOST],
+                with: [0; MOST + 1],
+            });
+            if without.column != column {
+                return Err(format!(
+                    "'{text}' names the columns {} and {}; name one",
+                    without.column.text(),
+                    column.text()
+                ));
+            }
+            match values.split(':').collect::<Vec<_>>()[..] {
+                [value] => {
+                    let a = without.named(value)?;
+                    (0..=MOST).for_each(|b| without.leave_out(a, b));
+                }
+                [a, b] => {
+                    let (a, b) = (without.named(a)?, without.named(b)?);
+                    without.leave_out(a, b);
+                }
+                _ => return Err(format!("'{piece}' has more than two values; {FORM}")),
+            }
+        }
+        without.ok_or_else(|| FORM.to_string())
+    }
+}
+
+impl Without {
+    /// The number of a value, which is named now if it was not before.
+    fn named(&mut self, value: &str) -> Result<usize, String> {
+        let value = Word::new(value)?;
+        let number_of = |word: &Word| number(word.text().as_bytes());
+        let same = |known: &Word| {
+            *known == value || number_of(&value).is_some_and(|x| number_of(known) == Some(x))
+        };
+        let known = |known: &Option<Word>| known.as_ref().is_none_or(same);
+        let place = self.values.iter().position(known);
+        let place = place.ok_or_else(|| format!("more than {MOST} values are named"))?;
+        self.values[place].get_or_insert(value);
+        Ok(place)
+    }
+
+    fn leave_out(&mut self, a: usize, b: usize) {
+        self.with[a] |= 1 << b;
+        self.with[b] |= 1 << a;
+    }
+
+    /// For the particles of a file with these columns; `place` stands in messages.
+    pub fn groups(self, columns: &Columns, place: &str) -> anyhow::Result<Groups> {
+        let name = self.column.text();
+        let column = columns.names.iter().position(|known| known.trim() == name);
+        let column = column.with_context(|| {
+            format!(
+                "{place}: --without {name}=...: there is no such column; there are {}: {}",
+                columns.names.len(),
+                listed(&columns.names)
+            )
+        })?;
+        let value = |word: &Word| {
+            let text = word.text();
+            let number = number(text.as_bytes());
+            (text, number)
+        };
+        let values = self.values.iter().flatten().map(value).collect();
+        Ok(Groups { without: self, column, values, of: Vec::new() })
+    }
+}
+
+/// Which particles have the values that are named.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Groups {
+    without: Without,
+    /// Where the column stands.
+    pub column: usize,
+    /// The values that are named, as texts and, if they are, as numbers.
+    values: Vec<(String, Option<f64>)>,
+    /// The number of the value of each particle.
+    of: Vec<u8>,
+}
+
+impl Groups {
+    /// Takes the value of the next particle.
+    pub fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
+        let as_number = number(cell);
+        let same = |(text, number): &(String, Option<f64>)| {
+            cell == text.as_bytes() || as_number.is_some() && *number == as_number
+        };
+        let named = self.values.iter().position(same);
+        room(&mut self.of)?;
+        self.of.push(named.unwrap_or(MOST) as u8);
+        Ok(())
+    }
+
+    /// Adds those of further particles.
+    pub fn append(&mut self, more: Groups) -> anyhow::Result<()> {
+        room_for(&mut self.of, more.of.len())?;
+        self.of.extend(more.of);
+        Ok(())
+    }
+
+    /// Is a contact of these particles left out?
+    pub fn leave_out(&self, i: u32, j: u32) -> bool {
+        let [a, b] = [i, j].map(|k| usize::from(self.of[k as usize]));
+        self.without.with[a] >> b & 1 == 1
+    }
+
+    /// Refuses values that no particle has, where no other frame may have them, and a column that
+    /// was not there for all.
+    pub fn check(&self, particles: usize, frame: Frame, name: &str) -> anyhow::Result<()> {
+        ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
+        for (k, (value, _)) in self.values.iter().enumerate() {
+            if frame != Frame::All && !self.of.contains(&(k as u8)) {
+                let column = self.without.column.text();
+                bail!("{name}: no particle has {column} {value}; look at --without");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,337 @@
+//! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
+//! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
+//! of shape (pairs, 2 + dim) in i32, or lines to the image; by id, or with more columns, if asked
+//! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]);
+//! scenes as CSV, extended XYZ or npy.
+//!
+//! Pairs are written as given: see [`contactbench_core::sink::normalise`] for the order in which lists are
+//! published. Numbers are the shortest that read back to the same bits.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::Given;
+use crate::formats::npy;
+use contactbench_core::periodic::ImagePair;
+use contactbench_core::scene::{Lattice, Real, Scene, array};
+use contactbench_core::with_scene;
+use row::Directed;
+
+mod framed;
+mod row;
+pub use framed::{Framed, framed, of_file};
+pub use row::{Around, Extra, Style};
+
+/// What a file of pairs can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairFormat {
+    /// `i,j` and one pair per line.
+    Csv,
+    /// NumPy, u32.
+    Npy,
+    /// VTK legacy, text: centres with radii, and a line from centre to centre.
+    Vtk,
+}
+
+/// What a file of a scene can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// `x,y[,z],r` and one particle per line.
+    Csv,
+    /// Extended XYZ; discs have two coordinates.
+    Xyz,
+    /// NumPy, f64: coordinates, and the radius last.
+    Npy,
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The format of a file of pairs, by its ending; asked before the work is done.
+pub fn format(path: &Path) -> anyhow::Result<PairFormat> {
+    match &*ending(path) {
+        "csv" => Ok(PairFormat::Csv),
+        "npy" => Ok(PairFormat::Npy),
+        "vtk" => Ok(PairFormat::Vtk),
+        _ => bail!("{}: the ending of a file of pairs must be .csv, .npy or .vtk", path.display()),
+    }
+}
+
+/// The format of a file of a scene, by its ending; asked before the work is done.
+pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
+    match &*ending(path) {
+        "csv" => Ok(SceneFormat::Csv),
+        "xyz" | "extxyz" => Ok(SceneFormat::Xyz),
+        "npy" => Ok(SceneFormat::Npy),
+        _ => {
+            bail!("{}: the ending of a file of a scene must be .csv, .xyz or .npy", path.display())
+        }
+    }
+}
+
+fn create(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    whole(path, write).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes a file that is there as a whole or not at all: beside its place first, under a name that
+/// begins with a dot, and when it is complete it takes its own. What stood there before stays until
+/// then. A pipe or a device is written to as it is.
+///
+/// # Errors
+/// As of the system, and what `write` says; the file is then as it was before.
+pub fn whole<T, E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, E>,
+) -> Result<T, E> {
+    let fill = |file: &mut File| -> Result<T, E> {
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        let done = write(&mut out)?;
+        out.flush()?;
+        Ok(done)
+    };
+    // A link is followed: the file that it names is written, not the link.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let before = std::fs::metadata(path).ok();
+    if before.as_ref().is_some_and(|before| !before.is_file()) {
+        return fill(&mut File::options().write(true).open(path)?);
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut prefix = std::ffi::OsString::from(".");
+    prefix.push(path.file_name().unwrap_or_default());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".part");
+    // Such as any new file has, but for the process's mask.
+    #[cfg(unix)]
+    let new: std::fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(new);
+    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    if let Some(before) = before {
+        file.as_file().set_permissions(before.permissions())?;
+    }
+    let done = fill(file.as_file_mut())?;
+    file.persist(path).map_err(io::Error::from)?;
+    Ok(done)
+}
+
+/// Appends to a file, which is made if there is none.
+///
+/// # Errors
+/// In one sentence, with the option that names another place.
+pub fn append(path: &Path, text: &str, option: &str) -> anyhow::Result<()> {
+    let file = File::options().create(true).append(true).open(path);
+    file.and_then(|mut file| file.write_all(text.as_bytes())).with_context(|| {
+        format!("cannot append to {}; choose another place with {option}", path.display())
+    })
+}
+
+/// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.
+pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
+    match format(path)? {
+        PairFormat::Csv => create(path, |out| csv(out, pairs)),
+        PairFormat::Npy => create(path, |out| npy(out, pairs)),
+        PairFormat::Vtk => bail!("{}: lines need the particles; see contacts", path.display()),
+    }
+}
+
+/// Writes contacts to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format; without one
+/// CSV to standard output.
+pub fn contacts<'a>(
+    path: Option<&Path>,
+    pairs: &[ImagePair],
+    style: &Style<'a>,
+) -> anyhow::Result<()> {
+    if let Some(path) = path
+        && format(path)? == PairFormat::Vtk
+    {
+        return create(path, |out| match style.around {
+            Around::Open(scene) => with_scene!(scene, scene => vtk(out, pairs, scene, None, style)),
+            Around::Boxed(periodic) => {
+                let lattice = Some(periodic.lattice());
+                with_scene!(periodic.scene(), scene => vtk(out, pairs, scene, lattice, style))
+            }
+        });
+    }
+    framed(path, false, |out| out.frame(0, style, pairs.iter().copied()))
+}
+
+/// Writes contacts in a box of so many dimensions to an npy file.
+pub fn images(path: &Path, pairs: &[ImagePair], dim: usize) -> anyhow::Result<()> {
+    create(path, |out| images_npy(out, pairs, dim))
+}
+
+/// NumPy version 1.0, '<i4', C order.
+fn images_npy(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
+    npy::write_header(out, "<i4", pairs.len(), 2 + dim)?;
+    for ImagePair { i, j, image } in pairs {
+        out.write_all(&i.to_le_bytes())?;
+        out.write_all(&j.to_le_bytes())?;
+        image[..dim].iter().try_for_each(|s| out.write_all(&s.to_le_bytes()))?;
+    }
+    Ok(())
+}
+
+/// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format. Only extended
+/// XYZ holds a box.
+pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
+    let format = scene_format(path)?;
+    ensure!(
+        given.lattice.is_none() || format == SceneFormat::Xyz,
+        "{}: the scene has a box that repeats, and only .xyz files hold one; write .xyz",
+        path.display()
+    );
+    create(path, |out| scene_to(out, format, given))
+}
+
+/// Writes a scene; a box is left out but in extended XYZ.
+pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::Result<()> {
+    let lattice = given.lattice.as_ref();
+    with_scene!(&given.scene, scene => match format {
+        SceneFormat::Csv => scene_csv(out, scene),
+        SceneFormat::Xyz => scene_xyz(out, scene, lattice),
+        SceneFormat::Npy => scene_npy(out, scene),
+    })
+}
+
+/// The header `i,j`, then one pair per line.
+pub fn csv(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
+    out.write_all(b"i,j\n")?;
+    let (mut text, mut digits) = (Vec::new(), itoa::Buffer::new());
+    for pairs in pairs.chunks(1 << 10) {
+        text.clear();
+        for &[i, j] in pairs {
+            text.extend_from_slice(digits.format(i).as_bytes());
+            text.push(b',');
+            text.extend_from_slice(digits.format(j).as_bytes());
+            text.push(b'\n');
+        }
+        out.write_all(&text)?;
+    }
+    Ok(())
+}
+
+/// NumPy version 1.0, '<u4', C order.
+pub fn npy(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
+    npy::write_header(out, "<u4", pairs.len(), 2)?;
+    let mut bytes = [0; 1 << 14];
+    for pairs in pairs.as_flattened().chunks(bytes.len() / 4) {
+        let words = bytes.as_chunks_mut().0;
+        words.iter_mut().zip(pairs).for_each(|(word, index)| *word = index.to_le_bytes());
+        out.write_all(&bytes[..4 * pairs.len()])?;
+    }
+    Ok(())
+}
+
+/// The numbers of one particle, the radius last.
+fn row<T: Real, const D: usize>(scene: &Scene<'_, T, D>, k: usize) -> impl Iterator<Item = f64> {
+    array(&scene.centres()[k]).map(|x| x.wide()).into_iter().chain([scene.radius(k).wide()])
+}
+
+fn line(out: &mut dyn Write, row: impl Iterator<Item = f64>, separator: &str) -> io::Result<()> {
+    for (k, x) in row.enumerate() {
+        // {:?} is the shortest form that reads back, with an exponent where that is shorter.
+        write!(out, "{}{x:?}", if k == 0 { "" } else { separator })?;
+    }
+    out.write_all(b"\n")
+}
+
+fn scene_csv<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    out.write_all(if D == 2 { b"x,y,r\n" } else { b"x,y,z,r\n" })?;
+    (0..scene.len()).try_for_each(|k| line(out, row(scene, k), ","))
+}
+
+fn scene_xyz<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+) -> io::Result<()> {
+    writeln!(out, "{}", scene.len())?;
+    if let Some(lattice) = lattice {
+        let text = |numbers: &[f64]| {
+            numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")
+        };
+        let flags = lattice.periodic().map(|yes| if yes { "T" } else { "F" }).join(" ");
+        let (vectors, origin) = (text(lattice.vectors().as_flattened()), text(&lattice.origin()));
+        write!(out, "Lattice=\"{vectors}\" pbc=\"{flags}\" Origin=\"{origin}\" ")?;
+    }
+    writeln!(out, "Properties=species:S:1:pos:R:{D}:radius:R:1")?;
+    (0..scene.len()).try_for_each(|k| {
+        out.write_all(b"X ")?;
+        line(out, row(scene, k), " ")
+    })
+}
+
+fn scene_npy<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    npy::write_header(out, "<f8", scene.len(), D + 1)?;
+    (0..scene.len())
+        .try_for_each(|k| row(scene, k).try_for_each(|x| out.write_all(&x.to_le_bytes())))
+}
+
+/// Points with radii, and a line for each contact; of one across the box two lines, from i to the
+/// image of j and from j to that of i. Images are points of their own behind the particles, of
+/// radius 0, and with 1 for `image`. Discs lie in the plane z = 0.
+fn vtk<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    pairs: &[ImagePair],
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+    style: &Style<'_>,
+) -> io::Result<()> {
+    let n = scene.len();
+    let mut lines: Vec<Directed> = Vec::new();
+    let room = lines.try_reserve(2 * pairs.len());
+    room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    for &pair in pairs {
+        let line = Directed::of(pair);
+        lines.push(line);
+        lines.extend((pair.image != [0; 3]).then(|| line.turned()));
+    }
+    let across = || lines.iter().filter(|line| line.image != [0; 3]);
+    let images = across().count();
+    writeln!(
+        out,
+        "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
+        n + images
+    )?;
+    let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
+    let flat = || (D == 2).then_some(0.0);
+    for k in 0..n {
+        self::line(out, centre(k).into_iter().chain(flat()), " ")?;
+    }
+    for &Directed { to, image, .. } in across() {
+        let mut place = centre(to as usize);
+        for (vector, times) in lattice.iter().flat_map(|it| it.vectors()).zip(image) {
+            (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
+        }
+        self::line(out, place.into_iter().chain(flat()), " ")?;
+    }
+    writeln!(out, "LINES {} {}", lines.len(), 3 * lines.len())?;
+    let mut next = n;
+    for &Directed { from, to, image } in &lines {
+        if image == [0; 3] {
+            writeln!(out, "2 {from} {to}")?;
+        } else {
+            writeln!(out, "2 {from} {next}")?;
+            next += 1;
+        }
+    }
+    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + images)?;
+    (0..n).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))?;
+    (0..images).try_for_each(|_| writeln!(out, "0.0"))?;
+    if lattice.is_some() {
+        writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
+        (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))?;
+    }
+    style.vtk_ids(out, (0..n as u32).chain(across().map(|line| line.to)))?;
+    style.vtk_lines(out, &lines)
+}

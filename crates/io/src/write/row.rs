@@ -1,0 +1,236 @@
+//! The columns of a contact: its two particles by place or by id, the image, and what was asked for
+//! beside them.
+
+use std::io::{self, Write};
+
+use crate::room::room;
+use contactbench_core::contact::depth::depth;
+use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Real, array};
+use contactbench_core::with_scene;
+
+/// More columns of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Extra {
+    /// The overlap as a length and, as `depth`, in mean radii of the two particles.
+    Overlap,
+    /// The unit vector from the first particle to the second.
+    Normal,
+    /// The ids of the two particles.
+    Ids,
+}
+
+/// Where the particles are.
+#[derive(Clone, Copy, Debug)]
+pub enum Around<'a> {
+    /// In open space.
+    Open(&'a AnyScene<'a>),
+    /// In a box that repeats.
+    Boxed(&'a Periodic<'a>),
+}
+
+/// How contacts of some particles are written.
+#[derive(Clone, Copy, Debug)]
+pub struct Style<'a> {
+    /// The particles.
+    pub around: Around<'a>,
+    /// Their ids, if they have any.
+    pub ids: Option<&'a [i64]>,
+    /// Contacts are named by the ids, the smaller first, and stand in their order.
+    pub by_id: bool,
+    /// What stands beside each contact.
+    pub extras: &'a [Extra],
+}
+
+/// A number of a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Number {
+    Whole(i64),
+    Real(f64),
+}
+
+/// A contact in the direction in which it is written.
+#[derive(Clone, Copy)]
+pub(super) struct Directed {
+    pub from: u32,
+    pub to: u32,
+    /// The image of the second.
+    pub image: [i32; 3],
+}
+
+impl Directed {
+    pub fn of(pair: ImagePair) -> Directed {
+        Directed { from: pair.i, to: pair.j, image: pair.image }
+    }
+
+    pub fn turned(self) -> Directed {
+        let image = self.image.map(i32::wrapping_neg);
+        Directed { from: self.to, to: self.from, image }
+    }
+}
+
+impl<'a> Style<'a> {
+    /// Writes pairs as places in the file, without further columns.
+    pub fn plain(around: Around<'a>) -> Style<'a> {
+        Style { around, ids: None, by_id: false, extras: &[] }
+    }
+
+    fn scene(&self) -> &AnyScene<'a> {
+        match self.around {
+            Around::Open(scene) => scene,
+            Around::Boxed(periodic) => periodic.scene(),
+        }
+    }
+
+    /// The number of particles.
+    pub(super) fn len(&self) -> usize {
+        self.scene().len()
+    }
+
+    /// Numbers of an image: none in open space.
+    pub(super) fn images(&self) -> usize {
+        match self.around {
+            Around::Open(_) => 0,
+            Around::Boxed(_) => self.scene().dim(),
+        }
+    }
+
+    pub(super) fn has(&self, extra: Extra) -> bool {
+        self.extras.contains(&extra)
+    }
+
+    /// The names of the columns.
+    pub(super) fn names(&self) -> Vec<&'static str> {
+        let mut names = if self.by_id { vec!["id1", "id2"] } else { vec!["i", "j"] };
+        names.extend(["sx", "sy", "sz"].into_iter().take(self.images()));
+        if self.has(Extra::Overlap) {
+            names.extend(["overlap", "depth"]);
+        }
+        if self.has(Extra::Normal) {
+            names.extend(["nx", "ny", "nz"].into_iter().take(self.scene().dim()));
+        }
+        if self.has(Extra::Ids) && !self.by_id {
+            names.extend(["id1", "id2"]);
+        }
+        names
+    }
+
+    pub(super) fn id(&self, k: u32) -> i64 {
+        self.ids.and_then(|ids| ids.get(k as usize)).copied().unwrap_or(i64::from(k))
+    }
+
+    /// Contacts in the order and the directions in which they are written.
+    pub(super) fn directed(
+        &self,
+        contacts: impl Iterator<Item = ImagePair>,
+    ) -> anyhow::Result<Vec<Directed>> {
+        let mut all = Vec::new();
+        for pair in contacts {
+            room(&mut all)?;
+            all.push(Directed::of(pair));
+        }
+        if self.by_id {
+            for contact in &mut all {
+                if self.id(contact.from) > self.id(contact.to) {
+                    *contact = contact.turned();
+                }
+            }
+            let key = |it: &Directed| (self.id(it.from), self.id(it.to), it.image);
+            all.sort_unstable_by_key(key);
+        }
+        Ok(all)
+    }
+
+    /// The numbers of a contact, in the order of the names.
+    pub(super) fn row(&self, contact: Directed, row: &mut Vec<Number>) {
+        let Directed { from, to, image } = contact;
+        let ids = [self.id(from), self.id(to)];
+        let names = if self.by_id { ids } else { [from, to].map(i64::from) };
+        row.extend(names.map(Number::Whole));
+        row.extend(image[..self.images()].iter().map(|&s| Number::Whole(s.into())));
+        if self.has(Extra::Overlap) {
+            row.extend(self.overlap(contact).map(Number::Real));
+        }
+        if self.has(Extra::Normal) {
+            let normal = self.normal(contact);
+            row.extend(normal[..self.scene().dim()].iter().map(|&x| Number::Real(x)));
+        }
+        if self.has(Extra::Ids) && !self.by_id {
+            row.extend(ids.map(Number::Whole));
+        }
+    }
+
+    /// The overlap as a length, and in mean radii.
+    pub(super) fn overlap(&self, Directed { from, to, image }: Directed) -> [f64; 2] {
+        with_scene!(self.scene(), scene => {
+            let [a, b] = [from as usize, to as usize];
+            let radii = [a, b].map(|k| scene.radius(k).wide());
+            let depth = match self.around {
+                Around::Open(_) => {
+                    let [a, b] = [a, b].map(|k| array(&scene.centres()[k]).map(|x| x.wide()));
+                    depth(&a, &b, radii[0], radii[1])
+                }
+                Around::Boxed(periodic) => {
+                    periodic::depth(periodic, ImagePair::new(from, to, image))
+                }
+            };
+            [depth * 0.5 * (radii[0] + radii[1]), depth]
+        })
+    }
+
+    /// The unit vector from the first to the second; 0 where their centres are the same.
+    pub(super) fn normal(&self, Directed { from, to, image }: Directed) -> [f64; 3] {
+        let mut way = [0.0; 3];
+        with_scene!(self.scene(), scene => {
+            let [a, b] = [from, to].map(|k| array(&scene.centres()[k as usize]).map(|x| x.wide()));
+            way.iter_mut().zip(a.iter().zip(&b)).for_each(|(way, (a, b))| *way = b - a);
+        });
+        if let Around::Boxed(periodic) = self.around {
+            for (vector, times) in periodic.lattice().vectors().iter().zip(image) {
+                (0..3).for_each(|k| way[k] += f64::from(times) * vector[k]);
+            }
+        }
+        // The largest is taken out, so that no square overflows or vanishes.
+        let most = way.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        if most == 0.0 || !most.is_finite() {
+            return [0.0; 3];
+        }
+        let unit = way.map(|x| x / most);
+        let length = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
+        unit.map(|x| x / length)
+    }
+
+    /// The id of each point of a VTK file, as an array of numbers of its points.
+    pub(super) fn vtk_ids(
+        &self,
+        out: &mut dyn Write,
+        points: impl Iterator<Item = u32>,
+    ) -> io::Result<()> {
+        if !self.by_id && !self.has(Extra::Ids) {
+            return Ok(());
+        }
+        writeln!(out, "SCALARS id long 1\nLOOKUP_TABLE default")?;
+        points.into_iter().try_for_each(|k| writeln!(out, "{}", self.id(k)))
+    }
+
+    /// What stands beside each line of a VTK file, as arrays of numbers of its cells.
+    pub(super) fn vtk_lines(&self, out: &mut dyn Write, lines: &[Directed]) -> io::Result<()> {
+        if self.has(Extra::Overlap) || self.has(Extra::Normal) {
+            writeln!(out, "CELL_DATA {}", lines.len())?;
+        }
+        if self.has(Extra::Overlap) {
+            for (k, name) in ["overlap", "depth"].into_iter().enumerate() {
+                writeln!(out, "SCALARS {name} double 1\nLOOKUP_TABLE default")?;
+                lines.iter().try_for_each(|&line| writeln!(out, "{:?}", self.overlap(line)[k]))?;
+            }
+        }
+        if self.has(Extra::Normal) {
+            writeln!(out, "VECTORS normal double")?;
+            for &line in lines {
+                let [x, y, z] = self.normal(line);
+                writeln!(out, "{x:?} {y:?} {z:?}")?;
+            }
+        }
+        Ok(())
+    }
+}

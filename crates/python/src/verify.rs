@@ -1,0 +1,171 @@
+//! Lists of pairs, held to the truth.
+
+use contactbench::check::verify::{
+    Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
+};
+use contactbench::scene::Given;
+use contactbench_core::memory::limit_for;
+use contactbench_core::oracle::{Causes, Errors};
+use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
+use contactbench_core::scene::Lattice;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::failure::{Failure, by_threads, patient};
+use crate::given::{Arrays, Edges, Held, arithmetic, longer, rows};
+
+/// Pairs, images in a box, and depths in mean radii.
+type Worst = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>, Py<PyArray1<f64>>);
+
+/// Compares; all that is found as a dictionary, whose keys are the fields of the class of the
+/// package.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn verify<'py>(
+    py: Python<'py>,
+    x: PyReadonlyArrayDyn<'_, f64>,
+    r: PyReadonlyArrayDyn<'_, f64>,
+    pairs: PyReadonlyArray2<'_, i64>,
+    images: Option<PyReadonlyArray2<'_, i32>>,
+    edges: Option<Edges>,
+    arithmetic: &str,
+    base: i64,
+    both_sides: bool,
+    skin: f64,
+    most: usize,
+    threads: usize,
+    memory_limit: Option<u64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = Held::new(&x, &r, edges)?;
+    let arrays = given.arrays();
+    let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
+    let list = pairs.as_slice().map_err(apart)?.as_chunks::<2>().0;
+    let width = images.as_ref().map(|images| images.as_array().ncols());
+    let images = match &images {
+        Some(images) => Some(padded(images.as_slice().map_err(apart)?, width.unwrap_or(3))),
+        None => None,
+    };
+    let arithmetic = self::arithmetic(arithmetic)?;
+    if !(skin >= 0.0 && skin.is_finite()) {
+        return Err(
+            Failure::value(format!("skin is {skin}; it must be a length of at least 0")).into()
+        );
+    }
+    let terms = Terms {
+        arithmetic,
+        allowed: Allowed { both_sides, skin },
+        memory_limit: memory_limit.unwrap_or_else(|| limit_for(arrays.len())),
+        kept: most,
+        without: None,
+    };
+    let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
+    let count = list.len();
+    // SAFETY: the array of pairs is kept beside.
+    let (list, kept) = unsafe { (longer(list), (*pairs).clone().unbind()) };
+    let (found, reading, causes) = patient(py, true, move |_| {
+        let (_kept, images) = (kept, images);
+        let listed = Listed { pairs: list, images: images.as_deref() };
+        by_threads(threads, || held(&given.arrays(), listed, base, terms))
+    })?;
+    let out = PyDict::new(py);
+    out.set_item("same", found.is_same())?;
+    out.set_item("contacts", found.truth.len())?;
+    out.set_item("listed", count)?;
+    out.set_item("errors", errors(py, &found.errors)?)?;
+    out.set_item("missed", worst(py, &found.missed, boxed)?)?;
+    out.set_item("spurious", worst(py, &found.spurious, boxed)?)?;
+    out.set_item("unknown", rows(py, found.unknown.clone().into_flattened(), 2)?)?;
+    out.set_item("one_sided", rows(py, found.one_sided.clone().into_flattened(), 2)?)?;
+    out.set_item("within_skin", found.within_skin)?;
+    out.set_item("hint", reading.as_ref().map(Reading::sentence))?;
+    out.set_item("causes", causes.map(|causes| by_cause(py, &causes)).transpose()?)?;
+    Ok(out)
+}
+
+fn x_is_flat(x: &PyReadonlyArrayDyn<'_, f64>) -> bool {
+    x.as_array().shape().last() == Some(&2)
+}
+
+/// Images as three numbers each.
+fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
+    let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
+    images.chunks(width.max(1)).map(three).collect()
+}
+
+/// Against the truth in the arithmetic; how the list may be meant; and, where that rounds, the
+/// errors by cause.
+fn held(
+    arrays: &Arrays<'_>,
+    list: Listed<'_>,
+    base: i64,
+    terms: Terms,
+) -> Result<(Verification, Option<Reading>, Option<Causes>), Failure> {
+    let naming = Naming::Base(base);
+    let others = [Naming::Base(1 - base.clamp(0, 1))];
+    let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
+    let space = Periodic::new(scene, lattice.unwrap_or(Lattice::OPEN)).map_err(Failure::value)?;
+    let job = Job { space: &space, list, naming: &naming, others: &others, terms };
+    let found = contactbench::check::verify::verify(&job)?;
+    let reading = contactbench::check::verify::explain(&job, &found, None)?;
+    // Of a list in a box without images nobody knows which are meant.
+    if terms.arithmetic == Default::default()
+        || terms.allowed != Allowed::default()
+        || lattice.is_some() && list.images.is_none()
+    {
+        return Ok((found, reading, None));
+    }
+    let given = match lattice {
+        Some(lattice) => Given::in_box(arrays.owned()?, lattice)?,
+        None => arrays.owned()?.into(),
+    };
+    let causes =
+        causes(&given, &contacts(list, base, arrays.len()), terms.arithmetic, terms.memory_limit)?;
+    Ok((found, reading, causes))
+}
+
+/// The pairs of a list that name particles.
+fn contacts(list: Listed<'_>, base: i64, n: usize) -> Contacts {
+    let mut contacts = Contacts::default();
+    let place = |name: i64| {
+        let place = name.checked_sub(base).and_then(|place| u32::try_from(place).ok());
+        place.filter(|&place| (place as usize) < n)
+    };
+    for (k, &[i, j]) in list.pairs.iter().enumerate() {
+        let (Some(i), Some(j)) = (place(i), place(j)) else { continue };
+        match list.images.map_or([0; 3], |images| images[k]) {
+            [0, 0, 0] => contacts.plain.push([i, j]),
+            image => contacts.shifted.push(ImagePair::new(i, j, image)),
+        }
+    }
+    contacts
+}
+
+fn errors<'py>(py: Python<'py>, errors: &Errors) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("missed", errors.missed)?;
+    out.set_item("spurious", errors.spurious)?;
+    out.set_item("duplicate", errors.duplicate)?;
+    out.set_item("self_pairs", errors.self_pairs)?;
+    out.set_item("deepest_miss", errors.deepest_miss)?;
+    out.set_item("widest_false", errors.widest_false)?;
+    Ok(out)
+}
+
+fn by_cause<'py>(py: Python<'py>, causes: &Causes) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("representation", errors(py, &causes.representation)?)?;
+    out.set_item("predicate", errors(py, &causes.predicate)?)?;
+    out.set_item("search", errors(py, &causes.search)?)?;
+    Ok(out)
+}
+
+fn worst(py: Python<'_>, list: &[(ImagePair, f64)], boxed: Option<usize>) -> PyResult<Worst> {
+    let pairs = list.iter().flat_map(|(pair, _)| [pair.i, pair.j]).collect();
+    let depths: Vec<f64> = list.iter().map(|(_, depth)| *depth).collect();
+    let images = boxed.map(|dim| {
+        let images = list.iter().flat_map(|(pair, _)| pair.image[..dim].to_vec()).collect();
+        rows(py, images, dim)
+    });
+    Ok((rows(py, pairs, 2)?, images.transpose()?, depths.into_pyarray(py).unbind()))
+}

@@ -1,0 +1,162 @@
+//! Naming cells: what must be said of a cell to tell it from the others at hand, and no more.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use crate::cells::Cell;
+use crate::record::id::{Axes, CellId, FIELDS, MACHINE, OVER, split_contender};
+use crate::record::value::AxisValue;
+use contactbench_terms::number;
+
+/// The value on an axis, the detector with its parameters.
+fn shown(id: &CellId, name: &str) -> Option<AxisValue> {
+    if name == "detector" { Some(id.contender().as_str().into()) } else { id.axis(name) }
+}
+
+fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
+    cells.map(|cell| shown(&cell.id, name)).collect::<BTreeSet<_>>().len() > 1
+}
+
+/// What may be swept together: a scene in its dimension. Two files are two scenes, and what two
+/// machines measured is not one.
+pub fn family(id: &CellId) -> (&str, u32, [Option<String>; 2]) {
+    (&id.scene, id.dim, ["path", MACHINE].map(|name| id.axis(name).map(|value| value.to_string())))
+}
+
+/// The scene's name: of a file its own, without folders; where there are several machines, with the
+/// machine.
+pub fn scene(id: &impl Axes) -> String {
+    let text = |name: &str| id.axis(name).map(|value| value.to_string());
+    let path = text("path");
+    let file = path.as_deref().and_then(|path| Path::new(path).file_name());
+    let name = file
+        .map(|name| name.to_string_lossy().into())
+        .or_else(|| text("scene"))
+        .unwrap_or_default();
+    match text(MACHINE) {
+        Some(machine) => format!("{name} on {machine}"),
+        None => name,
+    }
+}
+
+/// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other axes where they
+/// are not the usual ones.
+pub fn title(id: &impl Axes, swept: &[String]) -> String {
+    let mut title = scene(id);
+    let text = |name: &str| id.axis(name).map(|value| value.to_string());
+    title += &text("dim").map_or(String::new(), |dim| format!(", {dim}D"));
+    title += &text("n").map_or(String::new(), |n| format!(", N = {n}"));
+    for (name, value) in id.parameters() {
+        // Those of the scene's name are said by it.
+        if swept.contains(&name) && !["path", MACHINE].contains(&name.as_str()) {
+            title += &format!(", {name} = {value}");
+        }
+    }
+    title
+        + &text("order")
+            .filter(|order| order != "shuffled")
+            .map_or(String::new(), |order| format!(", {order}"))
+}
+
+/// The parameters that differ within one scene and dimension. (Those of detectors are said with
+/// the detector.)
+pub fn swept(cells: &[&Cell]) -> Vec<String> {
+    let mut scenes: BTreeMap<(&str, u32), Vec<BTreeMap<String, AxisValue>>> = BTreeMap::new();
+    for cell in cells {
+        let params = cell.id.parameters().into_iter().collect();
+        scenes.entry((&cell.id.scene, cell.id.dim)).or_default().push(params);
+    }
+    let mut names = BTreeSet::new();
+    for cells in scenes.values() {
+        let known: BTreeSet<&String> = cells.iter().flat_map(BTreeMap::keys).collect();
+        let differs =
+            |name: &&String| cells.iter().any(|params| params.get(*name) != cells[0].get(*name));
+        names.extend(known.into_iter().filter(differs).cloned());
+    }
+    names.into_iter().collect()
+}
+
+/// The fields in which cells differ, and the parameters that are swept: those that differ within
+/// one scene and dimension. (That two scenes have different parameters goes without saying.)
+pub fn varying(cells: &[&Cell]) -> Vec<String> {
+    let mut names = swept(cells);
+    names.extend(
+        FIELDS
+            .iter()
+            .filter(|name| differ(cells.iter().copied(), name))
+            .map(|name| name.to_string()),
+    );
+    // what is compared first, then where
+    names.sort_by_key(|name| {
+        ["detector", "arithmetic", "scene", "dim", "n"]
+            .iter()
+            .position(|first| first == name)
+            .unwrap_or(9)
+    });
+    names
+}
+
+/// `nbs, packed, 2D, n = 1000, s = 2`, of these fields.
+pub fn place(id: &impl Axes, fields: &[String]) -> String {
+    let part = |name: &String| match (name.as_str(), id.axis(name)?) {
+        ("detector", _) => id.contender(),
+        ("scene" | "arithmetic" | "order", value) => Some(value.to_string()),
+        ("dim", value) => Some(format!("{value}D")),
+        (name, value) => Some(format!("{name} = {value}")),
+    };
+    let parts: Vec<String> = fields.iter().filter_map(part).collect();
+    if parts.is_empty() { "its only cell".into() } else { parts.join(", ") }
+}
+
+/// What these are called where all are trackers over the same detector: by rule and skin.
+/// Otherwise by their names.
+pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> String {
+    let over: BTreeSet<Option<AxisValue>> =
+        names.map(|name| split_contender(name).1.remove(OVER)).collect();
+    let same = over.len() == 1 && !over.contains(&None);
+    move |name| {
+        if !same {
+            return name.into();
+        }
+        let (tracker, mut params) = split_contender(name);
+        params.remove(OVER);
+        let said: Vec<String> = params.values().map(AxisValue::to_string).collect();
+        if said.is_empty() { tracker.replace('-', " ") } else { said.join(", ") }
+    }
+}
+
+/// Some of all detectors: `all`, `all but direct`, or the names.
+pub fn group(names: &[&str], all: &[&str]) -> String {
+    let others: Vec<&str> = all.iter().filter(|name| !names.contains(name)).copied().collect();
+    match others.len() {
+        0 => "all".into(),
+        1 if names.len() > 2 => format!("all but {}", others[0]),
+        _ => names.join(", "),
+    }
+}
+
+/// `s = 2..200, n = 100..10000` for the numbers that vary, and how many of the rest.
+pub fn over(cells: &[&Cell]) -> String {
+    let mut parts = Vec::new();
+    for name in varying(cells).iter().filter(|name| *name != "experiment") {
+        let values: BTreeSet<AxisValue> =
+            cells.iter().filter_map(|cell| shown(&cell.id, name)).collect();
+        let number = |value: Option<&AxisValue>| value.and_then(AxisValue::number);
+        match (number(values.first()), number(values.last())) {
+            (Some(low), Some(high)) if values.len() > 2 => {
+                parts.push(format!("{name} = {low}..{high}"))
+            }
+            _ if values.len() <= 3 => {
+                let list: Vec<String> = values.iter().map(AxisValue::to_string).collect();
+                let list = list.join(", ");
+                parts.push(if number(values.first()).is_some() {
+                    format!("{name} = {list}")
+                } else {
+                    list
+                });
+            }
+            _ => parts.push(number::plural(values.len(), name)),
+        }
+    }
+    if parts.is_empty() { "its only cell".into() } else { parts.join("; ") }
+}

@@ -1,0 +1,345 @@
+//! Cells: all passes and blocks of one measurement, with the variables that expressions and filters
+//! see.
+
+pub mod errors;
+pub mod expression;
+pub mod label;
+pub mod machine;
+pub mod select;
+pub mod series;
+pub mod state;
+#[doc(hidden)]
+pub mod testing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub use crate::cells::expression::{Expression, Reading};
+use crate::cells::state::States;
+use crate::record::column::{COLUMNS, Column, FIRST, TIME};
+pub use crate::record::id::{CellId, FIELDS};
+use crate::record::role::Role;
+use crate::record::row::{Measurement, Outcome, Pass, Row};
+pub use crate::record::value::AxisValue;
+use crate::stats::interval::{Block, Blocks, Interval, interval, median, ratio, typical_ratio};
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::scene::Stats;
+
+/// All that was measured of one detector on one scene.
+#[derive(Clone, Debug, Default)]
+pub struct Cell {
+    pub id: CellId,
+    /// What its detector is there for.
+    pub role: Role,
+    /// How each pass ended, with the reason.
+    pub passes: BTreeMap<Pass, (Outcome, String)>,
+    /// Did a sample meet a limit, or crash? There are none after it.
+    pub ended: bool,
+    /// Nanoseconds per detection, by block.
+    pub times: Blocks,
+    /// In which of those blocks the machine was slow; none where nobody looked.
+    pub slow: BTreeMap<Block, bool>,
+    /// Other nanoseconds than those of a detection, by column and block.
+    pub others_ns: BTreeMap<&'static str, Blocks>,
+    /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
+    pub rounds: Vec<Blocks>,
+    /// The same as the times of as many copies with one thread each, at work beside each other;
+    /// empty where that was not measured.
+    pub copies_ns: Blocks,
+    /// The same of each copy alone, one after the other.
+    pub alone_ns: Blocks,
+    /// Why there are no copies, or not in all blocks.
+    pub copies_failure: Option<(Outcome, String)>,
+    /// What was measured besides times, by column.
+    pub values: BTreeMap<&'static str, f64>,
+    /// Against exact decisions on the scene as given.
+    pub errors: Option<Errors>,
+    pub causes: Option<Causes>,
+    pub stats: Stats,
+}
+
+/// The cell that each row belongs to. Times of several machines are not values of one thing: where
+/// rows of several are together, the machine is an axis.
+pub fn ids(rows: &[Row]) -> impl Iterator<Item = (CellId, &Row)> {
+    let several = rows.iter().any(|row| row.id.machine != rows[0].id.machine);
+    rows.iter().map(move |row| {
+        let id = row.id.clone();
+        (if several { id } else { id.anywhere() }, row)
+    })
+}
+
+/// Puts the rows of each cell together, in the order of the ids. Of rows measured twice (a resumed
+/// run), the later counts.
+pub fn cells(rows: &[Row]) -> Vec<Cell> {
+    let mut latest: BTreeMap<Measurement, &Row> = BTreeMap::new();
+    for (id, row) in ids(rows) {
+        latest.insert(Measurement { id, ..row.measurement() }, row);
+    }
+    let states = States::new(rows);
+    let mut cells: BTreeMap<CellId, Cell> = BTreeMap::new();
+    for (Measurement { id, .. }, row) in latest {
+        let cell = cells.entry(id.clone()).or_insert_with(|| Cell {
+            id,
+            role: row.role.clone(),
+            stats: row.stats.clone(),
+            ..Cell::default()
+        });
+        cell.add(row);
+        cell.slow.extend(states.is_slow(row).map(|slow| (row.timed_in(), slow)));
+    }
+    cells.into_values().collect()
+}
+
+/// The cells of each machine apart, with its name where there are several: for what is said of a
+/// machine and not of a scene.
+pub fn by_machine<'a>(cells: &[&'a Cell]) -> Vec<(Option<String>, Vec<&'a Cell>)> {
+    let mut machines: BTreeMap<Option<String>, Vec<&Cell>> = BTreeMap::new();
+    for &cell in cells {
+        machines.entry(cell.id.machine.clone()).or_default().push(cell);
+    }
+    machines.into_iter().collect()
+}
+
+impl Cell {
+    fn add(&mut self, row: &Row) {
+        let block = row.timed_in();
+        if row.pass == Pass::Ceiling && row.outcome != Outcome::Wrong {
+            match row.time_ns {
+                Some(time) => {
+                    self.copies_ns.insert(block, time);
+                    self.alone_ns.extend(row.alone_ns.map(|alone| (block, alone)));
+                }
+                None => self.copies_failure = Some((row.outcome, row.reason.clone())),
+            }
+            return;
+        }
+        let pass = self.passes.entry(row.pass).or_insert((row.outcome, row.reason.clone()));
+        if severity(row.outcome) > severity(pass.0) {
+            *pass = (row.outcome, row.reason.clone());
+        }
+        self.ended |= row.pass == Pass::Time && row.outcome.is_final();
+        if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
+            self.times.insert(block, time);
+            let timed = Column::measured_by(Pass::Time).filter(|column| column.name != TIME);
+            for (column, ns) in timed.filter_map(|column| Some((column, column.read(row)?))) {
+                self.others_ns.entry(&column.name).or_default().insert(block, ns as u64);
+            }
+            for (round, &time) in row.rounds_ns.iter().enumerate() {
+                if self.rounds.len() <= round {
+                    self.rounds.push(Blocks::new());
+                }
+                self.rounds[round].insert(block, time);
+            }
+        }
+        self.errors = row.errors.or(self.errors);
+        self.causes = row.causes.or(self.causes);
+        let repeating = COLUMNS.iter().filter(|column| column.repeats());
+        self.values.extend(repeating.filter_map(|column| Some((&*column.name, column.read(row)?))));
+    }
+
+    /// How the cell ended, as far as these passes go. A wrong answer in any pass makes the whole
+    /// cell wrong; a pass that was never reached shares the fate of the pass that failed before it.
+    pub fn outcome(&self, needed: &[Pass]) -> (Outcome, &str) {
+        let worst = |passes: &mut dyn Iterator<Item = &'_ (Outcome, String)>| {
+            passes.max_by_key(|pass| severity(pass.0)).map(|pass| (pass.0, pass.1.clone()))
+        };
+        let find = |outcome: Outcome| {
+            self.passes.values().find(|pass| pass.0 == outcome).map_or("", |pass| pass.1.as_str())
+        };
+        let over_all = worst(&mut self.passes.values()).map_or(Outcome::Ok, |pass| pass.0);
+        let absent = needed.is_empty() || needed.iter().any(|pass| !self.passes.contains_key(pass));
+        if over_all == Outcome::Wrong || absent {
+            return (over_all, find(over_all));
+        }
+        let outcome = worst(&mut needed.iter().filter_map(|pass| self.passes.get(pass)))
+            .map_or(Outcome::Ok, |pass| pass.0);
+        (outcome, find(outcome))
+    }
+
+    /// How the cell ended in all.
+    pub fn overall(&self) -> (Outcome, &str) {
+        self.outcome(&[])
+    }
+
+    /// The median time with its interval over the blocks; none unless all blocks ended well.
+    pub fn time(&self) -> Option<Interval> {
+        self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
+    }
+
+    /// The median time of the blocks in which the machine was not slow; none where nobody looked,
+    /// or where it always was.
+    pub fn quiet_time(&self) -> Option<f64> {
+        self.time()?;
+        let quiet = self.times.iter().filter(|&(block, _)| self.slow.get(block) == Some(&false));
+        median(&quiet.map(|(_, &time)| time as f64).collect::<Vec<_>>())
+    }
+
+    /// The ratio of its time to another's, paired by block; and within a block by round, where both
+    /// took turns.
+    pub fn ratio(&self, to: &Cell) -> Option<Interval> {
+        let rounds: Vec<_> = self.rounds.iter().zip(&to.rounds).collect();
+        if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
+    }
+
+    /// The same ratio of the first detections in new processes.
+    pub fn cold_ratio(&self, to: &Cell) -> Option<Interval> {
+        ratio(self.first_times(), to.first_times())
+    }
+
+    /// Frames of its scene, over which counts and contacts are summed; 1 at rest.
+    pub fn frames(&self) -> f64 {
+        let moves = self.values.contains_key("mean_way");
+        let frames = self.id.axis("frames").filter(|_| moves).and_then(|frames| frames.number());
+        frames.unwrap_or(1.0).max(1.0)
+    }
+
+    /// A list that is not built in time, and missed contacts: by its rule it may.
+    pub fn misses_by_rule(&self) -> bool {
+        self.id.detector_params.contains_key("rule") && self.overall().0 == Outcome::Lossy
+    }
+
+    /// The median time of a wrong answer: never compared with anything, but shown, marked.
+    pub fn wrong_time(&self) -> Option<f64> {
+        self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
+    }
+
+    /// Nanoseconds of the first detection of each process, by block.
+    pub fn first_times(&self) -> &Blocks {
+        static NONE: Blocks = Blocks::new();
+        self.others_ns.get(FIRST).unwrap_or(&NONE)
+    }
+
+    fn blocks(&self) -> Option<Interval> {
+        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
+    }
+
+    /// A variable, with this time in place of the median where one is given.
+    pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
+        match Column::find(name) {
+            Some(column) if column.name == TIME => time_ns.or_else(|| Some(self.time()?.median)),
+            Some(column) if column.pass == Some(Pass::Time) => {
+                let all = self.others_ns.get(&*column.name)?.values();
+                median(&all.map(|&ns| ns as f64).collect::<Vec<_>>())
+                    .filter(|_| self.time().is_some())
+            }
+            Some(column) => self.values.get(&*column.name).copied(),
+            None => self.id.axis(name)?.number(),
+        }
+    }
+
+    /// Was anything measured that this pass measures?
+    pub fn has(&self, pass: Pass) -> bool {
+        Column::measured_by(pass).any(|column| self.values.contains_key(&*column.name))
+    }
+}
+
+/// Which outcome speaks for a cell whose rows differ.
+fn severity(outcome: Outcome) -> u8 {
+    match outcome {
+        Outcome::Ok => 0,
+        Outcome::Lossy | Outcome::Control => 1,
+        Outcome::Unavailable => 2,
+        Outcome::Refused => 3,
+        Outcome::Timeout => 4,
+        Outcome::OutOfMemory => 5,
+        Outcome::Crashed => 6,
+        Outcome::Wrong => 7,
+    }
+}
+
+/// The names that expressions over these cells may use.
+pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
+    let fixed = ["n", "dim", "seed", "threads"]
+        .into_iter()
+        .chain(COLUMNS.iter().map(|column| &*column.name));
+    let numbers = cells.iter().flat_map(|cell| {
+        let names = cell.id.names().filter(|name| !FIELDS.contains(&name.as_str()));
+        names.filter(|name| cell.id.axis(name).is_some_and(|value| value.number().is_some()))
+    });
+    fixed.map(String::from).chain(numbers).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::testing::Lab;
+
+    #[test]
+    fn passes_are_merged_and_expressions_see_them() {
+        let mut lab = Lab::new("e", "packed");
+        lab.param("per-cluster", 8)
+            .time(&[300, 100, 200])
+            .count(&[("list_push", 40), ("contact_test", 60)])
+            .memory(1024, 1000);
+        let cells = cells(&lab.rows());
+        assert_eq!(cells.len(), 1);
+        let value = |text: &str| -> anyhow::Result<Reading> {
+            let expression = Expression::parse(text)?;
+            expression.check(&cells)?;
+            Ok(expression.read(&cells[0]))
+        };
+        assert_eq!(
+            value("(list_push + contact_test + list_step) / n").unwrap(),
+            Reading::Value(1.0)
+        );
+        assert_eq!(value("time_ns").unwrap(), Reading::Value(200.0));
+        assert_eq!(
+            value("peak_bytes - formula_bytes + per_cluster").unwrap(),
+            Reading::Value(32.0)
+        );
+        assert_eq!(value("n * (n - 1) / 2").unwrap(), Reading::Value(4950.0));
+        assert_eq!(value("1 / (n - 100)").unwrap(), Reading::Missing);
+        let error = value("list_pushes / n").unwrap_err().to_string();
+        assert!(
+            error.contains("unknown variable 'list_pushes' at column 1")
+                && error.contains("did you mean list_push?")
+                && error.contains("per_cluster")
+                && error.contains("list_push,"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn outcomes_concern_the_passes_that_are_needed() {
+        let mut lab = Lab::new("e", "packed");
+        lab.count(&[("contact_test", 10)]).fail(Pass::Time, Outcome::Timeout, "30 s");
+        let cells = cells(&lab.rows());
+        let read = |text: &str| Expression::parse(text).unwrap().read(&cells[0]);
+        assert_eq!(read("contact_test"), Reading::Value(10.0));
+        assert_eq!(read("time_ns"), Reading::Not(Outcome::Timeout));
+        assert_eq!(read("peak_bytes"), Reading::Not(Outcome::Timeout));
+        lab.fail(Pass::Memory, Outcome::Wrong, "digest");
+        assert_eq!(
+            Expression::parse("contact_test").unwrap().read(&super::cells(&lab.rows())[0]),
+            Reading::Not(Outcome::Wrong)
+        );
+    }
+
+    #[test]
+    fn a_row_measured_again_replaces_the_first() {
+        let mut lab = Lab::new("e", "packed");
+        lab.time(&[100]).time(&[700]);
+        assert_eq!(cells(&lab.rows())[0].time().map(|t| t.median), Some(700.0));
+    }
+
+    #[test]
+    fn times_of_several_machines_are_not_one_median() {
+        let mut lab = Lab::new("e", "packed");
+        lab.param("spacing", 1).machine("a").time(&[100, 100]).machine("b").time(&[300, 300]);
+        let cells = cells(&lab.rows());
+        let times: Vec<_> = cells
+            .iter()
+            .map(|cell| (cell.id.axis("machine").unwrap().to_string(), cell.time().unwrap().median))
+            .collect();
+        assert_eq!(times, [("a".into(), 100.0), ("b".into(), 300.0)]);
+        let apart = by_machine(&cells.iter().collect::<Vec<_>>());
+        assert_eq!(
+            apart
+                .iter()
+                .map(|(name, cells)| (name.as_deref().unwrap(), cells.len()))
+                .collect::<Vec<_>>(),
+            [("a", 1), ("b", 1)]
+        );
+        // One machine is no parameter, whatever its name.
+        assert_eq!(super::cells(&lab.rows()[..2])[0].id.axis("machine"), None);
+    }
+}

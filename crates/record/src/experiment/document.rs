@@ -1,0 +1,230 @@
+//! The TOML text of an experiment: parsed with the places of its keys and values, and brought into
+//! the form of the types, so that serde reads the rest and every error has its line and column.
+//!
+//! In a file the keys of a claim or figure stand beside its `kind`, and those of a generator beside
+//! the name of the scene. The types keep them apart: what belongs to a kind moves into a table of
+//! its own, `{ kind = { equal = { .. } } }`, and what belongs to a generator into `params`.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use anyhow::anyhow;
+use serde::de::{Deserialize, IntoDeserializer};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::experiment::claims::{Claim, ClaimKind};
+use crate::experiment::figures::{Figure, FigureKind};
+use crate::experiment::plain::plain;
+use crate::experiment::sweep::{Quick, SceneSweep};
+use crate::experiment::{Experiment, REQUIRED, RETIRED, keys};
+use contactbench_terms::nearest::hint;
+
+/// What is wrong, and where.
+struct Problem {
+    /// Bytes of the text.
+    pub at: Option<Range<usize>>,
+    pub words: String,
+}
+
+impl Problem {
+    pub fn new(at: Range<usize>, words: impl Into<String>) -> Problem {
+        Problem { at: Some(at), words: words.into() }
+    }
+
+    /// In one sentence with line and column.
+    pub fn located(self, text: &str) -> anyhow::Error {
+        let before = self.at.and_then(|at| text.get(..at.start));
+        let Some(before) = before else { return anyhow!("{}; {FORM}", self.words) };
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        anyhow!("line {}, column {column}: {}; {FORM}", line(before), self.words)
+    }
+}
+
+const FORM: &str = "docs/EXPERIMENTS.md lists all keys";
+
+fn line(before: &str) -> usize {
+    before.matches('\n').count() + 1
+}
+
+impl From<toml::de::Error> for Problem {
+    fn from(error: toml::de::Error) -> Problem {
+        // A list of what was expected follows on lines of its own.
+        let lines = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty());
+        Problem { at: error.span(), words: plain(&lines.collect::<Vec<_>>().join("; ")) }
+    }
+}
+
+/// An experiment as it stands in the text, and the places of its top-level keys.
+pub struct Document<'a> {
+    text: &'a str,
+    keys: Vec<(String, Range<usize>)>,
+    claims: Vec<Range<usize>>,
+    figures: Vec<Range<usize>>,
+}
+
+impl<'a> Document<'a> {
+    /// Reads the types. It does not check what values mean.
+    pub fn read(text: &'a str) -> anyhow::Result<(Experiment, Document<'a>)> {
+        Document::parse(text).map_err(|problem| problem.located(text))
+    }
+
+    fn parse(text: &'a str) -> Result<(Experiment, Document<'a>), Problem> {
+        let mut table = DeTable::parse(text)?;
+        let root = table.get_mut();
+        let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
+        let retired = RETIRED.into_iter().filter(|key| root.remove(*key).is_some()).collect();
+        top_level(root)?;
+        if let Some(missing) = REQUIRED.iter().find(|key| !root.contains_key(**key)) {
+            let form = if *missing == "scene" { "give a [[scene]]" } else { "give it a value" };
+            return Err(Problem { at: None, words: format!("{missing} is missing: {form}") });
+        }
+        let scenes = each(root, "scene", |scene, _| {
+            gather(scene, keys::fields::<SceneSweep>())?;
+            match scene.get_mut("quick").map(Spanned::get_mut) {
+                Some(DeValue::Table(quick)) => gather(quick, keys::fields::<Quick>()),
+                _ => Ok(()),
+            }
+        })?;
+        let claims =
+            each(root, "claim", |claim, at| nest::<Claim, ClaimKind>(claim, at, "claim", None))?;
+        let figures = each(root, "figure", |figure, at| {
+            nest::<Figure, FigureKind>(figure, at, "figure", Some("lines"))
+        })?;
+        let mut experiment = Experiment::deserialize(table.into_deserializer())?;
+        experiment.retired = retired;
+        for (sweep, place) in experiment.scenes.iter_mut().zip(scenes) {
+            sweep.line = line(&text[..place.start]);
+        }
+        Ok((experiment, Document { text, keys, claims, figures }))
+    }
+
+    /// A problem with the value of a top-level key.
+    pub fn key(&self, key: &str, words: String) -> anyhow::Error {
+        let place = self.keys.iter().find(|(known, _)| known == key);
+        Problem { at: place.map(|(_, at)| at.clone()), words }.located(self.text)
+    }
+
+    /// A problem with a claim, counted from 0.
+    pub fn claim(&self, k: usize, words: String) -> anyhow::Error {
+        Problem { at: self.claims.get(k).cloned(), words }.located(self.text)
+    }
+
+    /// A problem with a figure, counted from 0.
+    pub fn figure(&self, k: usize, words: String) -> anyhow::Error {
+        Problem { at: self.figures.get(k).cloned(), words }.located(self.text)
+    }
+}
+
+/// Refuses keys that there are not, before others are missed, and tables in single brackets.
+fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
+    let known = keys::fields::<Experiment>();
+    for (name, value) in root {
+        let (at, name) = (name.span(), &**name.get_ref());
+        if !known.contains(&name) {
+            let hint = hint(name, known.iter().copied());
+            let words = format!("there is no key '{name}'{hint}; there are: {}", known.join(", "));
+            return Err(Problem::new(at, words));
+        }
+        let many = ["scene", "runner", "claim", "figure"].contains(&name);
+        if many && matches!(value.get_ref(), DeValue::Table(_)) {
+            let words = format!("[{name}] stands for one of several: write [[{name}]]");
+            return Err(Problem::new(at, words));
+        }
+    }
+    Ok(())
+}
+
+/// Changes each table of an array of tables; gives their places. What is no table is left for serde
+/// to refuse.
+fn each<'a>(
+    root: &mut DeTable<'a>,
+    name: &str,
+    mut change: impl FnMut(&mut DeTable<'a>, Range<usize>) -> Result<(), Problem>,
+) -> Result<Vec<Range<usize>>, Problem> {
+    let mut places = Vec::new();
+    let Some(DeValue::Array(tables)) = root.get_mut(name).map(Spanned::get_mut) else {
+        return Ok(places);
+    };
+    for table in tables.iter_mut() {
+        let place = table.span();
+        if let DeValue::Table(table) = table.get_mut() {
+            change(table, place.clone())?;
+        }
+        places.push(place);
+    }
+    Ok(places)
+}
+
+fn key(name: &'static str, at: Range<usize>) -> Spanned<Cow<'static, str>> {
+    Spanned::new(at, Cow::Borrowed(name))
+}
+
+/// Moves all keys that are not `known` into a table `params`.
+fn gather(table: &mut DeTable<'_>, known: &[&str]) -> Result<(), Problem> {
+    let (mut own, mut params) = (DeTable::new(), DeTable::new());
+    for (name, value) in std::mem::take(table) {
+        let known = *name.get_ref() != "params" && known.contains(&&**name.get_ref());
+        if known { &mut own } else { &mut params }.insert(name, value);
+    }
+    own.insert(key("params", 0..0), Spanned::new(0..0, DeValue::Table(params)));
+    *table = own;
+    Ok(())
+}
+
+/// Moves the keys of a kind into a table below `kind`; the error says which keys there are.
+fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
+    table: &mut DeTable<'_>,
+    at: Range<usize>,
+    what: &str,
+    default: Option<&'static str>,
+) -> Result<(), Problem> {
+    let kinds = keys::variants::<Kind>();
+    let list = || kinds.join(", ");
+    let (place, kind) = match table.remove("kind") {
+        Some(value) => {
+            let place = value.span();
+            let found = value
+                .get_ref()
+                .as_str()
+                .and_then(|name| kinds.iter().copied().find(|kind| *kind == name));
+            let refused = || {
+                let name = value.get_ref().as_str().unwrap_or_default();
+                let hint = hint(name, kinds.iter().copied());
+                let words =
+                    format!("there is no such kind of {what}{hint}; the kinds are: {}", list());
+                Problem::new(place.clone(), words)
+            };
+            (place.clone(), found.ok_or_else(refused)?)
+        }
+        None => {
+            let words = || format!("the {what} has no kind; the kinds are: {}", list());
+            (at.clone(), default.ok_or_else(|| Problem::new(at, words()))?)
+        }
+    };
+    let (common, takes) = (keys::fields::<Common>(), keys::variant_fields::<Kind>(kind));
+    let (mut own, mut inner) = (DeTable::new(), DeTable::new());
+    for (name, value) in std::mem::take(table) {
+        if common.contains(&&**name.get_ref()) {
+            own.insert(name, value);
+        } else if takes.contains(&&**name.get_ref()) {
+            inner.insert(name, value);
+        } else {
+            let hint = hint(name.get_ref(), takes.iter().chain(common).copied());
+            let words = format!(
+                "a {what} of kind {kind} has no key '{name}'{hint}; it takes {}, \
+                 and like every {what} {}",
+                takes.join(", "),
+                common.join(", ")
+            );
+            return Err(Problem::new(name.span(), words));
+        }
+    }
+    let kind = DeTable::from_iter([(
+        key(kind, place.clone()),
+        Spanned::new(place.clone(), DeValue::Table(inner)),
+    )]);
+    own.insert(key("kind", place.clone()), Spanned::new(place, DeValue::Table(kind)));
+    *table = own;
+    Ok(())
+}

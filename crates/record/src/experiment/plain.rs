@@ -1,0 +1,64 @@
+//! What serde says of a value of the wrong type, in plain words.
+
+use contactbench_terms::nearest::hint;
+
+/// The message in plain words; as it is, where it is of another kind.
+pub fn plain(message: &str) -> String {
+    let typed = ["invalid type: ", "invalid value: "];
+    if let Some((found, expected)) = typed
+        .iter()
+        .find_map(|head| message.strip_prefix(head))
+        .and_then(|rest| rest.rsplit_once(", expected "))
+    {
+        return format!("{} stands where {} is expected", value(found), wanted(expected));
+    }
+    for (head, what) in [("unknown variant ", "value"), ("unknown field ", "key")] {
+        let parts = message.strip_prefix(head).and_then(|rest| rest.split_once(", expected "));
+        if let Some((name, rest)) = parts {
+            let (name, known) = (name.trim_matches('`'), names(rest));
+            let hint = hint(name, known.iter().copied());
+            let known = known.join(", ");
+            return format!("there is no {what} '{name}' here{hint}; there are: {known}");
+        }
+    }
+    if let Some(name) = message.strip_prefix("missing field ") {
+        return format!("the key '{}' is missing", name.trim_matches('`'));
+    }
+    message.to_string()
+}
+
+/// The names between backticks.
+fn names(list: &str) -> Vec<&str> {
+    list.split('`').skip(1).step_by(2).collect()
+}
+
+/// What stands there.
+fn value(found: &str) -> String {
+    let bare = |text: &str| text.trim_matches('`').to_string();
+    match found.split_once(' ') {
+        Some(("integer", value)) => bare(value),
+        Some(("boolean", value)) => bare(value),
+        Some(("floating", rest)) => bare(rest.trim_start_matches("point ")),
+        Some(("string", text)) => format!("the text {text}"),
+        _ if found == "map" => "a table".into(),
+        _ if found == "sequence" => "a list".into(),
+        _ => found.to_string(),
+    }
+}
+
+/// What is to stand there.
+fn wanted(expected: &str) -> String {
+    match expected {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number of at least 0".into(),
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".into(),
+        "f32" | "f64" => "a number".into(),
+        "a string" | "string or table" => "a text in quotes".into(),
+        "a boolean" => "true or false".into(),
+        "a sequence" => "a list in brackets, as in [1, 2],".into(),
+        "a map" => "a table, as in { key = 1 },".into(),
+        _ => match expected.strip_prefix("struct ") {
+            Some(_) => "a table, as in { key = 1 },".into(),
+            None => expected.to_string(),
+        },
+    }
+}

@@ -1,0 +1,372 @@
+//! How much of what an experiment plans is in a record, and why the rest is not.
+//!
+//! A planned cell is an entrant on a scene. It is *there* if every pass of it is, or it ended
+//! before; it is *short* if it has fewer blocks than are planned. What could not be started at all
+//! is not there.
+
+mod same;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use same::{key, same_file, scene};
+use serde_json::Value;
+
+use crate::cells::label::varying;
+use crate::cells::select::may_match;
+use crate::cells::{AxisValue, Cell, CellId};
+use crate::experiment::shard::Shard;
+use crate::experiment::{Claim, ClaimKind, Experiment};
+use crate::findings::every;
+use crate::record::id::Projection;
+use crate::record::role::Role;
+use crate::record::row::{Outcome, Pass};
+
+/// Why a planned cell is not there, or is short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Why {
+    Stopped,
+    /// A quick run has fewer scenes and blocks.
+    Quick,
+    /// It belongs to another shard.
+    Shard,
+    /// It is in none of the folders that were merged.
+    NotMerged,
+    /// The block budget was over.
+    Budget,
+    /// The program could not be started.
+    Unavailable,
+}
+
+impl Why {
+    /// A word for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Why::Stopped => "stopped",
+            Why::Quick => "quick run",
+            Why::Shard => "other shard",
+            Why::NotMerged => "not merged",
+            Why::Budget => "budget",
+            Why::Unavailable => "unavailable",
+        }
+    }
+}
+
+/// What a record is of, as far as its provenance says.
+#[derive(Default)]
+pub struct Scope<'a> {
+    quick: bool,
+    shard: bool,
+    merged: bool,
+    /// The scenes of the shard, by experiment and place in its plan.
+    taken: BTreeSet<(&'a str, usize)>,
+}
+
+impl<'a> Scope<'a> {
+    /// Of a record with these experiments, in the order in which they were run.
+    pub fn new(provenance: Option<&Value>, experiments: &'a [Experiment]) -> Scope<'a> {
+        let field = |name: &str| provenance.and_then(|fields| fields.get(name));
+        let quick = field("quick").and_then(Value::as_bool).unwrap_or(false);
+        let shard = field("shard").and_then(Value::as_str).and_then(|text| text.parse().ok());
+        let scenes = || {
+            experiments.iter().flat_map(|experiment| {
+                let plan = experiment.planned.scenes(quick).iter().enumerate();
+                plan.map(|(k, scene)| (&*experiment.name, k, scene.n))
+            })
+        };
+        let taken = shard.map(|shard: Shard| {
+            let takes = shard.takes(&scenes().map(|scene| scene.2).collect::<Vec<_>>());
+            let taken = scenes().zip(takes).filter(|(_, taken)| *taken);
+            taken.map(|((name, k, _), _)| (name, k)).collect()
+        });
+        Scope {
+            quick,
+            shard: shard.is_some(),
+            merged: field("merged_from").is_some(),
+            taken: taken.unwrap_or_default(),
+        }
+    }
+
+    /// Why a scene has no rows, or not all.
+    fn why(&self, experiment: &Experiment, scene: &CellId, begun: bool) -> Why {
+        let run = experiment.planned.scenes(self.quick);
+        let place = run.iter().position(|known| known == scene);
+        match place {
+            None if self.quick => Why::Quick,
+            Some(k) if self.shard && !self.taken.contains(&(&*experiment.name, k)) => Why::Shard,
+            _ if self.merged && !begun => Why::NotMerged,
+            _ => Why::Stopped,
+        }
+    }
+}
+
+/// A planned cell, and what there is of it.
+struct Planned<'a> {
+    /// Its axes, those of the measured cell where there is one.
+    id: CellId,
+    /// The entrant is there to measure by.
+    control: bool,
+    /// The number of its scene among those planned.
+    scene: usize,
+    cell: Option<&'a Cell>,
+    /// Why it would not be there.
+    why: Why,
+}
+
+/// What an experiment plans, held to a record.
+pub struct Coverage<'a> {
+    experiment: &'a Experiment,
+    planned: Vec<Planned<'a>>,
+    quick: bool,
+    /// Scenes with rows that the plan does not have.
+    outside: usize,
+    /// Cells of twins that the plan does not have, in its scenes.
+    twins: usize,
+    /// Contenders without a single row that says otherwise, and why they could not be started.
+    unavailable: BTreeMap<String, String>,
+}
+
+/// The plan of an experiment in numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub experiment: String,
+    /// Planned scenes in which nothing is missing but what is unavailable; and all.
+    pub scenes: [usize; 2],
+    /// Planned cells that are there, and all.
+    pub cells: [usize; 2],
+    /// Cells that are not there.
+    pub missing: BTreeMap<Why, usize>,
+    /// Cells with fewer blocks than are planned.
+    pub short: BTreeMap<Why, Short>,
+    pub blocks: u32,
+    /// Scenes with rows that are not planned: those of a quick run.
+    pub outside: usize,
+    /// Cells beside the plan: twins, which every run gets to measure the noise.
+    pub twins: usize,
+    /// Contenders that could not be started, each with the reason.
+    pub unavailable: BTreeMap<String, String>,
+}
+
+/// Cells with fewer blocks than are planned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Short {
+    pub cells: usize,
+    /// The fewest and the most blocks.
+    pub blocks: [usize; 2],
+}
+
+/// What a claim is about and the record has not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncovered {
+    /// Planned cells of the claim that are not there, or are short where times are claimed.
+    pub cells: usize,
+    pub of: usize,
+    /// The axes that tell them from the others.
+    pub gaps: Vec<Gap>,
+    pub why: BTreeMap<Why, usize>,
+    /// The contenders that could not be started.
+    pub unavailable: BTreeSet<String>,
+}
+
+/// An axis on which planned values are not covered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    pub name: String,
+    /// Values that are not covered in all cells, ascending.
+    pub missing: Vec<AxisValue>,
+    /// All values planned, ascending.
+    pub planned: Vec<AxisValue>,
+}
+
+impl<'a> Coverage<'a> {
+    /// Of an experiment, with its cells.
+    pub fn new(experiment: &'a Experiment, own: &[&'a Cell], scope: &Scope<'_>) -> Coverage<'a> {
+        let plan = &experiment.planned;
+        let mut known: HashMap<CellId, Vec<&Cell>> = HashMap::new();
+        for cell in own {
+            for open in [false, true] {
+                known.entry(key(plan, &cell.id, open)).or_default().push(cell);
+            }
+        }
+        let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
+        let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(plan, &cell.id)).collect();
+        let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
+        let mut numbers: HashMap<every::Key, usize> = HashMap::new();
+        for place in &plan.scenes {
+            let entrants = plan.entrants.iter();
+            for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {
+                let (id, open) = (entrant.cell(place), entrant.arithmetic.is_none());
+                let next = numbers.len();
+                let number = *numbers.entry(every::key(&id)).or_insert(next);
+                let same = |cell: &&&Cell| same_file(&id, &cell.id);
+                let cells = known.get(&key(plan, &id, open)).into_iter().flatten();
+                // Of several machines it is enough that one has measured it.
+                let cell = cells.filter(same).max_by_key(|cell| cell.times.len()).copied();
+                let found = scene(plan, cell.map_or(&id, |cell| &cell.id));
+                let begun = scenes.contains(&found);
+                met.insert(found);
+                let why = scope.why(experiment, place, begun);
+                let id = cell.map_or(id, |cell| cell.id.clone());
+                let control = entrant.role.is_control();
+                planned.push(Planned { id, control, scene: number, cell, why });
+            }
+        }
+        let outside = scenes.difference(&met).count();
+        let unavailable = unavailable(own);
+        for planned in planned.iter_mut().filter(|planned: &&mut Planned| planned.cell.is_none()) {
+            // A quick run has not its scenes, but would not have started it there either.
+            if unavailable.contains_key(&planned.id.contender()) {
+                planned.why = Why::Unavailable;
+            }
+        }
+        let there: BTreeSet<&CellId> =
+            planned.iter().filter_map(|planned| Some(&planned.cell?.id)).collect();
+        let extra = |cell: &&&Cell| {
+            matches!(cell.role, Role::Twin(_))
+                && !there.contains(&cell.id)
+                && met.contains(&scene(plan, &cell.id))
+        };
+        let twins = own.iter().filter(extra).count();
+        Coverage { experiment, planned, quick: scope.quick, outside, twins, unavailable }
+    }
+
+    pub fn summary(&self) -> Summary {
+        let (mut missing, mut short) = (BTreeMap::new(), BTreeMap::<Why, Short>::new());
+        let mut broken = BTreeSet::new();
+        for planned in &self.planned {
+            if let Some(why) = self.missing(planned, &[Pass::Count, Pass::Memory]) {
+                *missing.entry(why).or_default() += 1;
+                if why != Why::Unavailable {
+                    broken.insert(planned.scene);
+                }
+            } else if let Some((why, blocks)) = self.short(planned, self.experiment.blocks) {
+                let known = short.entry(why).or_insert(Short { cells: 0, blocks: [blocks; 2] });
+                let [low, high] = known.blocks;
+                known.blocks = [low.min(blocks), high.max(blocks)];
+                known.cells += 1;
+            }
+        }
+        let scenes: BTreeSet<usize> = self.planned.iter().map(|planned| planned.scene).collect();
+        let (all, gone) = (self.planned.len(), missing.values().sum::<usize>());
+        Summary {
+            experiment: self.experiment.name.clone(),
+            scenes: [scenes.len() - broken.len(), scenes.len()],
+            cells: [all - gone, all],
+            missing,
+            short,
+            blocks: self.experiment.blocks,
+            outside: self.outside,
+            twins: self.twins,
+            unavailable: self.unavailable.clone(),
+        }
+    }
+
+    /// What a claim is about and is not there; none if all is.
+    pub fn uncovered(&self, claim: &Claim) -> Option<Uncovered> {
+        let about = self.about(claim);
+        let passes = passes(claim);
+        let lacks = |planned: &&Planned<'_>| -> Option<Why> {
+            let timed = passes.contains(&Pass::Time);
+            let enough = self.experiment.enough_blocks(false);
+            let short = || Some(self.short(planned, enough)?.0).filter(|_| timed);
+            self.missing(planned, &passes).or_else(short)
+        };
+        let (mut why, mut unavailable) = (BTreeMap::new(), BTreeSet::new());
+        let mut gone = Vec::new();
+        for planned in &about {
+            if let Some(reason) = lacks(planned) {
+                *why.entry(reason).or_default() += 1;
+                if reason == Why::Unavailable {
+                    unavailable.insert(planned.id.contender());
+                }
+                gone.push(*planned);
+            }
+        }
+        if gone.is_empty() {
+            return None;
+        }
+        let cells = |all: &[&Planned<'_>]| -> Vec<Cell> {
+            let cell = |planned: &&Planned<'_>| Cell { id: planned.id.clone(), ..Cell::default() };
+            all.iter().map(cell).collect()
+        };
+        let (all, gone) = (cells(&about), cells(&gone));
+        let values = |cells: &[Cell], name: &str| -> Vec<AxisValue> {
+            let values: BTreeSet<AxisValue> = cells
+                .iter()
+                .filter_map(|cell| match name {
+                    "detector" => Some(cell.id.contender().as_str().into()),
+                    _ => cell.id.axis(name),
+                })
+                .collect();
+            values.into_iter().collect()
+        };
+        let gap = |name: String| {
+            let (missing, planned) = (values(&gone, &name), values(&all, &name));
+            (missing.len() < planned.len()).then_some(Gap { name, missing, planned })
+        };
+        let gaps = varying(&all.iter().collect::<Vec<_>>()).into_iter().filter_map(gap).collect();
+        Some(Uncovered { cells: gone.len(), of: all.len(), gaps, why, unavailable })
+    }
+
+    /// The planned cells that a claim is about.
+    fn about(&self, claim: &Claim) -> Vec<&Planned<'a>> {
+        let named = claim.filter.contains_key("detector");
+        let meant = |planned: &&Planned<'_>| {
+            may_match(&planned.id, &claim.filter) && (named || !planned.control)
+        };
+        let place = |id: &CellId| id.clone().anywhere().without(&["detector"]);
+        let places: BTreeSet<Projection> =
+            self.planned.iter().filter(meant).map(|planned| place(&planned.id)).collect();
+        let than = claim.kind.than();
+        let other = |id: &CellId| than == Some(&*id.contender()) && places.contains(&place(id));
+        self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
+    }
+
+    /// Why a cell is not there, if it is not, as far as these passes go.
+    fn missing(&self, planned: &Planned<'_>, needed: &[Pass]) -> Option<Why> {
+        let Some(cell) = planned.cell else { return Some(planned.why) };
+        match cell.overall().0 {
+            Outcome::Unavailable => Some(Why::Unavailable),
+            outcome if outcome.is_final() => None,
+            _ => {
+                let mut others = needed.iter().filter(|pass| **pass != Pass::Time);
+                let absent = others.any(|pass| !cell.passes.contains_key(pass));
+                absent.then_some(planned.why)
+            }
+        }
+    }
+
+    /// The blocks of a cell that has fewer than so many, and why.
+    fn short(&self, planned: &Planned<'_>, blocks: u32) -> Option<(Why, usize)> {
+        let cell = planned.cell.filter(|cell| !cell.ended && !cell.overall().0.is_final())?;
+        let found = cell.times.len();
+        if found >= blocks as usize {
+            return None;
+        }
+        let run = |blocks: u32| found >= blocks as usize;
+        Some(match planned.why {
+            _ if self.quick && run(self.experiment.all_blocks(true)) => (Why::Quick, found),
+            _ if run(self.experiment.enough_blocks(false)) => (Why::Budget, found),
+            Why::NotMerged | Why::Quick | Why::Shard => (Why::Stopped, found),
+            why => (why, found),
+        })
+    }
+}
+
+/// The contenders all of whose cells are unavailable, and the reason of the first.
+fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
+    let started = |cell: &&&Cell| cell.overall().0 != Outcome::Unavailable;
+    let known: BTreeSet<String> = own.iter().filter(started).map(|it| it.id.contender()).collect();
+    let mut found = BTreeMap::new();
+    for cell in own.iter().filter(|cell| !known.contains(&cell.id.contender())) {
+        found.entry(cell.id.contender()).or_insert_with(|| cell.overall().1.to_string());
+    }
+    found
+}
+
+/// The passes that a claim needs.
+fn passes(claim: &Claim) -> Vec<Pass> {
+    match &claim.kind {
+        ClaimKind::Faster { .. } => vec![Pass::Time],
+        kind => kind.sides().iter().flat_map(|side| side.passes()).collect(),
+    }
+}

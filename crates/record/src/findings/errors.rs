@@ -1,0 +1,205 @@
+//! Errors against exact decisions, with the three causes apart: the representation of the scene,
+//! the predicate, and the search.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::cells::errors::true_contacts;
+use crate::cells::{AxisValue, Cell, CellId, label};
+use crate::record::id::variable;
+use crate::record::row::Outcome;
+use contactbench_terms::errors::{Causes, Errors};
+
+/// A line per scene (with the parameters that are swept), arithmetic and group of detectors with
+/// the same errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorTable {
+    /// In the order of scenes.
+    pub lines: Vec<ErrorLine>,
+}
+
+/// The errors of detectors that make the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorLine {
+    /// Their names, or `all`, or `all but` one.
+    pub detectors: String,
+    pub arithmetic: String,
+    pub scene: String,
+    pub sum: Sum,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sum {
+    pub cells: usize,
+    pub contacts: f64,
+    /// Against the scene as given.
+    pub errors: Errors,
+    /// None as soon as one cell has none: a record of an earlier version.
+    pub causes: Option<Causes>,
+    pub outcomes: BTreeSet<Outcome>,
+}
+
+fn add(sum: &mut Errors, errors: &Errors) {
+    sum.missed = sum.missed.saturating_add(errors.missed);
+    sum.spurious = sum.spurious.saturating_add(errors.spurious);
+    sum.duplicate = sum.duplicate.saturating_add(errors.duplicate);
+    sum.self_pairs = sum.self_pairs.saturating_add(errors.self_pairs);
+    sum.deepest_miss = sum.deepest_miss.max(errors.deepest_miss);
+    sum.widest_false = sum.widest_false.max(errors.widest_false);
+}
+
+impl Sum {
+    fn new(cells: &[&Cell]) -> Sum {
+        let mut sum = Sum { causes: Some(Causes::default()), ..Sum::default() };
+        for cell in cells {
+            let Some(errors) = cell.errors else { continue };
+            sum.cells += 1;
+            sum.contacts += true_contacts(cell);
+            add(&mut sum.errors, &errors);
+            sum.causes = sum.causes.zip(cell.causes).map(|(mut all, one)| {
+                add(&mut all.representation, &one.representation);
+                add(&mut all.predicate, &one.predicate);
+                add(&mut all.search, &one.search);
+                all
+            });
+            sum.outcomes.insert(cell.overall().0);
+        }
+        sum
+    }
+
+    /// No error of any cause: errors of two causes can cancel.
+    fn none(&self) -> bool {
+        let causes = self.causes.unwrap_or_default();
+        self.errors.wrong()
+            + causes.representation.wrong()
+            + causes.predicate.wrong()
+            + causes.search.wrong()
+            == 0
+    }
+
+    /// Detectors with the same errors share a line. Without any it is no matter how many cells each
+    /// had an answer in.
+    fn same(&self, other: &Sum) -> bool {
+        let blind = |sum: &Sum| Sum { cells: 0, contacts: 0.0, ..sum.clone() };
+        if self.none() && other.none() { blind(self) == blind(other) } else { self == other }
+    }
+}
+
+impl ErrorTable {
+    /// Numbers of particles, seeds and orders are summed, and so are all parameters where nothing
+    /// is wrong. None if nothing was compared.
+    pub fn new(cells: &[&Cell]) -> Option<ErrorTable> {
+        let compared =
+            |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;
+        let cells: Vec<&Cell> = cells.iter().filter(compared).copied().collect();
+        let swept = label::swept(&cells);
+        type Place<'a> = (String, u32, &'a str);
+        type Params = Vec<(String, AxisValue)>;
+        let mut scenes: BTreeMap<Place, BTreeMap<Params, Vec<&Cell>>> = BTreeMap::new();
+        for &cell in &cells {
+            let CellId { dim, arithmetic, params, .. } = &cell.id;
+            let params = params
+                .iter()
+                .map(|(name, value)| (variable(name), value.clone()))
+                .filter(|(name, _)| swept.contains(name) && name != "path")
+                .collect();
+            scenes
+                .entry((label::scene(&cell.id), *dim, arithmetic))
+                .or_default()
+                .entry(params)
+                .or_default()
+                .push(cell);
+        }
+        let mut found = Vec::new();
+        for ((scene, dim, arithmetic), places) in &scenes {
+            let mut lines: Vec<(String, Vec<&Cell>)> = Vec::new();
+            let all: Vec<&Cell> = places.values().flatten().copied().collect();
+            if Sum::new(&all).none() {
+                lines.push((format!("{scene} {dim}D"), all));
+            } else {
+                for (params, cells) in places {
+                    let params: String =
+                        params.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
+                    lines.push((format!("{scene} {dim}D{params}"), cells.clone()));
+                }
+            }
+            for (place, cells) in lines {
+                for (detectors, sum) in folded(&cells) {
+                    let (arithmetic, scene) = (arithmetic.to_string(), place.clone());
+                    found.push(ErrorLine { detectors, arithmetic, scene, sum });
+                }
+            }
+        }
+        (!found.is_empty()).then_some(ErrorTable { lines: found })
+    }
+}
+
+/// The sums of all detectors of these cells, those with the same errors together.
+fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
+    let mut detectors: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
+    for &cell in cells {
+        detectors.entry(cell.id.contender()).or_default().push(cell);
+    }
+    let mut groups: Vec<(Vec<&str>, Sum)> = Vec::new();
+    for (detector, cells) in &detectors {
+        let sum = Sum::new(cells);
+        match groups.iter_mut().find(|(_, known)| known.same(&sum)) {
+            Some((names, known)) => {
+                names.push(detector);
+                if sum.contacts > known.contacts {
+                    *known = sum;
+                }
+            }
+            None => groups.push((vec![detector], sum)),
+        }
+    }
+    let all: Vec<&str> = detectors.keys().map(String::as_str).collect();
+    groups.into_iter().map(|(names, sum)| (label::group(&names, &all), sum)).collect()
+}
+
+#[doc(hidden)]
+pub mod testing {
+    use super::*;
+    use crate::cells::testing::Lab;
+
+    pub fn errors(missed: u64, spurious: u64) -> Errors {
+        Errors {
+            missed,
+            spurious,
+            deepest_miss: if missed > 0 { 0.25 } else { 0.0 },
+            ..Errors::default()
+        }
+    }
+
+    /// 250 true contacts per scene; in f32 storing loses 20 and adds 5, in textbook only nbs loses
+    /// one.
+    pub fn lab() -> Lab {
+        let mut lab = Lab::new("e", "packed");
+        for offset in [0, 1000] {
+            lab.param("offset", offset);
+            for detector in ["nbs", "sorting"] {
+                lab.detector(detector);
+                let input = if offset == 1000 { errors(20, 5) } else { Errors::default() };
+                let causes = Causes {
+                    representation: input,
+                    predicate: errors(1, 0),
+                    search: Errors::default(),
+                    stored: errors(1, 0),
+                };
+                lab.arithmetic("f32").count(&[]).errors(
+                    Errors { self_pairs: 2, ..errors(input.missed + 1, input.spurious) },
+                    causes,
+                );
+                let algorithm = if detector == "nbs" { errors(1, 0) } else { Errors::default() };
+                lab.arithmetic("textbook").count(&[]).errors(
+                    algorithm,
+                    Causes { search: algorithm, stored: algorithm, ..Causes::default() },
+                );
+                if detector == "nbs" {
+                    lab.edit(|row| row.outcome = Outcome::Lossy);
+                }
+                lab.arithmetic("exact").count(&[]).errors(Errors::default(), Causes::default());
+            }
+        }
+        lab
+    }
+}

@@ -1,0 +1,153 @@
+//! Variables of maps: the values that cells have, in order, and where each cell stands among them.
+
+use std::collections::BTreeSet;
+
+use anyhow::bail;
+
+use super::Axis;
+use crate::cells::{AxisValue, Cell};
+use crate::record::id::{THREADS, variable};
+use contactbench_terms::nearest::hint;
+
+/// More values than this along an axis are too many to see: measured numbers are put together until
+/// there are no more.
+pub(super) const MOST_VALUES: usize = 12;
+/// Measured numbers within this factor of the least of them share a place.
+const NEAR: f64 = 1.1;
+/// Columns that say what a scene is like, the same whoever looks at it.
+const OF_SCENES: [&str; 8] = [
+    "packing_fraction",
+    "coordination",
+    "radius_ratio",
+    "mean_way",
+    "longest_way",
+    "born",
+    "ended",
+    "at_rest",
+];
+/// A variable of the cells, with its values in order.
+pub(super) struct Variable {
+    pub name: String,
+    values: Values,
+    /// Those who have no such axis, and take part at all values: by name and parameters.
+    free: BTreeSet<String>,
+}
+
+enum Values {
+    Known(Vec<AxisValue>),
+    /// The least and the largest of each class of measured numbers.
+    Measured(Vec<(f64, f64)>),
+}
+
+/// Where a cell is along an axis.
+pub(super) enum Place {
+    At(usize),
+    Everywhere,
+    Nowhere,
+}
+
+impl Variable {
+    pub fn new(name: &str, cells: &[&Cell]) -> anyhow::Result<Variable> {
+        let name = variable(name);
+        if cells.iter().any(|cell| cell.id.axis(&name).is_some()) {
+            let values: BTreeSet<AxisValue> =
+                cells.iter().filter_map(|cell| cell.id.axis(&name)).collect();
+            let free = free(&name, cells);
+            return Ok(Variable {
+                name,
+                values: Values::Known(values.into_iter().collect()),
+                free,
+            });
+        }
+        let measured = || cells.iter().filter_map(|cell| of_scene(cell, &name));
+        let mut numbers: Vec<f64> = measured().filter(|value| value.is_finite()).collect();
+        if numbers.is_empty() {
+            let named = cells.iter().flat_map(|cell| cell.id.names());
+            let has = |name: &&str| cells.iter().any(|cell| of_scene(cell, name).is_some());
+            let measured = OF_SCENES.iter().copied().filter(has).map(String::from);
+            let known: BTreeSet<String> = named.chain(measured).collect();
+            // By the name that --x and --y take.
+            let plain = |name| if name == "packing_fraction" { "density" } else { name };
+            let known: Vec<&str> = known.iter().map(|name| plain(name.as_str())).collect();
+            bail!(
+                "these cells have no '{name}' of a scene or a detector{}; there are: {}",
+                hint(&name, known.iter().copied()),
+                known.join(", ")
+            );
+        }
+        numbers.sort_by(f64::total_cmp);
+        Ok(Variable { name, values: Values::Measured(classes(&numbers)), free: BTreeSet::new() })
+    }
+
+    pub fn place(&self, cell: &Cell) -> Place {
+        if self.free.contains(&cell.id.contender()) {
+            return Place::Everywhere;
+        }
+        let found = match &self.values {
+            Values::Known(values) => {
+                cell.id.axis(&self.name).and_then(|value| values.binary_search(&value).ok())
+            }
+            Values::Measured(classes) => of_scene(cell, &self.name)
+                .and_then(|value| classes.iter().position(|it| (it.0..=it.1).contains(&value))),
+        };
+        found.map_or(Place::Nowhere, Place::At)
+    }
+
+    pub fn axis(&self) -> Axis {
+        let values = match &self.values {
+            Values::Known(values) => values.iter().map(AxisValue::to_string).collect(),
+            Values::Measured(classes) => classes.iter().map(|&class| shown(class)).collect(),
+        };
+        Axis { name: self.name.clone(), values }
+    }
+}
+
+/// What was measured of a cell's scene.
+fn of_scene(cell: &Cell, name: &str) -> Option<f64> {
+    OF_SCENES.contains(&name).then(|| cell.variable(name, None)).flatten()
+}
+
+/// The contenders that do not have this axis of contenders; none if it is one of scenes.
+fn free(name: &str, cells: &[&Cell]) -> BTreeSet<String> {
+    let bound = |cell: &&&Cell| match name {
+        THREADS => cell.id.threads() > 1,
+        _ => cell.id.detector_parameters().any(|(own, _)| own == name),
+    };
+    let all = |cells: &mut dyn Iterator<Item = &&Cell>| -> BTreeSet<String> {
+        cells.map(|cell| cell.id.contender()).collect()
+    };
+    let bound = all(&mut cells.iter().filter(bound));
+    if bound.is_empty() {
+        bound
+    } else {
+        all(&mut cells.iter()).difference(&bound).cloned().collect()
+    }
+}
+
+/// Parts sorted numbers into classes of near ones, at most [`MOST_VALUES`] of them.
+pub(super) fn classes(sorted: &[f64]) -> Vec<(f64, f64)> {
+    let mut near = NEAR;
+    loop {
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        for &value in sorted {
+            match found.last_mut() {
+                Some(class) if value <= class.0 + (near - 1.0) * class.0.abs() => class.1 = value,
+                _ => found.push((value, value)),
+            }
+        }
+        if found.len() <= MOST_VALUES || near > 1e6 {
+            return found;
+        }
+        near *= 1.2;
+    }
+}
+
+/// `0.52 to 0.56`, with two digits.
+pub(super) fn shown((low, high): (f64, f64)) -> String {
+    let digits = |value: f64| -> String {
+        let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+        rounded.to_string()
+    };
+    let (low, high) = (digits(low), digits(high));
+    if low == high { low } else { format!("{low} to {high}") }
+}

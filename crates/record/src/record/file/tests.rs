@@ -1,0 +1,185 @@
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::record::id::CellId;
+use crate::record::ledger::{self, Entry, Process};
+use crate::record::outcome::{Outcome, Pass};
+use crate::record::role::Role;
+use crate::record::row::Course;
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::moved::Moved;
+
+/// A row with something in every field.
+fn full() -> Row {
+    let mut row = Row {
+        id: CellId {
+            machine: Some("here".into()),
+            experiment: "e".into(),
+            dim: 2,
+            params: [("s".to_string(), 0.5.into())].into(),
+            seed: u64::MAX,
+            ..CellId::default()
+        },
+        role: Role::Twin("nbs".into()),
+        outcome: Outcome::Wrong,
+        errors: Some(Errors { missed: 3, ..Errors::default() }),
+        causes: Some(Causes {
+            search: Errors { missed: 3, ..Errors::default() },
+            ..Causes::default()
+        }),
+        time_ns: Some(7),
+        calls: Some(2),
+        elapsed_ns: Some(15),
+        pass: Pass::Time,
+        block: 3,
+        process: Some("01234567".into()),
+        span: Some("89abcdef".into()),
+        rounds_ns: vec![1, 2],
+        alone_ns: Some(1),
+        began_ms: Some(1_700_000_000_000),
+        pulse_ns: Some(5),
+        processor: Some(1),
+        building_ns: Some(1),
+        median_step_ns: Some(6),
+        worst_step_ns: Some(8),
+        course: Some(Course {
+            builds: 2,
+            first_wrong: Some(1),
+            wrong_frames: 1,
+            worst_missed: 3,
+            ..Course::default()
+        }),
+        moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
+        ..Row::default()
+    };
+    row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
+    row
+}
+
+fn line(row: &Row) -> serde_json::Value {
+    serde_json::to_value(Line { schema: SCHEMA, row }).unwrap()
+}
+
+/// A folder with the process of the full row.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let id = full().process.unwrap();
+    let process = Entry::Process(Process { id, ..Process::default() });
+    ledger::Writer::append(folder.path()).unwrap().write(&process).unwrap();
+    folder
+}
+
+fn read_text(text: &str) -> anyhow::Result<Record> {
+    let folder = folder();
+    std::fs::write(folder.path().join(FILE), text).unwrap();
+    read(&folder.path().join(FILE))
+}
+
+#[test]
+fn a_row_is_read_as_it_was_written() {
+    let folder = folder();
+    let path = folder.path().join(FILE);
+    let plain = Row { id: full().id.with_contender("nbs"), ..Row::default() };
+    let mut writer = Writer::append(&path).unwrap();
+    writer.write(&full()).unwrap();
+    writer.write(&plain).unwrap();
+    assert_eq!(read(&path).unwrap().rows, [full(), plain.clone()]);
+    assert_eq!(line(&full())["resources"], serde_json::json!({"threads": 2}));
+    assert_eq!(line(&full())["role"], serde_json::json!({"twin": "nbs"}));
+    assert_eq!(line(&full())["detector_params"], serde_json::json!({"level": "avx2"}));
+    assert_eq!(line(&plain).get("detector_params"), None);
+}
+
+#[test]
+fn rows_of_other_schemas_are_refused() {
+    for (schema, words) in [
+        ("", "has record schema 0"),
+        ("\"schema\": 2,", "record schema 2, and this contactbench"),
+        ("\"schema\": 5,", "reads schemas 3 to 4: take the version that wrote it, or a later"),
+    ] {
+        let mut fields = line(&full());
+        fields.as_object_mut().unwrap().remove("schema");
+        let text = fields.to_string().replacen('{', &format!("{{{schema}"), 1) + "\n";
+        let error = read_text(&text).err().unwrap().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn every_committed_record_is_read() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let old = std::fs::read_dir(root.join("tests/records")).unwrap();
+    let folders = old.map(|entry| entry.unwrap().path()).chain(crate::committed::committed());
+    let mut rows = 0;
+    for folder in folders {
+        let path = folder.join(FILE);
+        if exists(&path) {
+            let record = read(&path).unwrap();
+            assert!(record.warnings.is_empty(), "{:?}", record.warnings);
+            let known = |row: &Row| row.id.threads() > 0 && row.id.machine.is_some();
+            assert!(record.rows.iter().all(known), "{}", path.display());
+            assert!(record.rows.iter().any(|row| row.role == Role::Detector));
+            rows += record.rows.len();
+        }
+    }
+    assert!(rows > 10_000, "{rows}");
+}
+
+/// Every field of a row has a line in docs/RECORD.md, and none has that is not there.
+#[test]
+fn the_page_on_the_record_names_every_field() {
+    let page = include_str!("../../../../../docs/RECORD.md");
+    let documented: BTreeSet<String> = page
+        .split("\n## Columns\n")
+        .next()
+        .into_iter()
+        .flat_map(str::lines)
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+        .map(String::from)
+        .collect();
+    let mut fields = BTreeSet::from([seal::NAME.to_string()]);
+    for (name, value) in line(&full()).as_object().unwrap() {
+        let nested = ["stats", "errors", "causes", "course", "moved"].contains(&name.as_str());
+        for (inner, value) in value.as_object().filter(|_| nested).into_iter().flatten() {
+            let of_way = value.as_object().filter(|_| inner == "way");
+            match of_way {
+                Some(way) => {
+                    fields.extend(way.keys().map(|key| format!("{name}.{inner}.{key}")));
+                }
+                None => drop(fields.insert(format!("{name}.{inner}"))),
+            }
+        }
+        fields.insert(name.clone());
+    }
+    assert_eq!(documented, fields);
+    assert!(page.contains(&format!("**schema {SCHEMA}**")));
+}
+
+/// A compressed record is read as the text in it is; lines are named in the file that is there.
+#[test]
+fn a_compressed_record_is_read_and_never_appended_to() {
+    use flate2::{Compression, write::GzEncoder};
+    let (folder, text) = (folder(), seal::sealed(&line(&full()).to_string()) + "\n");
+    let path = folder.path().join(FILE);
+    let pack = |text: &str, cut: usize| {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(text.as_bytes()).unwrap();
+        let bytes = encoder.finish().unwrap();
+        std::fs::write(packed(&path), &bytes[..bytes.len() - cut]).unwrap();
+    };
+    let refusal = |path: &Path| read(path).err().unwrap().to_string();
+    assert!(!exists(&path) && unpacked(&path).is_ok());
+    pack(&text, 0);
+    assert!(exists(&path) && !path.exists());
+    assert!(unpacked(&path).unwrap_err().to_string().contains("unpack it with gunzip"));
+    for path in [&path, &packed(&path)] {
+        let record = read(path).unwrap();
+        assert_eq!((record.rows, record.bytes), (vec![full()], text.len() as u64));
+    }
+    pack(&text.replace("\"e\"", "\"f\""), 0);
+    assert!(refusal(&path).contains("samples.jsonl.gz:1: its check is that of another text"));
+    pack(&text, 9);
+    assert!(refusal(&path).contains("samples.jsonl.gz: it cannot be unpacked: "));
+    std::fs::write(&path, &text).unwrap();
+    assert!(refusal(&path).contains("samples.jsonl.gz are both there; delete one of them"));
+}

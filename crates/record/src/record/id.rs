@@ -1,0 +1,383 @@
+//! What makes a measurement this one and no other.
+//!
+//! A measurement has *axes*: the fields of [`CellId`] and the parameters in it, each under the name
+//! that filters and expressions call it by (`per_cluster` for `per-cluster`). Where names clash,
+//! the field goes first, then the scene's parameter, then the detector's, then the resource;
+//! `detector_level` and `resource_ranks` always mean the last two.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::value::AxisValue;
+use contactbench_terms::grammar::Spec;
+
+/// Which cell a row belongs to: what was measured, on what, with what. The order of the fields is
+/// the order of reports.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct CellId {
+    /// The experiment's name.
+    pub experiment: String,
+    /// The generator (or `file`).
+    pub scene: String,
+    /// 2 for discs, 3 for spheres.
+    pub dim: u32,
+    /// The machine that measured. None where it does not matter: in records of one machine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub machine: Option<String>,
+    /// The generator's parameters, as used.
+    pub params: BTreeMap<String, AxisValue>,
+    /// Order of the particles: shuffled, generated or morton.
+    pub order: String,
+    /// Particles.
+    pub n: u64,
+    /// The scene's seed.
+    pub seed: u64,
+    /// f32, f32-cell, textbook, f64 or exact.
+    pub arithmetic: String,
+    /// What the detector was given, by name: `threads`.
+    #[serde(default)]
+    pub resources: BTreeMap<String, u64>,
+    /// The detector's name.
+    pub detector: String,
+    /// The detector's parameters, where it has any.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub detector_params: BTreeMap<String, AxisValue>,
+}
+
+/// The axes that every measurement has.
+pub const FIELDS: [&str; 9] =
+    ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
+/// The axis of records of several machines.
+pub const MACHINE: &str = "machine";
+/// The resource that every detector has.
+pub const THREADS: &str = "threads";
+
+/// Something with axes: a measurement, or what several have in common.
+pub trait Axes {
+    /// The value on an axis, if there is one.
+    fn axis(&self, name: &str) -> Option<AxisValue>;
+    /// The axes besides [`FIELDS`], but for the detector's parameters.
+    fn parameters(&self) -> Vec<(String, AxisValue)>;
+    /// The detector with its parameters: `streamed-nbs:level=avx2`.
+    fn contender(&self) -> Option<String>;
+}
+
+/// A parameter's name in filters and expressions.
+pub fn variable(name: &str) -> String {
+    name.replace('-', "_")
+}
+
+/// The parameter of a tracker that is its detector.
+pub const OVER: &str = "over";
+
+/// Splits `streamed-nbs:level=avx2` into the name and the parameters. A tracker,
+/// `verlet(nbs:levels=auto,skin=0.1)`, has its detector among them, as [`OVER`]. What is of neither
+/// form is a name as a whole.
+pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
+    let given = Spec::parse_tracker(spec);
+    if given.form("").is_err() {
+        return (spec.into(), BTreeMap::new());
+    }
+    let values = given.params.iter().map(|(key, value)| (*key, AxisValue::parse(value)));
+    let over = given.over.as_deref().map(|over| (OVER, AxisValue::Text(over.into())));
+    let params = values.chain(over).map(|(key, value)| (key.to_string(), value));
+    (given.name.into(), params.collect())
+}
+
+impl CellId {
+    /// The threads given to the detector.
+    pub fn threads(&self) -> u32 {
+        self.resources.get(THREADS).map_or(1, |&threads| threads.try_into().unwrap_or(u32::MAX))
+    }
+
+    /// The same with so many threads.
+    pub fn with_threads(mut self, threads: u32) -> CellId {
+        self.resources.insert(THREADS.into(), threads.into());
+        self
+    }
+
+    /// The same of another detector, as written in a spec.
+    pub fn with_contender(mut self, spec: &str) -> CellId {
+        let (name, params) = split_contender(spec);
+        self.detector = name;
+        self.detector_params = params;
+        self
+    }
+
+    /// The same on whatever machine.
+    pub fn anywhere(mut self) -> CellId {
+        self.machine = None;
+        self
+    }
+
+    /// The detector with its parameters, in the normal form of its spec.
+    pub fn contender(&self) -> String {
+        self.contender_without(&[])
+    }
+
+    /// The same without the parameters on these axes.
+    pub fn contender_without(&self, axes: &[&str]) -> String {
+        let is_kept = |name: &str| {
+            let plain = variable(name);
+            !axes.iter().any(|axis| *axis == plain || *axis == prefixed(&plain))
+        };
+        let kept = self.detector_params.iter().filter(|(name, _)| is_kept(name));
+        let over = self.detector_params.get(OVER);
+        let over = over.filter(|_| is_kept(OVER)).map(|over| over.to_string());
+        let others = kept.filter(|(name, _)| *name != OVER);
+        let others = others.map(|(name, value)| format!("{name}={value}"));
+        let pieces: Vec<String> = over.into_iter().chain(others).collect();
+        let (name, pieces, empty) = (&self.detector, pieces.join(","), pieces.is_empty());
+        match self.detector_params.contains_key(OVER) {
+            _ if empty => name.clone(),
+            true => format!("{name}({pieces})"),
+            false => format!("{name}:{pieces}"),
+        }
+    }
+
+    /// The value on an axis, if there is one.
+    pub fn axis(&self, name: &str) -> Option<AxisValue> {
+        self.of_scene(name)
+            .or_else(|| self.of_detector(name))
+            .or_else(|| self.of_resources(name))
+            .or_else(|| self.of_detector(name.strip_prefix(DETECTOR)?))
+            .or_else(|| self.of_resources(name.strip_prefix(RESOURCE)?))
+    }
+
+    /// The axes besides [`FIELDS`], but for the detector's parameters.
+    pub fn parameters(&self) -> Vec<(String, AxisValue)> {
+        let machine = self.machine.iter().map(|name| (MACHINE.into(), name.as_str().into()));
+        let params = self.params.iter().map(|(name, value)| (variable(name), value.clone()));
+        let resources =
+            self.resources.iter().filter(|(name, _)| *name != THREADS).map(|(name, &value)| {
+                let plain = variable(name);
+                let taken = self.of_scene(&plain).or_else(|| self.of_detector(&plain)).is_some();
+                (if taken { format!("{RESOURCE}{plain}") } else { plain }, value.into())
+            });
+        machine.chain(params).chain(resources).collect()
+    }
+
+    /// The detector's parameters, by axis.
+    pub fn detector_parameters(&self) -> impl Iterator<Item = (String, &AxisValue)> {
+        self.detector_params.iter().map(|(name, value)| {
+            let plain = variable(name);
+            let taken = self.of_scene(&plain).is_some();
+            (if taken { prefixed(&plain) } else { plain }, value)
+        })
+    }
+
+    /// The names of all axes.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        let detector = self.detector_parameters().map(|(name, _)| name).collect::<Vec<_>>();
+        FIELDS
+            .into_iter()
+            .map(String::from)
+            .chain(self.parameters().into_iter().map(|(name, _)| name))
+            .chain(detector)
+    }
+
+    /// What is left when these axes are taken away; with `detector` go its parameters.
+    pub fn without(&self, axes: &[&str]) -> Projection {
+        let mut left = vec![
+            ("experiment".to_string(), self.experiment.as_str().into()),
+            ("scene".into(), self.scene.as_str().into()),
+            ("dim".into(), u64::from(self.dim).into()),
+        ];
+        left.extend(self.parameters());
+        left.extend([
+            ("order".into(), self.order.as_str().into()),
+            ("n".into(), self.n.into()),
+            ("seed".into(), self.seed.into()),
+            ("arithmetic".into(), self.arithmetic.as_str().into()),
+            (THREADS.into(), u64::from(self.threads()).into()),
+            ("detector".into(), self.contender_without(axes).as_str().into()),
+        ]);
+        Projection(left).without(axes)
+    }
+
+    /// The scene alone, whoever looks at it.
+    pub fn scene_id(&self) -> Projection {
+        let resources = self.resources.keys().map(String::as_str);
+        let axes: Vec<&str> =
+            ["detector", "arithmetic", THREADS].into_iter().chain(resources).collect();
+        self.without(&axes)
+    }
+
+    /// A field, or a parameter of the scene.
+    fn of_scene(&self, name: &str) -> Option<AxisValue> {
+        let text = |value: &str| Some(AxisValue::from(value));
+        match name {
+            "experiment" => text(&self.experiment),
+            "scene" => text(&self.scene),
+            "order" => text(&self.order),
+            "arithmetic" => text(&self.arithmetic),
+            "detector" => text(&self.detector),
+            "dim" => Some(u64::from(self.dim).into()),
+            "n" => Some(self.n.into()),
+            "seed" => Some(self.seed.into()),
+            THREADS => Some(u64::from(self.threads()).into()),
+            MACHINE => text(self.machine.as_deref()?),
+            _ => {
+                let known = |param: &str| param == name || variable(param) == name;
+                self.params.iter().find(|(param, _)| known(param)).map(|(_, value)| value.clone())
+            }
+        }
+    }
+
+    fn of_detector(&self, name: &str) -> Option<AxisValue> {
+        let known = |param: &str| param == name || variable(param) == name;
+        self.detector_params.iter().find(|(param, _)| known(param)).map(|(_, v)| v.clone())
+    }
+
+    fn of_resources(&self, name: &str) -> Option<AxisValue> {
+        let known = |resource: &str| resource == name || variable(resource) == name;
+        self.resources.iter().find(|(resource, _)| known(resource)).map(|(_, &v)| v.into())
+    }
+}
+
+/// What a detector's parameter is called where its name is taken.
+const DETECTOR: &str = "detector_";
+/// The same of a resource.
+const RESOURCE: &str = "resource_";
+
+fn prefixed(name: &str) -> String {
+    format!("{DETECTOR}{name}")
+}
+
+impl Axes for CellId {
+    fn axis(&self, name: &str) -> Option<AxisValue> {
+        CellId::axis(self, name)
+    }
+
+    fn parameters(&self) -> Vec<(String, AxisValue)> {
+        CellId::parameters(self)
+    }
+
+    fn contender(&self) -> Option<String> {
+        Some(CellId::contender(self))
+    }
+}
+
+/// Some axes of a measurement with their values: what the cells of a group have in common. The
+/// detector stands there with its parameters.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Projection(Vec<(String, AxisValue)>);
+
+impl Projection {
+    /// What is left without these axes as well.
+    pub fn without(mut self, axes: &[&str]) -> Projection {
+        self.0.retain(|(name, _)| !axes.contains(&name.as_str()));
+        self
+    }
+}
+
+impl Axes for Projection {
+    fn axis(&self, name: &str) -> Option<AxisValue> {
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())
+    }
+
+    fn parameters(&self) -> Vec<(String, AxisValue)> {
+        self.0.iter().filter(|(name, _)| !FIELDS.contains(&name.as_str())).cloned().collect()
+    }
+
+    fn contender(&self) -> Option<String> {
+        self.axis("detector").map(|spec| spec.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn id() -> CellId {
+        CellId {
+            experiment: "e".into(),
+            scene: "packed".into(),
+            dim: 2,
+            params: [("per-cluster".to_string(), 8u64.into())].into(),
+            order: "shuffled".into(),
+            n: 100,
+            seed: u64::MAX,
+            arithmetic: "exact".into(),
+            ..CellId::default()
+        }
+        .with_threads(2)
+        .with_contender("streamed-nbs:level=avx2,skin=0.3")
+    }
+
+    #[test]
+    fn a_spec_has_a_normal_form() {
+        assert_eq!(id().contender(), "streamed-nbs:level=avx2,skin=0.3");
+        assert_eq!(
+            id().with_contender("v:skin = 0.30 ,level=avx2").contender(),
+            "v:level=avx2,skin=0.3"
+        );
+        assert_eq!(id().with_contender("nbs").contender(), "nbs");
+        assert_eq!(id().contender_without(&["level"]), "streamed-nbs:skin=0.3");
+    }
+
+    #[test]
+    fn a_tracker_has_its_detector_and_its_rule_as_axes() {
+        let text = "verlet(nbs:levels=auto,form=a,rule=every-5,skin=1e-3)";
+        let tracker = id().with_contender(text);
+        let axis = |name: &str| tracker.axis(name).map(|value| value.to_string());
+        for (name, value) in [
+            ("detector", "verlet"),
+            ("over", "nbs:levels=auto,form=a"),
+            ("rule", "every-5"),
+            ("skin", "0.001"),
+        ] {
+            assert_eq!(axis(name).as_deref(), Some(value), "{name}");
+        }
+        let of = |axes: &[&str]| tracker.contender_without(axes);
+        assert_eq!(of(&[]), "verlet(nbs:levels=auto,form=a,rule=every-5,skin=0.001)");
+        assert_eq!(of(&["skin"]), "verlet(nbs:levels=auto,form=a,rule=every-5)");
+        assert_eq!(of(&["over", "rule"]), "verlet(skin=0.001)");
+        assert_eq!(of(&["over", "rule", "skin"]), "verlet");
+        let carried = id().with_contender("incremental(bvh,margin=0.10)");
+        assert_eq!(carried.axis("margin"), Some(AxisValue::parse("0.1")));
+        assert_eq!(carried.contender_without(&["margin"]), "incremental(bvh)");
+    }
+
+    #[test]
+    fn every_axis_has_a_name_and_the_scene_goes_before_the_detector() {
+        let mut id = id();
+        let axis = |id: &CellId, name: &str| id.axis(name).map(|value| value.to_string());
+        for (name, value) in [
+            ("per_cluster", "8"),
+            ("threads", "2"),
+            ("seed", "18446744073709551615"),
+            ("detector", "streamed-nbs"),
+            ("level", "avx2"),
+            ("detector_level", "avx2"),
+        ] {
+            assert_eq!(axis(&id, name).as_deref(), Some(value), "{name}");
+        }
+        assert_eq!(axis(&id, "machine"), None);
+        let all: Vec<String> = id.names().collect();
+        assert!(all.iter().all(|name| id.axis(name).is_some()), "{all:?}");
+        assert!(all.contains(&"level".into()) && all.contains(&"per_cluster".into()), "{all:?}");
+        id.params.insert("level".into(), 3u64.into());
+        assert_eq!(axis(&id, "level").as_deref(), Some("3"));
+        assert_eq!(axis(&id, "detector_level").as_deref(), Some("avx2"));
+        assert!(id.names().any(|name| name == "detector_level"));
+    }
+
+    #[test]
+    fn a_projection_keeps_the_other_axes() {
+        let scene = id().scene_id();
+        for gone in ["detector", "arithmetic", "threads", "level"] {
+            assert_eq!(scene.axis(gone), None, "{gone}");
+        }
+        for kept in ["experiment", "scene", "dim", "order", "n", "seed", "per_cluster"] {
+            assert_eq!(scene.axis(kept), id().axis(kept), "{kept}");
+        }
+        assert_eq!(scene.contender(), None);
+        assert_eq!(scene, id().with_contender("nbs").with_threads(1).scene_id());
+        let series = id().without(&["n", "seed"]);
+        assert_eq!(Axes::contender(&series).as_deref(), Some("streamed-nbs:level=avx2,skin=0.3"));
+        assert_ne!(series, id().with_contender("streamed-nbs:level=avx2").without(&["n", "seed"]));
+        assert_eq!(series, CellId { n: 7, ..id() }.without(&["n", "seed"]));
+    }
+}

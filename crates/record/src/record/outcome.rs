@@ -1,0 +1,120 @@
+//! The passes of a measurement, and how each can end.
+
+use serde::{Deserialize, Serialize};
+
+/// Which quantity a row measured. Each is taken in a pass of its own.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Pass {
+    /// Wall time, with a silent probe.
+    Time,
+    /// Exact operation counts.
+    #[default]
+    Count,
+    /// Heap bytes and allocations, without the output.
+    Memory,
+    /// Wall time of one of as many copies as the row has threads, with one thread each, while the
+    /// others do the same: what the machine lets that many threads gain if they share nothing.
+    Ceiling,
+}
+
+impl Pass {
+    /// The passes of every cell. (Ceilings are measured beside cells with several threads, where
+    /// the experiment asks for them.)
+    pub const ALL: [Pass; 3] = [Pass::Count, Pass::Memory, Pass::Time];
+
+    /// The word in the record.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pass::Time => "time",
+            Pass::Count => "count",
+            Pass::Memory => "memory",
+            Pass::Ceiling => "ceiling",
+        }
+    }
+
+    /// The passes that fall with a failed one, itself first.
+    pub fn rest(self) -> &'static [Pass] {
+        match self {
+            Pass::Count => &[Pass::Count, Pass::Memory, Pass::Time],
+            Pass::Memory => &[Pass::Memory, Pass::Time],
+            Pass::Time => &[Pass::Time],
+            Pass::Ceiling => &[Pass::Ceiling],
+        }
+    }
+
+    /// The passes whose rows follow that of a failed one.
+    pub fn owed(self) -> &'static [Pass] {
+        &self.rest()[1..]
+    }
+}
+
+/// How a planned measurement ended. Every planned cell has a row.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The answer was right.
+    #[default]
+    Ok,
+    /// Contacts were lost, as textbook filters and careless trackers may: the answer is what was
+    /// asked for, and its error stands in the row.
+    Lossy,
+    /// The answer was wrong: its time means nothing.
+    Wrong,
+    /// A control that reports nothing on purpose.
+    Control,
+    /// It took longer than the limit.
+    Timeout,
+    /// It hit the memory limit.
+    OutOfMemory,
+    /// The detector will not work on this scene, and says why.
+    Refused,
+    /// The runner could not be started.
+    Unavailable,
+    /// The runner died.
+    Crashed,
+}
+
+impl Outcome {
+    /// Did the detector do what it is there for?
+    pub fn is_good(self) -> bool {
+        matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control)
+    }
+
+    /// After these the detector is not asked again on this scene.
+    pub fn is_final(self) -> bool {
+        !matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control | Outcome::Wrong)
+    }
+
+    /// The word in the record.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Ok => "ok",
+            Outcome::Lossy => "lossy",
+            Outcome::Wrong => "wrong",
+            Outcome::Control => "control",
+            Outcome::Timeout => "timeout",
+            Outcome::OutOfMemory => "out-of-memory",
+            Outcome::Refused => "refused",
+            Outcome::Unavailable => "unavailable",
+            Outcome::Crashed => "crashed",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A resumed run measures the rest of what has ended well so far.
+    #[test]
+    fn what_is_good_is_not_final() {
+        for outcome in [Outcome::Ok, Outcome::Lossy, Outcome::Control] {
+            assert!(outcome.is_good() && !outcome.is_final(), "{}", outcome.name());
+        }
+    }
+}

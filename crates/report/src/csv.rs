@@ -1,0 +1,77 @@
+//! `summary.csv`: one line per cell with all its values.
+
+use std::collections::BTreeSet;
+
+use crate::table::Table;
+use contactbench_record::cells::{Cell, FIELDS};
+use contactbench_record::record::column::{BUILDING, COLUMNS, FIRST, MEDIAN_STEP, WORST_STEP};
+use contactbench_record::stats::interval::{mad, median};
+
+/// One line per cell with all its values. Columns of what was not measured in any of the cells
+/// (copies, quiet times, steps, counts) are left out.
+pub fn summary(cells: &[Cell]) -> Table {
+    let params: BTreeSet<String> = cells
+        .iter()
+        .flat_map(|cell| cell.id.names())
+        .filter(|name| !FIELDS.contains(&name.as_str()))
+        .collect();
+    let fields = FIELDS.into_iter().chain(params.iter().map(String::as_str));
+    let copies = cells.iter().any(|cell| !cell.copies_ns.is_empty());
+    let quiet = cells.iter().any(|cell| cell.quiet_time().is_some());
+    let steps = [BUILDING, MEDIAN_STEP, WORST_STEP]
+        .into_iter()
+        .filter(|name| cells.iter().any(|cell| cell.others_ns.contains_key(name)));
+    let numbers = COLUMNS
+        .iter()
+        .filter(|column| column.repeats())
+        .map(|column| &*column.name)
+        .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)));
+    // Of times nothing is said unless all blocks ended well.
+    let timed = |cell: &Cell, value: fn(&[f64]) -> Option<f64>| {
+        let times: Vec<f64> = cell.times.values().map(|&time| time as f64).collect();
+        cell.time().and_then(|_| value(&times))
+    };
+    let beside =
+        |cell: &Cell| median(&cell.copies_ns.values().map(|&time| time as f64).collect::<Vec<_>>());
+    Table::of("", cells)
+        .each(fields, |table, name| {
+            table.left(name, |cell| cell.id.axis(name).map(|value| value.to_string()))
+        })
+        .left("outcome", |cell| cell.overall().0.name())
+        .left("reason", |cell| cell.overall().1)
+        .left("time_ns_median", |cell| cell.time().map(|time| time.median))
+        .left("time_ns_low", |cell| cell.time().map(|time| time.low))
+        .left("time_ns_high", |cell| cell.time().map(|time| time.high))
+        .left("time_ns_min", |cell| timed(cell, |all| all.iter().copied().reduce(f64::min)))
+        .left("time_ns_mad", |cell| timed(cell, mad))
+        .left("blocks", |cell| cell.time().map(|time| time.count as u64))
+        .left("first_ns_median", |cell| cell.variable(FIRST, None))
+        .when(quiet, |table| table.left("quiet_ns_median", Cell::quiet_time))
+        .when(copies, |table| table.left("beside_ns_median", beside))
+        .each(steps, |table, name| {
+            table.left(format!("{name}_median"), |cell| cell.variable(name, None))
+        })
+        .each(numbers, |table, name| table.left(name, |cell| cell.variable(name, None)))
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table;
+    use contactbench_record::cells;
+    use contactbench_record::cells::testing::Lab;
+    use contactbench_record::record::row::{Outcome, Pass};
+
+    #[test]
+    fn every_cell_is_a_line_with_all_its_digits() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100, 200, 301, 400]).memory(20_000, 21_000);
+        lab.detector("direct").fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
+        let text = table::csv(&[summary(&cells::cells(&lab.rows()))]);
+        assert_eq!(text.lines().count(), 3);
+        assert!(text.starts_with("experiment,scene,dim,order,n,seed,arithmetic,threads,detector,"));
+        assert!(text.contains(",timeout,\"30 s, the limit\",,,"), "{text}");
+        assert!(text.contains(",ok,,250.5,100,400,100,"), "{text}");
+    }
+}

@@ -1,0 +1,37 @@
+use super::{Block, Span, Text};
+use crate::escape;
+
+/// The blocks in HTML. Figures are named; the page shows them.
+pub fn html(blocks: &[Block]) -> String {
+    blocks.iter().map(block_text).collect()
+}
+
+fn block_text(block: &Block) -> String {
+    match block {
+        Block::Heading(level, text) => {
+            let level = level.clamp(&1, &6);
+            format!("<h{level}>{}</h{level}>\n", words(text))
+        }
+        Block::Paragraph(text) => format!("<p>{}</p>\n", words(text)),
+        Block::Warning(text) => format!("<p class=\"warning\">{}</p>\n", words(text)),
+        Block::List(items) => {
+            let items: String =
+                items.iter().map(|item| format!("<li>{}</li>\n", words(item))).collect();
+            format!("<ul>\n{items}</ul>\n")
+        }
+        Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape::html(text)),
+        Block::Table(table) => table.html(),
+        Block::Figure { title, .. } => format!("<p>{}</p>\n", escape::html(title)),
+    }
+}
+
+/// Words in HTML, without a paragraph around them.
+pub fn words(text: &Text) -> String {
+    let span = |span: &Span| match span {
+        Span::Plain(text) => escape::html(text),
+        Span::Strong(text) => format!("<strong>{}</strong>", escape::html(text)),
+        Span::Emphasis(text) => format!("<em>{}</em>", escape::html(text)),
+        Span::Code(text) => format!("<code>{}</code>", escape::html(text)),
+    };
+    text.0.iter().map(span).collect()
+}

@@ -1,0 +1,42 @@
+use super::{Block, Span, Text};
+use contactbench_terms::number::wrap;
+
+/// The blocks for a terminal of this many columns, an empty line between two. Figures are left out.
+pub fn plain(blocks: &[Block], width: usize) -> String {
+    let texts: Vec<String> =
+        blocks.iter().map(|block| block_text(block, width)).filter(|it| !it.is_empty()).collect();
+    texts.join("\n")
+}
+
+fn block_text(block: &Block, width: usize) -> String {
+    match block {
+        Block::Heading(_, text) | Block::Paragraph(text) => indented("", &words(text), width),
+        Block::Warning(text) => indented("warning: ", &words(text), width),
+        Block::List(items) => {
+            items.iter().map(|item| indented("* ", &words(item), width)).collect()
+        }
+        Block::Code(text) => format!("{text}\n"),
+        Block::Table(table) => table.plain(width),
+        Block::Figure { .. } => String::new(),
+    }
+}
+
+/// Wrapped after a head; all lines but the first are indented by as much as the head takes.
+pub fn indented(head: &str, text: &str, width: usize) -> String {
+    let indent = head.chars().count();
+    let mut out = String::new();
+    for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
+        out += &if k == 0 { head.to_string() } else { " ".repeat(indent) };
+        out += &format!("{line}\n");
+    }
+    out
+}
+
+fn words(text: &Text) -> String {
+    let span = |span: &Span| match span {
+        Span::Plain(text) | Span::Strong(text) | Span::Emphasis(text) | Span::Code(text) => {
+            text.clone()
+        }
+    };
+    text.0.iter().map(span).collect()
+}

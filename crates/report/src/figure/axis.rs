@@ -1,0 +1,171 @@
+//! Axes: ranges, ticks and their labels.
+
+/// A linear or logarithmic axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    log: bool,
+    low: f64,
+    high: f64,
+}
+
+/// A tick: its value, and its label if it has one.
+pub type Tick = (f64, Option<String>);
+
+impl Axis {
+    /// An axis that holds all these values with some room; on a logarithmic one only positive
+    /// values count.
+    pub fn new(values: impl Iterator<Item = f64>, log: bool) -> Axis {
+        let usable = |value: &f64| value.is_finite() && (!log || *value > 0.0);
+        // far from the ends of f64, so that neither the room added nor the width of the range
+        // overflows
+        let values = values
+            .filter(usable)
+            .map(|v| if log { v.clamp(1e-140, 1e140) } else { v.clamp(-1e140, 1e140) });
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        if low > high {
+            return Axis { log, low: if log { 1.0 } else { 0.0 }, high: 10.0 };
+        }
+        if log {
+            // never so narrow that fewer than two labels find a place
+            let decades = (high / low).log10();
+            let room = (0.04 * decades).max(0.06).max(0.3 - decades / 2.0);
+            return Axis { log, low: low * 10f64.powf(-room), high: high * 10f64.powf(room) };
+        }
+        // a linear axis shows zero, unless the values are far from it
+        let low = if low > 0.0 && low < 0.6 * high { 0.0 } else { low };
+        let room = if high > low { 0.05 * (high - low) } else { 0.5 * high.abs().max(1.0) };
+        Axis { log, low: if low == 0.0 { 0.0 } else { low - room }, high: high + room }
+    }
+
+    /// Where a value is, 0 at the low end and 1 at the high end; none if it has no place.
+    pub fn place(&self, value: f64) -> Option<f64> {
+        let place = if self.log {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        };
+        place.is_finite().then_some(place)
+    }
+
+    /// The value at a place.
+    pub fn value(&self, place: f64) -> f64 {
+        if self.log {
+            self.low * (self.high / self.low).powf(place)
+        } else {
+            self.low + place * (self.high - self.low)
+        }
+    }
+
+    /// Ticks for an axis of this length where labels need `room` each.
+    pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
+        let most = (length / room.max(1.0)).floor().max(2.0);
+        if !self.log {
+            return self.linear(most);
+        }
+        let (first, last) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
+        let decades = (self.high / self.low).log10();
+        if decades < 1.5 {
+            let mut ticks = Vec::new();
+            for power in first - 1..=last {
+                for digit in 1..10 {
+                    // parsed, because 10^-k times a digit is not the nearest number
+                    let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
+                    if value >= self.low && value <= self.high {
+                        ticks.push((value, matches!(digit, 1 | 2 | 5).then(|| plain(value))));
+                    }
+                }
+            }
+            if ticks.iter().filter(|tick| tick.1.is_some()).count() < 2 {
+                ticks.iter_mut().step_by(2).for_each(|tick| tick.1 = Some(plain(tick.0)));
+            }
+            return ticks;
+        }
+        let step = (decades / most).ceil().max(1.0) as i32;
+        (first..=last)
+            .map(|power| {
+                (10f64.powi(power), (power.rem_euclid(step) == 0).then(|| power_of_ten(power)))
+            })
+            .collect()
+    }
+
+    fn linear(&self, most: f64) -> Vec<Tick> {
+        let rough = (self.high - self.low) / most;
+        let scale = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0]
+            .into_iter()
+            .map(|k| k * scale)
+            .find(|step| *step >= rough)
+            .unwrap_or(rough);
+        let (first, last) = ((self.low / step).ceil(), (self.high / step + 1e-9).floor());
+        (0..=(last - first).clamp(0.0, 50.0) as i32)
+            .map(|k| (first + f64::from(k)) * step)
+            .map(|v| (v, Some(plain(v))))
+            .collect()
+    }
+}
+
+/// 1000 as `1000`, 2e6 as `2·10⁶`.
+pub fn plain(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-3..1e6).contains(&size) {
+        let text = format!("{value:.6}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_string();
+    }
+    let power = (size.log10() + 1e-9).floor() as i32;
+    let digits = format!("{:.3}", value / 10f64.powi(power));
+    match digits.trim_end_matches('0').trim_end_matches('.') {
+        "1" => power_of_ten(power),
+        digits => format!("{digits}·{}", power_of_ten(power)),
+    }
+}
+
+/// `10⁻³`.
+fn power_of_ten(power: i32) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        _ => c.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(c),
+    };
+    match power {
+        0 => "1".into(),
+        1 => "10".into(),
+        _ => format!("10{}", power.to_string().chars().map(raised).collect::<String>()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(values: [f64; 2], log: bool, length: f64) -> Vec<String> {
+        Axis::new(values.into_iter(), log)
+            .ticks(length, 40.0)
+            .into_iter()
+            .filter_map(|tick| tick.1)
+            .collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(labels([100.0, 1e5], true, 300.0), ["10²", "10³", "10⁴", "10⁵"]);
+        assert_eq!(labels([1e-3, 1e12], true, 200.0), ["1", "10⁴", "10⁸", "10¹²"]);
+        assert_eq!(labels([2.0, 30.0], true, 300.0), ["2", "5", "10", "20"]);
+        assert_eq!(labels([0.0, 10.0], false, 300.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels([2e6, 9e6], true, 300.0), ["2·10⁶", "5·10⁶", "10⁷"]);
+        assert!(labels([5.0, 5.0], true, 300.0).len() >= 2);
+        for odd in [
+            [f64::NAN, 0.0],
+            [0.0, 0.0],
+            [-1.0, 1.0],
+            [f64::MAX, f64::MIN_POSITIVE],
+            [f64::MIN, f64::MAX],
+        ] {
+            for log in [true, false] {
+                assert!(Axis::new(odd.into_iter(), log).ticks(300.0, 40.0).len() < 1000);
+            }
+        }
+    }
+}

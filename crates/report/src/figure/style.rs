@@ -1,0 +1,223 @@
+//! One colour and one marker per detector, the same in every figure of a report.
+//!
+//! The first colours are those of Okabe and Ito, which people with any of the common colour
+//! blindnesses tell apart; the others were chosen beside them, from Okabe and Ito and from Tol, to
+//! differ in lightness where hues can be mistaken. The marker says the same again, so that a figure
+//! survives a grey printer. Controls are grey, thin and dashed.
+//!
+//! The name of a detector decides which of them it prefers, so that it mostly looks the same in
+//! all reports; where two names prefer one, the second in the alphabet gets the next that is free.
+
+use std::collections::BTreeMap;
+
+use contactbench_record::cells::Cell;
+use contactbench_record::record::id::{OVER, split_contender};
+
+pub type Colour = (u8, u8, u8);
+pub const INK: Colour = (40, 40, 40);
+pub const FAINT: Colour = (110, 110, 110);
+pub const GRID: Colour = (228, 228, 228);
+/// Lines where data outgrow a cache.
+pub const CACHE: Colour = (170, 160, 200);
+pub const CACHE_NAME: Colour = (115, 100, 160);
+pub const CONTROL: Colour = (150, 150, 150);
+/// The background of the strip for cells without a value.
+pub const STRIP: Colour = (246, 246, 244);
+
+/// A colour of which so much is white, 0 to 1.
+pub fn lightened(colour: Colour, white: f64) -> Colour {
+    let mix = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * white) as u8;
+    (mix(colour.0), mix(colour.1), mix(colour.2))
+}
+
+/// What is read on a ground of this colour: dark letters on light colours.
+pub fn ink_on(ground: Colour) -> Colour {
+    let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
+    if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { (255, 255, 255) }
+}
+
+/// The shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    Circle,
+    Square,
+    Up,
+    Down,
+    Diamond,
+    Cross,
+    Plus,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    pub colour: Colour,
+    pub marker: Marker,
+    pub control: bool,
+}
+
+/// The styles of detectors.
+const PALETTE: [(Colour, Marker); 15] = [
+    ((0, 0, 0), Marker::Square),
+    ((230, 159, 0), Marker::Up),
+    ((86, 180, 233), Marker::Diamond),
+    ((0, 158, 115), Marker::Down),
+    ((213, 94, 0), Marker::Circle),
+    ((0, 80, 200), Marker::Circle),
+    ((204, 121, 167), Marker::Square),
+    ((136, 34, 85), Marker::Cross),
+    ((160, 0, 230), Marker::Down),
+    ((178, 161, 0), Marker::Plus),
+    ((51, 34, 136), Marker::Up),
+    ((140, 110, 70), Marker::Diamond),
+    ((0, 114, 178), Marker::Cross),
+    ((204, 102, 119), Marker::Plus),
+    ((90, 140, 90), Marker::Diamond),
+];
+/// Rules by which trackers build their lists, as their names begin.
+const RULES: [(&str, Colour, Marker); 5] = [
+    ("top-two", (0, 158, 115), Marker::Circle),
+    ("half-skin", (86, 180, 233), Marker::Square),
+    ("summed", (51, 34, 136), Marker::Up),
+    ("lammps-", (230, 159, 0), Marker::Diamond),
+    ("every-", (213, 94, 0), Marker::Down),
+];
+/// A skin that is found while a list is used.
+const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
+/// The styles of all detectors of a record.
+#[derive(Clone, Debug, Default)]
+pub struct Styles(BTreeMap<String, Style>);
+
+impl Styles {
+    /// The styles of all contenders of these cells.
+    pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
+        let contenders: BTreeMap<String, bool> =
+            cells.map(|cell| (cell.id.contender(), cell.role.is_control())).collect();
+        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        let mut styles = BTreeMap::new();
+        let mut controls = 0;
+        for (name, control) in contenders {
+            let style = if control {
+                controls += 1;
+                let marker = if controls % 2 == 1 { Marker::Circle } else { Marker::Cross };
+                Style { colour: CONTROL, marker, control }
+            } else if let Some(style) = of_rule(&name) {
+                style
+            } else {
+                let detector = detector(&name);
+                let place = places.get(&detector).copied().unwrap_or_else(|| {
+                    let taken = |place: &usize| places.values().any(|other| other == place);
+                    let first = preferred(&detector);
+                    let all = (0..PALETTE.len()).map(|k| (first + k) % PALETTE.len());
+                    all.clone().find(|place| !taken(place)).unwrap_or(first)
+                });
+                places.insert(detector, place);
+                of_place(place)
+            };
+            styles.insert(name, style);
+        }
+        Styles(styles)
+    }
+
+    /// Colours for the contenders of a map: first their own, then of all others those that are
+    /// farthest from the ones before.
+    pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
+        let mut taken: Vec<Colour> = Vec::new();
+        let mut own = |name: &String| {
+            let style = Some(self.get(name)).filter(|style| !style.control)?;
+            let free = !taken.contains(&style.colour);
+            free.then(|| taken.push(style.colour)).map(|()| style.colour)
+        };
+        let found: Vec<Option<Colour>> = names.iter().map(&mut own).collect();
+        let all: Vec<Colour> = PALETTE.iter().skip(1).map(|it| it.0).collect();
+        let mut farthest = || {
+            let room = |a: &&Colour| taken.iter().map(|b| apart(**a, *b)).min().unwrap_or(255);
+            let colour = all.iter().max_by_key(room).copied().unwrap_or(INK);
+            taken.push(colour);
+            colour
+        };
+        found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
+    }
+
+    /// The style of a contender; the one that its name prefers if it was not announced.
+    pub fn get(&self, name: &str) -> Style {
+        let known = self.0.get(name).copied().or_else(|| of_rule(name));
+        known.unwrap_or_else(|| of_place(preferred(&detector(name))))
+    }
+}
+
+fn of_place(place: usize) -> Style {
+    let (colour, marker) = PALETTE[place];
+    Style { colour, marker, control: false }
+}
+
+/// The place in the palette that a name prefers (FNV-1a).
+fn preferred(name: &str) -> usize {
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    (name.bytes().fold(0x811c_9dc5, step) >> 8) as usize % PALETTE.len()
+}
+
+/// How far two colours are from each other: the largest of three differences.
+fn apart(a: Colour, b: Colour) -> u8 {
+    a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
+}
+
+/// The style of the rule of a tracker, where the name says no skin but `auto`.
+fn of_rule(name: &str) -> Option<Style> {
+    let (_, params) = split_contender(name);
+    let text = |key: &str| params.get(key).map(|value| value.to_string());
+    let (rule, skin) = (text("rule")?, text("skin"));
+    let (_, colour, marker) = match skin.as_deref() {
+        None => *RULES.iter().find(|kept| rule.starts_with(kept.0))?,
+        Some("auto") => AUTO,
+        Some(_) => return None,
+    };
+    Some(Style { colour, marker, control: false })
+}
+
+/// The detector of a contender, whose style a tracker without a rule has.
+fn detector(name: &str) -> String {
+    let (_, params) = split_contender(name);
+    match params.get(OVER).filter(|_| !params.contains_key("rule")) {
+        Some(over) => over.to_string(),
+        None => name.to_string(),
+    }
+}
+
+/// The place of a detector in legends: controls are last.
+pub fn rank(cell: &Cell) -> usize {
+    usize::from(cell.role.is_control())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_record::cells;
+    use contactbench_record::cells::testing::Lab;
+
+    #[test]
+    fn trackers_over_one_detector_are_told_apart_on_a_map() {
+        let names = ["every-step(nbs)", "nbs", "verlet(bvh)", "verlet(nbs)"].map(String::from);
+        let colours = Styles::default().of_map(&names);
+        for (k, &a) in colours.iter().enumerate() {
+            assert!(colours[..k].iter().all(|&b| apart(a, b) >= 60), "{colours:?}");
+        }
+    }
+
+    #[test]
+    fn all_names_of_a_record_have_styles_of_their_own() {
+        let names: Vec<String> = (0..PALETTE.len()).map(|k| format!("detector-{k}")).collect();
+        let mut lab = Lab::new("e", "packed");
+        names.iter().chain(&["every-step(detector-3)".to_string()]).for_each(|name| {
+            lab.detector(name).time(&[1]);
+        });
+        let styles = Styles::new(cells::cells(&lab.rows()).iter());
+        for (k, name) in names.iter().enumerate() {
+            let style = styles.get(name);
+            assert!(!style.control && names[..k].iter().all(|other| styles.get(other) != style));
+        }
+        assert_eq!(styles.get("every-step(detector-3)"), styles.get("detector-3"));
+        for (k, a) in PALETTE.iter().enumerate() {
+            assert!(PALETTE[..k].iter().all(|b| apart(a.0, b.0) >= 30), "{a:?}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! What findings look like: tables, reports, pages, figures, pictures of scenes.
+
+pub mod csv;
+pub mod document;
+pub mod escape;
+pub mod figure;
+pub mod page;
+pub mod report;
+pub mod sections;
+pub mod svg;
+pub mod table;
+
+#[cfg(test)]
+#[path = "../../../tests/program/committed.rs"]
+mod committed;

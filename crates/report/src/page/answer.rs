@@ -1,0 +1,128 @@
+//! The table of winners with a picture of each scene: all detectors at their multiple of the time
+//! of the fastest.
+
+use std::fmt::Write as _;
+
+use crate::escape;
+use crate::figure::style::{Marker, Styles};
+use crate::page::marks;
+use crate::sections::winners;
+use crate::table::{Cell, Column};
+use contactbench_record::findings::winners::{Contender, Contest, Winners};
+use contactbench_terms::number::with_interval;
+
+/// The ratio at the right edge of the picture; larger ones stand there, too.
+const EDGE: f64 = 16.0;
+/// Width and height of the picture of a scene, in its units.
+const SIZE: (f64, f64) = (240.0, 22.0);
+/// The column of the pictures.
+const PICTURE: usize = 3;
+
+/// The marks of detectors, by their place in the legend.
+pub struct Marks<'a> {
+    /// In the order of the legend.
+    pub detectors: &'a [&'a str],
+    /// Their colours and markers.
+    pub styles: &'a Styles,
+}
+
+impl Marks<'_> {
+    fn find(&self, name: &str) -> (usize, Marker) {
+        let k = self.detectors.iter().position(|known| *known == name).unwrap_or(0);
+        (k, self.styles.get(name).marker)
+    }
+}
+
+/// The table of the report with marks and pictures.
+pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
+    let contests = winners::shown(found);
+    let mut table = winners::table(&contests);
+    table.columns.insert(PICTURE, Column::left(""));
+    table.rows.iter_mut().for_each(|row| row.insert(PICTURE, Cell::from("")));
+    table.html_with("answer", &|row, column| match (row.map(|row| contests[row]), column) {
+        (None, PICTURE) => format!("<span>time / fastest</span>{}", ruler("strip")),
+        (Some(contest), 1) => {
+            let (k, marker) = marks.find(&contest.first.line.detector);
+            marks::chip(k, marker)
+        }
+        // A narrow page has no heads: there each picture has its own axis.
+        (Some(contest), PICTURE) => picture(contest, marks) + &ruler("strip own"),
+        _ => String::new(),
+    })
+}
+
+/// Where a ratio stands in a picture.
+fn across(ratio: f64) -> f64 {
+    let share = ratio.clamp(0.5, EDGE).log2() / EDGE.log2();
+    10.0 + share.max(-0.03) * (SIZE.0 - 24.0)
+}
+
+/// The axis of the pictures.
+fn ruler(class: &str) -> String {
+    let mut out =
+        format!("<svg class=\"{class}\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">", SIZE.0);
+    for ratio in [1, 2, 4, 8, 16] {
+        let text =
+            if f64::from(ratio) < EDGE { format!("{ratio}×") } else { format!("≥{ratio}×") };
+        let _ = write!(out, "<text x=\"{:.1}\" y=\"11\">{text}</text>", across(f64::from(ratio)));
+    }
+    out + "</svg>"
+}
+
+/// All detectors of a scene by their ratio to the fastest, with intervals, on a logarithmic axis.
+fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
+    let middle = SIZE.1 / 2.0;
+    let said = |it: &Contender| Some(format!("{} {}", it.name, with_interval(it.ratio.as_ref()?)));
+    let all: Vec<String> = contest.others.iter().filter_map(said).collect();
+    let label = escape::html(&format!("{} 1; {}", contest.first.name, all.join("; ")));
+    let mut out = format!(
+        "<svg class=\"strip\" viewBox=\"0 0 {} {}\" role=\"img\" \
+         aria-label=\"{label}\"><title>{label}</title>",
+        SIZE.0, SIZE.1
+    );
+    for ratio in [1.0, 2.0, 4.0, 8.0, 16.0] {
+        let _ =
+            write!(out, "<path class=\"grid\" d=\"M{0:.1} 1V{1}\"/>", across(ratio), SIZE.1 - 1.0);
+    }
+    for (other, ratio) in contest.others.iter().rev().filter_map(|it| Some((it, it.ratio?))) {
+        let (k, marker) = marks.find(&other.line.detector);
+        let (low, high) = (across(ratio.low), across(ratio.high));
+        let _ = write!(
+            out,
+            "<path class=\"mark line bar\" style=\"--c:var(--d{k})\" d=\"M{low:.1} \
+             {middle}H{high:.1}\"/>"
+        );
+        marks::mark(&mut out, k, marker, (across(ratio.median), middle), 4.0);
+    }
+    let (k, marker) = marks.find(&contest.first.line.detector);
+    marks::mark(&mut out, k, marker, (across(1.0), middle), 5.5);
+    out + "</svg>"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_record::cells;
+    use contactbench_record::cells::testing::Lab;
+    use contactbench_record::findings::winners::winners;
+
+    #[test]
+    fn every_scene_has_a_picture_and_no_name_becomes_markup() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
+        lab.detector("library").time(&[4000; 15]);
+        lab.scene("alone", 3).detector("<b>").time(&[5; 15]);
+        let cells = cells::cells(&lab.rows());
+        let found = winners(&cells.iter().collect::<Vec<_>>());
+        let detectors = ["<b>", "library", "nbs", "sorting"];
+        let marks = Marks { detectors: &detectors, styles: &Styles::default() };
+        let table = table(&found, &marks);
+        for part in ["<td class=\"number\">2.50 (2.50 to 2.50)</td>", "library 4.00 (4.00 to 4.00)"]
+        {
+            assert!(table.contains(part), "{part} is not in {table}");
+        }
+        assert!(!table.contains("<b>") && table.contains("&lt;b&gt;"), "{table}");
+        assert_eq!(table.matches("role=\"img\"").count(), 2);
+        assert!(roxmltree::Document::parse(&table).is_ok(), "{table}");
+    }
+}

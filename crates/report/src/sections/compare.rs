@@ -1,0 +1,282 @@
+//! Two records compared: tables for a terminal, and the words for what was found.
+
+use crate::table::Table;
+use contactbench_record::findings::compare::{
+    Absent, Against, Change, Compared, Judgement, Lack, Note, Options, PLACEMENT, Summary, Timing,
+};
+use contactbench_record::findings::noise::Noise;
+use contactbench_record::record::hardware::size_of;
+use contactbench_record::record::machines::Machine;
+use contactbench_record::stats::interval::{COVERAGE, Interval};
+use contactbench_terms::number::{number, percent, plural};
+
+/// `digest 0x01 -> 0x02`.
+pub fn change(Change { what, a, b }: &Change) -> String {
+    format!("{what} {a} -> {b}")
+}
+
+/// Why a cell cannot be compared.
+pub fn absent(absent: &Absent) -> String {
+    match absent {
+        Absent::OnlyIn(side) => format!("only in {}", side.name()),
+        Absent::UnavailableIn(side, reason) => {
+            format!("unavailable in {}: {reason}", side.name())
+        }
+    }
+}
+
+/// What cannot be compared of a cell.
+pub fn lack(lack: &Lack) -> String {
+    match lack {
+        Lack::Pass(pass, side) => {
+            format!("the {} pass only in {}", pass.name(), side.name())
+        }
+        Lack::Value(what, side) => format!("{what} only in {}", side.name()),
+        Lack::Blocks => "no times in blocks of both".into(),
+    }
+}
+
+/// Why times are not judged; empty where nothing need be said.
+pub fn note(timing: &Timing, options: &Options) -> String {
+    match &timing.note {
+        None => String::new(),
+        Some(Note::Builds) => options.builds.as_ref().map_or(String::new(), builds),
+        Some(Note::Machines) => options.machines.as_ref().map_or(String::new(), machines),
+        Some(Note::Reference) => "it is the reference".into(),
+        Some(Note::NoReference(name)) => format!("{name} has no times on this scene in both"),
+        Some(Note::NoControl) => "no control in both".into(),
+        Some(Note::Twin(name, factor)) => moved(name, *factor),
+        Some(Note::FewBlocks(a, b)) => format!("too few blocks: {a} and {b}"),
+    }
+}
+
+/// The sentence about a twin that moved.
+pub fn moved(name: &str, factor: f64) -> String {
+    format!(
+        "{name} is equal code and moved by {factor:.2}: nothing is decided; compare builds side by \
+         side with contactbench run --against PROGRAM"
+    )
+}
+
+/// A machine with its processor: names of virtual machines tell nothing.
+pub fn machine(Machine { name, hardware }: &Machine) -> String {
+    let name = if name.is_empty() { "an unnamed machine" } else { name };
+    let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
+    let caches = hardware.caches.iter().filter(|(level, _)| level.as_str() > "L1z");
+    let caches = caches.map(|(level, size)| format!("{level} {}", cache(size)));
+    let known: Vec<String> = hardware.cpu.clone().into_iter().chain(cores).chain(caches).collect();
+    if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
+}
+
+/// The sentence about two machines.
+pub fn machines(machines: &[Machine; 2]) -> String {
+    let [a, b] = machines.each_ref().map(machine);
+    let same = if a == b { ", which differ in family, stepping, flags or memory" } else { "" };
+    format!("two machines: {a} and {b}{same}")
+}
+
+/// `480 MiB`; a size that cannot be read as it stands there.
+fn cache(size: &str) -> String {
+    match size_of(size) {
+        Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),
+        Some(bytes) => format!("{} KiB", bytes >> 10),
+        None => size.into(),
+    }
+}
+
+fn builds([a, b]: &[String; 2]) -> String {
+    format!("A is a {a} build, B a {b} build")
+}
+
+/// How times are compared, in a sentence.
+pub fn pairing(how: &Options) -> String {
+    if how.side_by_side.is_some() {
+        return "side by side: in each block both took turns on one processor, in fresh processes"
+            .into();
+    }
+    match (&how.against, &how.builds, &how.machines) {
+        (_, Some(found), _) => format!("{}: shown, not judged", builds(found)),
+        (Some(_), _, Some(found)) if !how.across => format!(
+            "{}: shown, not judged; --across-machines judges multiples of a control's time",
+            machines(found)
+        ),
+        (Some(Against { detector, drift: None }), ..) => {
+            format!("shown, not judged: {detector} has no times on a scene of both")
+        }
+        (Some(Against { detector, drift: Some(drift) }), ..) => format!(
+            "each a multiple of that of {detector} in the same block. What changed {detector} \
+             itself is hidden; its own times are up to {} apart between the two (nine in ten \
+             cells): no smaller change is reported",
+            percent(drift - 1.0)
+        ),
+        (None, _, Some(found)) => format!(
+            "{}: shown, not judged; --against DETECTOR --across-machines judges multiples of its \
+             time",
+            machines(found)
+        ),
+        (None, None, None) => "shown, not judged: the folders were measured at different times, \
+                               and have no control in common; --against DETECTOR compares \
+                               multiples of its time; builds are compared side by side with \
+                               contactbench run --against PROGRAM"
+            .into(),
+    }
+}
+
+/// What equal code differed by where builds took turns, in a sentence.
+pub fn floor(experiment: &str, noise: &Noise) -> String {
+    let (outside, cells) = noise
+        .twins
+        .iter()
+        .fold((0, 0), |(outside, cells), twin| (outside + twin.outside, cells + twin.cells));
+    format!(
+        "this build against itself, the same way: {outside} of {} exclude 1; nine in ten are \
+         within {} ({experiment})",
+        plural(cells, "interval"),
+        percent(noise.floor - 1.0)
+    )
+}
+
+/// `1.012 (1.003 to 1.021)`: the differences of interest are small.
+pub fn ratio(timing: &Timing) -> String {
+    let ratio = &timing.ratio;
+    format!("{:.3} ({:.3} to {:.3})", ratio.median, ratio.low, ratio.high)
+}
+
+/// The verdict of a cell, marked where a difference is shown within the band.
+fn verdict(timing: &Timing) -> String {
+    let but = if timing.is_small() { ", not 1" } else { "" };
+    format!("{}{but}", timing.judgement.name())
+}
+
+/// The times of those cells that became slower or faster, or of all; the largest change first.
+pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
+    let shown =
+        |timing: &Timing| all || matches!(timing.judgement, Judgement::Slower | Judgement::Faster);
+    let mut timed: Vec<(&Timing, &str)> = cells
+        .iter()
+        .filter_map(|cell| Some((cell.timing.as_ref()?, cell.place.as_str())))
+        .filter(|(timing, _)| shown(timing))
+        .collect();
+    timed.sort_by(|(a, _), (b, _)| {
+        a.judgement.cmp(&b.judgement).then(b.ratio.median.total_cmp(&a.ratio.median))
+    });
+    // The columns are of what the ratio is of.
+    let control = how.against.as_ref().filter(|_| how.side_by_side.is_none());
+    let unit = control.map_or("ns".into(), |control| format!("/ {}", control.detector));
+    let shown = |ns: f64, multiple: Option<f64>| match (control, multiple) {
+        (None, _) => number(ns),
+        (Some(_), Some(multiple)) => format!("{multiple:.3}"),
+        (Some(_), None) => format!("{} ns", number(ns)),
+    };
+    let cell = |timing: &Timing, place: &str| match note(timing, how) {
+        // Two builds stand in the head of the table, machines and twins in a line of their own.
+        note if note.is_empty()
+            || how.builds.is_some()
+            || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
+        {
+            place.to_string()
+        }
+        note => format!("{place}: {note}"),
+    };
+    Table::of("", timed)
+        .left("", |(timing, _)| verdict(timing))
+        .left("B / A", |(timing, _)| ratio(timing))
+        .right(format!("A {unit}"), |(it, _)| shown(it.a_ns, it.multiples.map(|both| both[0])))
+        .right(format!("B {unit}"), |(it, _)| shown(it.b_ns, it.multiples.map(|both| both[1])))
+        .left("cell", |(timing, place)| cell(timing, place))
+        .into()
+}
+
+/// How far a comparison sees: `by 12%`, `of 47 times`.
+fn seen(least: f64) -> String {
+    if least < 2.0 {
+        format!("by {}", percent(least - 1.0))
+    } else {
+        format!("of {least:.0} times")
+    }
+}
+
+/// Why times cannot be gated, if they cannot be.
+pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
+    if let Some(two) = &how.machines {
+        return Some(format!("no time could be judged ({})", machines(two)));
+    }
+    if let Some((name, factor)) = &found.moved {
+        return Some(moved(name, *factor));
+    }
+    let Some((typical, _)) = found.least else {
+        return Some(format!(
+            "no time could be judged ({}; an interval needs six blocks); leave it out, or measure \
+             what can be compared",
+            pairing(how)
+        ));
+    };
+    if !found.sees() {
+        let but = if how.side_by_side.is_some() {
+            "give it more blocks, or a quieter machine"
+        } else {
+            "use contactbench run --against PROGRAM"
+        };
+        let seen = seen(typical);
+        return Some(format!("this comparison can only find slowdowns {seen}: {but}"));
+    }
+    (!found.decides()).then(|| "every cell is undecided; give it more blocks".into())
+}
+
+/// The ratio of a detector over its cells, in a line.
+pub fn pooled((name, ratio): &(String, Interval)) -> String {
+    let Interval { median, low, high, coverage, count } = ratio;
+    let interval = if *coverage < COVERAGE {
+        "; too few cells for an interval".into()
+    } else {
+        format!(", 95% interval {low:.3} to {high:.3}")
+    };
+    format!("{name}: B / A {median:.3}, the median of {}{interval}", plural(*count, "cell"))
+}
+
+/// What two builds of equal sources differ by, in a sentence.
+pub fn placement() -> String {
+    format!(
+        "two builds of equal sources differ by up to {} by where the linker puts the code \
+         (docs/COMPARE.md): no smaller difference is called slower or faster",
+        percent(PLACEMENT - 1.0)
+    )
+}
+
+/// What must be the same, and the times, in a line each; the times with how they are gated.
+pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
+    let verdict = match found.changed {
+        0 => "the same everywhere".into(),
+        changed => format!("CHANGED in {}", plural(changed, "cell")),
+    };
+    let lacking = match found.lacking {
+        0 => String::new(),
+        lacking => format!(", {lacking} measured in part in one: see --all"),
+    };
+    let compared = plural(found.cells - found.absent, "cell");
+    let count = |(verdict, count): (&Judgement, &usize)| {
+        let but = match (verdict, found.small) {
+            (Judgement::WithinBand, small @ 1..) => format!(" ({small} of them not 1)"),
+            _ => String::new(),
+        };
+        format!("{count} {}{but}", verdict.name())
+    };
+    let judged: Vec<String> = found.judged.iter().map(count).collect();
+    let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
+    if let Some((typical, most)) = found.least {
+        judged += &format!("; a slowdown {} would show", seen(typical));
+        judged += &format!(" (median of cells; at most {})", seen(most));
+    }
+    if found.least.is_some() {
+        judged += &format!("; of equal code {:.1} would be slower by chance", found.by_chance);
+    }
+    let gate = if gated { "gated" } else { "not gated" };
+    [
+        format!(
+            "pairs, counts, bytes, outcomes: {verdict} ({compared} compared, {} in one \
+             only{lacking})",
+            found.absent
+        ),
+        format!("times ({gate}, band {band_percent} %): {judged}"),
+    ]
+}

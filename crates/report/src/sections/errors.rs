@@ -1,0 +1,122 @@
+//! Errors by cause, in a line per scene, arithmetic and group of detectors.
+
+use super::{About, Section};
+use crate::document::{Block, Text};
+use crate::table::{Cell, Table};
+use contactbench_record::findings::errors::{ErrorLine, ErrorTable};
+use contactbench_record::record::row::Outcome;
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::number::radii;
+
+/// The section of a report, if answers were compared with the truth: how to read the table, and the
+/// table.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let found = ErrorTable::new(about.cells)?;
+    let how = Text::from("Pairs missed / pairs added, by cause: the ")
+        .emphasis("representation")
+        .plain(" of the scene (its coordinates rounded, then decided exactly), the ")
+        .emphasis("predicate")
+        .plain(" (the arithmetic's contact test on all pairs of the stored scene), the ")
+        .emphasis("search")
+        .plain(" (which pairs the detector tested). ")
+        .emphasis("Together")
+        .plain(
+            " is the answer against exact decisions on the scene as given; errors of two causes \
+             can cancel. The error rate is the number of wrong pairs over that of true contacts. \
+             Depths and gaps are in mean radii of the pair: a miss of 0 r is a pair that just \
+             touches.",
+        );
+    let blocks = vec![Block::Paragraph(how), Block::Table(table(&found))];
+    Some(Section::new("Against the exact truth", blocks))
+}
+
+fn table(found: &ErrorTable) -> Table {
+    let cause = |cause: fn(&Causes) -> &Errors| {
+        move |line: &ErrorLine| line.sum.causes.as_ref().map(|causes| counts(cause(causes)))
+    };
+    let depth = |there: u64, depth: f64| (there > 0).then(|| radii(depth));
+    let outcome = |line: &ErrorLine| {
+        let bad = line.sum.outcomes.iter().filter(|outcome| **outcome != Outcome::Ok);
+        bad.map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ")
+    };
+    Table::of("", &found.lines)
+        .left("detectors", |line| &*line.detectors)
+        .left("arithmetic", |line| &*line.arithmetic)
+        .left("scene", |line| &*line.scene)
+        .right("true contacts", |line| line.sum.contacts)
+        .right("representation", cause(|causes| &causes.representation))
+        .right("predicate", cause(|causes| &causes.predicate))
+        .right("search", cause(|causes| &causes.search))
+        .right("together", |line| counts(&line.sum.errors))
+        .right("error rate", |line| {
+            Cell::share(line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0))
+        })
+        .right("deepest miss", |line| depth(line.sum.errors.missed, line.sum.errors.deepest_miss))
+        .right("widest false", |line| depth(line.sum.errors.spurious, line.sum.errors.widest_false))
+        .left("outcome", outcome)
+        .into()
+}
+
+/// `3 / 2` for three missed and two spurious, with pairs repeated or of one particle where there
+/// are any; `0` for none.
+fn counts(errors: &Errors) -> String {
+    if errors.wrong() == 0 {
+        return "0".into();
+    }
+    let mut out = format!("{} / {}", errors.missed, errors.spurious);
+    for (count, noun) in [(errors.duplicate, "twice"), (errors.self_pairs, "self")] {
+        if count > 0 {
+            out += &format!(" / {count} {noun}");
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_record::cells;
+    use contactbench_record::cells::testing::Lab;
+    use contactbench_record::findings::errors::testing::{errors, lab};
+
+    #[test]
+    fn the_table_tells_causes_apart_and_folds_what_is_the_same() {
+        let cells = cells::cells(&lab().rows());
+        let table = table(&ErrorTable::new(&cells.iter().collect::<Vec<_>>()).unwrap()).markdown();
+        let lines: Vec<&str> = table.lines().skip(2).collect();
+        assert_eq!(
+            lines,
+            [
+                "| all | exact | packed 2D | 500 | 0 | 0 | 0 | 0 | 0% | – | – |  |",
+                "| all | f32 | packed 2D, offset = 0 | 250 | 0 | 1 / 0 | 0 | 1 / 0 / 2 self | \
+                 1.2% | 0.2500 r | – |  |",
+                "| all | f32 | packed 2D, offset = 1000 | 250 | 20 / 5 | 1 / 0 | 0 | 21 / 5 / 2 \
+                 self | 11% | 0.2500 r | 0 r |  |",
+                "| nbs | textbook | packed 2D, offset = 0 | 250 | 0 | 0 | 1 / 0 | 1 / 0 | 0.4% | \
+                 0.2500 r | – | lossy |",
+                "| sorting | textbook | packed 2D, offset = 0 | 250 | 0 | 0 | 0 | 0 | 0% | – | – \
+                 |  |",
+                "| nbs | textbook | packed 2D, offset = 1000 | 250 | 0 | 0 | 1 / 0 | 1 / 0 | 0.4% \
+                 | 0.2500 r | – | lossy |",
+                "| sorting | textbook | packed 2D, offset = 1000 | 250 | 0 | 0 | 0 | 0 | 0% | – | \
+                 – |  |",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_record_without_causes_still_has_its_errors() {
+        let mut lab = Lab::new("e", "packed");
+        lab.count(&[]).edit(|row| row.errors = Some(errors(3, 0)));
+        let cells = cells::cells(&lab.rows());
+        assert_eq!(
+            (cells[0].variable("missed", None), cells[0].variable("representation_missed", None)),
+            (Some(3.0), None)
+        );
+        let table = table(&ErrorTable::new(&[&cells[0]]).unwrap()).markdown();
+        assert!(
+            table.contains("| all | exact | packed 2D | 250 | – | – | – | 3 / 0 | 1.2% |"),
+            "{table}"
+        );
+    }
+}

@@ -1,0 +1,116 @@
+//! The sections of a report. Each says one kind of finding in words and tables; [`SPEED`] and
+//! [`DETAILS`] are all that stand below an experiment's figures.
+
+pub mod answer;
+pub mod claims;
+pub mod compare;
+pub mod conditions;
+mod courses;
+pub mod coverage;
+mod errors;
+pub mod failures;
+pub mod map;
+mod noise;
+mod operations;
+mod overhead;
+mod ratios;
+mod scenes;
+mod threads;
+pub mod verdicts;
+pub mod winners;
+
+use crate::document::{Block, Text};
+use crate::table::Table;
+use contactbench_record::cells::{Cell, by_machine};
+use contactbench_record::experiment::Experiment;
+use contactbench_record::findings::ratios::Ratios;
+use contactbench_record::findings::winners::Winners;
+
+/// What the sections of an experiment are about.
+pub struct About<'a> {
+    pub experiment: &'a Experiment,
+    pub cells: &'a [&'a Cell],
+    pub maps: &'a [map::Drawn],
+    /// The fastest detector of each scene.
+    pub winners: &'a Winners,
+}
+
+/// A piece of a report below a heading.
+pub struct Section {
+    pub heading: String,
+    pub blocks: Vec<Block>,
+    /// The name and the table of a CSV file; those of all experiments make one file.
+    pub csv: Option<(&'static str, Table)>,
+}
+
+/// Makes the sections of one kind; none if there is nothing to say.
+type Make = fn(&About<'_>) -> Vec<Section>;
+
+pub const SPEED: &[Make] = &[
+    |about| Vec::from_iter(winners::section(about)),
+    map::sections,
+    |about| Vec::from_iter(ratios::section(about)),
+    |about| Vec::from_iter(threads::section(about)),
+    |about| Vec::from_iter(overhead::section(about)),
+    |about| Vec::from_iter(retired(about)),
+];
+
+/// The tables of all cells. They are left out if the experiment has a table of verdicts, which says
+/// all that these would, of a hundred scenes.
+pub const DETAILS: &[Make] = &[
+    courses::sections,
+    |about| Vec::from_iter(operations::section(about)),
+    scenes::sections,
+    |about| Vec::from_iter(failures::section(about)),
+    |about| Vec::from_iter(errors::section(about)),
+    |about| Vec::from_iter(noise::section(about)),
+];
+
+impl Section {
+    /// A section without a file.
+    fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Section {
+        Section { heading: heading.into(), blocks, csv: None }
+    }
+
+    /// A section of what is found of each machine; none if nothing is.
+    fn by_machine(
+        heading: &str,
+        cells: &[&Cell],
+        found: impl Fn(&[&Cell]) -> Option<Vec<Block>>,
+    ) -> Option<Section> {
+        let mut blocks = Vec::new();
+        for (machine, cells) in by_machine(cells) {
+            if let Some(found) = found(&cells) {
+                blocks.extend(machine.map(|name| Block::paragraph(format!("On {name}:"))));
+                blocks.extend(found);
+            }
+        }
+        (!blocks.is_empty()).then(|| Section::new(heading, blocks))
+    }
+}
+
+/// What the file of an older experiment asks for in vain.
+fn retired(about: &About<'_>) -> Option<Section> {
+    let keys = &about.experiment.retired;
+    let words = format!(
+        "The experiment asks for {}, which an older program computed; this one does not.",
+        keys.join(", ")
+    );
+    let blocks = vec![Block::paragraph(words)];
+    (!keys.is_empty()).then(|| Section::new("No longer computed", blocks))
+}
+
+/// The sentence at the head of a report, if the experiment asks for a comparison.
+pub struct Headline {
+    pub text: Text,
+    /// Is it what the experiment asks, so that who the fastest of all is need not be said?
+    pub answers: bool,
+}
+
+impl Headline {
+    pub fn new(experiment: &Experiment, own: &[&Cell]) -> Option<Headline> {
+        let found = Ratios::new(own, experiment.ratios_to.as_deref()?)?;
+        let answers = !found.libraries.is_empty();
+        Some(Headline { text: ratios::headline(&found), answers })
+    }
+}

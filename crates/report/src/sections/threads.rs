@@ -1,0 +1,82 @@
+//! What threads gain: a sentence per detector, and a line per scene and N.
+
+use super::{About, Section};
+use crate::document::{Block, Text};
+use crate::table::{Cell, Table};
+use contactbench_record::findings::threads::{Gain, Threads, Typical};
+use contactbench_record::stats::interval::Interval;
+use contactbench_terms::number::{percent, plural};
+
+/// The section of a report, if detectors were timed with one thread and with several.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let found = Threads::new(about.cells)?;
+    Some(Section {
+        heading: "What threads gain".into(),
+        blocks: blocks(&found),
+        csv: Some(("threads.csv", rows(&found))),
+    })
+}
+
+fn blocks(found: &Threads) -> Vec<Block> {
+    let how = Text::from(
+        "Speed-up: the time with one thread over that with several. Ceiling: the throughput of as \
+         many copies with one thread each, at work at the same time, over that of one alone. \
+         Fraction: the throughput with several threads over \
+         that of the copies; over 100% is possible, since copies share no cache lines and threads \
+         do. All are paired within blocks; the numbers are in ",
+    );
+    let how = how.code("threads.csv").plain(".");
+    let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));
+    let table = Block::Table(table(found));
+    sentences.chain([Block::Paragraph(how), table]).collect()
+}
+
+fn sentence(typical: &Typical) -> Text {
+    let Typical { name, scenes, speedup, least, most, fraction } = typical;
+    let out = Text::new().strong(format!("{name}: {speedup:.2} times as fast as one thread"));
+    let scenes = plural(*scenes, "scene");
+    let out = out.plain(format!(" (median of {scenes}; {least:.2} to {most:.2})"));
+    let gain = fraction.map(percent);
+    out.plain(gain.map_or(".".into(), |gain| {
+        format!(", {gain} of what the machine lets as many copies gain.")
+    }))
+}
+
+fn table(found: &Threads) -> Table {
+    let ceiling = |gain: &Gain| match (gain.ceiling, &gain.failure) {
+        (None, Some((outcome, _))) => outcome.name().into(),
+        (ceiling, _) => Cell::from(ceiling),
+    };
+    Table::of("", &found.gains)
+        .left("scene", |gain| &*gain.scene)
+        .right("N", |gain| gain.n)
+        .left("detector", |gain| &*gain.name)
+        .right("threads", |gain| u64::from(gain.line.threads))
+        .right("speed-up", |gain| gain.speedup)
+        .right("ceiling", ceiling)
+        .right("fraction of the ceiling", |gain| gain.fraction.as_ref().map(percents))
+        .into()
+}
+
+/// `93% (91% to 96%)`.
+fn percents(fraction: &Interval) -> Cell {
+    let [median, low, high] = [fraction.median, fraction.low, fraction.high].map(percent);
+    format!("{median} ({low} to {high})").into()
+}
+
+/// `threads.csv`: a line per detector, number of threads, scene and N.
+fn rows(found: &Threads) -> Table {
+    Table::of("", &found.gains)
+        .left("experiment", |gain| &*gain.experiment)
+        .left("scene", |gain| &*gain.scene)
+        .left("n", |gain| gain.n)
+        .left("detector", |gain| &*gain.line.detector)
+        .left("arithmetic", |gain| &*gain.line.arithmetic)
+        .left("threads", |gain| u64::from(gain.line.threads))
+        .ratio("speedup", |gain| gain.speedup)
+        .ratio("ceiling", |gain| gain.ceiling)
+        .ratio("fraction", |gain| gain.fraction)
+        .left("blocks", |gain| gain.speedup.count as u64)
+        .left("reason", |gain| gain.failure.as_ref().map_or("", |(_, reason)| reason))
+        .into()
+}

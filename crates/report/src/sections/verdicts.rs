@@ -1,0 +1,140 @@
+//! Who is right, case by case.
+
+use crate::document::{Block, Text};
+use crate::table::{Cell, Table};
+use contactbench_record::cells::{Cell as Measured, label};
+use contactbench_record::findings::verdicts::{Answer, CaseLine, Matrix, case, judged};
+use contactbench_record::record::column;
+use contactbench_terms::number::plural;
+
+/// For a report: how to read the tables, and the tables.
+pub fn blocks(found: &Matrix) -> Vec<Block> {
+    let how = Text::from(
+        "Right is an answer with exactly the pairs that touch in exact arithmetic in the scene as \
+         given. First the number of answers of each kind, then the cases in which someone is not \
+         right, and how: -3 +1 is three pairs missed and one added (by the predicate, or by the \
+         representation of the scene), ",
+    )
+    .emphasis("lossy")
+    .plain(" (a textbook filter lost contacts), ")
+    .emphasis("refused")
+    .plain(" (the reason is given below, one example of its kind), ")
+    .emphasis("DEFECT")
+    .plain(
+        " (not the answer of the detector's own arithmetic). Detectors that are not named are \
+         right. Every answer is in ",
+    )
+    .code("verdicts.csv")
+    .plain(".");
+    let mut out = vec![Block::Paragraph(how), Block::Table(totals(found))];
+    if !found.lines.is_empty() {
+        out.push(Block::Table(lines(found)));
+    }
+    out.extend(rest(found));
+    out
+}
+
+pub fn terminal(found: &Matrix) -> Vec<Block> {
+    let legend = "-: pairs missed, +: pairs added; in brackets: the reason below, one example of \
+                  its kind";
+    let mut table = lines(found);
+    table.rows.extend(totals(found).rows.into_iter().map(|mut row| {
+        row.insert(1, "".into());
+        row
+    }));
+    let head = [Block::Table(table), Block::paragraph(legend)];
+    head.into_iter().chain(rest(found)).collect()
+}
+
+fn totals(found: &Matrix) -> Table {
+    let table = Table::of("", &found.totals).left("answers", |(word, _)| *word);
+    let arithmetics = found.arithmetics.iter().enumerate();
+    table.each(arithmetics, |table, (k, name)| table.right(name, |(_, counts)| counts[k])).into()
+}
+
+fn lines(found: &Matrix) -> Table {
+    let table = Table::of("", &found.lines)
+        .left("case", |line| &*line.case)
+        .left("dim", |line| line.shown_dims(" "));
+    let answer = |line: &CaseLine, k: usize| line.answers[k].clone().map(Cell::lines);
+    let arithmetics = found.arithmetics.iter().enumerate();
+    table.each(arithmetics, |table, (k, name)| table.left(name, |line| answer(line, k))).into()
+}
+
+/// Cases that everybody gets right, and reasons.
+fn rest(found: &Matrix) -> Vec<Block> {
+    let mut out = Vec::new();
+    if !found.right.is_empty() {
+        out.push(Block::paragraph(format!(
+            "Right by every detector in every arithmetic, {}: {}.",
+            plural(found.right.len(), "case"),
+            found.right.join(", ")
+        )));
+    }
+    let reasons = found.reasons.iter().enumerate();
+    out.extend(reasons.map(|(k, reason)| Block::paragraph(format!("({}) {reason}", k + 1))));
+    out
+}
+
+/// `verdicts.csv`: every answer of an experiment.
+pub fn rows(cells: &[&Measured]) -> Table {
+    let cells = judged(cells);
+    let swept = label::swept(&cells);
+    let errors = column::errors().map(|error| &*error.name);
+    Table::of("", cells)
+        .left("experiment", |cell| &*cell.id.experiment)
+        .left("case", |cell| case(&cell.id, &swept).0)
+        .left("dim", |cell| u64::from(cell.id.dim))
+        .left("n", |cell| cell.id.n)
+        .left("seed", |cell| cell.id.seed)
+        .left("detector", |cell| &*cell.id.detector)
+        .left("arithmetic", |cell| &*cell.id.arithmetic)
+        .left("answer", |cell| Answer::new(cell).word())
+        .left("outcome", |cell| cell.overall().0.name())
+        .left("reason", |cell| cell.overall().1)
+        .each(["contacts", "true_contacts"].into_iter().chain(errors), |table, name| {
+            table.left(name, |cell| cell.variable(name, None))
+        })
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{markdown, plain};
+    use crate::table::csv;
+    use contactbench_record::cells;
+    use contactbench_record::findings::verdicts::testing::lab;
+
+    #[test]
+    fn report_and_terminal_say_the_same_and_fit() {
+        let cells = cells::cells(&lab().rows());
+        let found = Matrix::new(&cells.iter().collect::<Vec<_>>()).unwrap();
+        let (report, terminal) = (markdown(&blocks(&found)), plain(&terminal(&found), 110));
+        assert!(terminal.lines().all(|line| line.chars().count() <= 110), "{terminal}");
+        for part in ["Right by every detector", "1 case: calm", "(1)", "nbs would need"] {
+            assert!(report.contains(part) && terminal.contains(part), "{part}: {report}{terminal}");
+        }
+        assert!(
+            report.contains("| tangent | 2D | -3 | nbs, sorting: lossy -2 | right |"),
+            "{report}"
+        );
+    }
+
+    #[test]
+    fn every_answer_is_a_line_of_the_csv() {
+        let cells = cells::cells(&lab().rows());
+        let csv = csv(&[rows(&cells.iter().collect::<Vec<_>>())]);
+        assert_eq!(csv.lines().count(), 1 + 5 * 3 * 3);
+        assert!(
+            csv.contains("e,tangent,2,100,1,nbs,textbook,lossy,lossy,,250,250,2,0,0,0,0,0,2,"),
+            "{csv}"
+        );
+        assert!(
+            csv.contains(
+                "e,far,3,100,1,nbs,exact,refused,refused,nbs would need 5.3e11 cells; use direct,,"
+            ),
+            "{csv}"
+        );
+    }
+}

@@ -1,0 +1,285 @@
+//! The fastest detector of each scene: a sentence, and a line per scene.
+
+use super::{About, Section};
+use crate::document::{Block, Text};
+use crate::table::{Cell, Table};
+use contactbench_record::findings::winners::{Alone, Contender, Contest, Tally, Winners};
+use contactbench_record::record::row::Outcome;
+use contactbench_terms::number::plural;
+
+/// The heading of the table with every scene.
+pub const ALL: &str = "Scene by scene";
+
+/// The sentence and, if detectors were compared, the table of the scenes that an answer shows.
+pub fn blocks(winners: &Winners) -> Vec<Block> {
+    let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
+    let shown = shown(winners);
+    let table = compared(winners).then(|| Block::Table(table(&shown)));
+    sentence.into_iter().chain(left_out(winners)).chain(table).collect()
+}
+
+/// The section with the table of all scenes, if the answer leaves some out, or does not show the
+/// table at all.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let (winners, asked) = (about.winners, about.experiment.asks_fastest());
+    let all: Vec<&Contest> = winners.contests.iter().collect();
+    if !compared(winners) || asked && shown(winners).len() == all.len() {
+        return None;
+    }
+    let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
+    Some(Section::new(ALL, sentence.into_iter().chain([Block::Table(table(&all))]).collect()))
+}
+
+/// Was any detector compared with another?
+pub fn compared(winners: &Winners) -> bool {
+    winners.contests.iter().any(|contest| !contest.others.is_empty())
+}
+
+/// The scenes that an answer shows.
+pub fn shown(winners: &Winners) -> Vec<&Contest> {
+    winners.contests.iter().filter(|contest| contest.shown).collect()
+}
+
+/// How many scenes the table of an answer leaves out, and where they are.
+pub fn left_out(winners: &Winners) -> Option<Block> {
+    let (shown, all) = (shown(winners).len(), winners.contests.len());
+    (compared(winners) && shown < all).then(|| {
+        Block::paragraph(format!(
+            "{shown} of {} are shown: at least the ends of each sweep. The table \
+             \u{201c}{ALL}\u{201d} of the report has all.",
+            plural(all, "scene")
+        ))
+    })
+}
+
+/// How often each detector is the fastest.
+pub fn sentence(winners: &Winners) -> Text {
+    let tally = Tally::new(winners);
+    let end = match tally.untimed {
+        0 => String::new(),
+        _ if tally.untimed == tally.scenes => String::new(),
+        some => format!(" In {some} no detector has a time."),
+    };
+    let Some((first, rest)) = tally.wins.split_first() else {
+        return match &tally.alone {
+            _ if winners.contests.is_empty() => {
+                "No times were taken: only answers, counts and memory.".into()
+            }
+            Some(found) => alone(found).plain(end),
+            None => Text::from(undecided_all(&winners.contests) + &end),
+        };
+    };
+    let wins = format!("{} of {}", first.margins.len(), plural(tally.scenes, "scene"));
+    let mut out = Text::new().strong(first.detector.as_str()).plain(" is the fastest in ");
+    out = out.strong(wins);
+    if let Some((typical, least, most)) = first.margin() {
+        out = out.plain("; the next takes ").strong(format!("{typical:.1} times"));
+        out = out.plain(" as long");
+        if first.margins.len() > 1 {
+            out = out.plain(format!(" (median of scenes; {least:.1} to {most:.1})"));
+        }
+    }
+    let mut rest: Vec<String> =
+        rest.iter().map(|wins| format!("{} in {}", wins.detector, wins.margins.len())).collect();
+    if tally.undecided > 0 {
+        rest.push(format!("undecided in {}", tally.undecided));
+    }
+    let rest = if rest.is_empty() { String::new() } else { format!("; {}", rest.join(", ")) };
+    out.plain(rest + "." + &end)
+}
+
+/// `nbs is the only one with a right answer (my-det was wrong).`
+fn alone(found: &Alone) -> Text {
+    let Alone { name, others } = found;
+    let name = Text::new().strong(name.as_str());
+    if others.is_empty() {
+        return name.plain(" was timed alone.");
+    }
+    let ended = |(other, outcome): (&String, &Outcome)| match outcome {
+        Outcome::Ok => format!("{other} was not timed"),
+        Outcome::Lossy => format!("{other} missed contacts"),
+        Outcome::Wrong => format!("{other} was wrong"),
+        outcome => format!("{other}: {}", outcome.name()),
+    };
+    let ended: Vec<String> = others.iter().map(ended).collect();
+    let what = match others.values().any(|outcome| *outcome == Outcome::Wrong) {
+        true => "right answer",
+        false => "time",
+    };
+    name.plain(format!(" is the only one with a {what} ({}).", ended.join(", ")))
+}
+
+/// Which detectors are equally fast, if no scene is decided.
+fn undecided_all(contests: &[Contest]) -> String {
+    let several = contests.iter().filter(|contest| !contest.others.is_empty());
+    let open = |contest: &Contest| -> Vec<String> {
+        let mut names: Vec<String> = contest
+            .others
+            .iter()
+            .filter(|other| !other.slower)
+            .map(|other| other.name.clone())
+            .chain([contest.first.name.clone()])
+            .collect();
+        names.sort();
+        names
+    };
+    let mut sets: Vec<Vec<String>> = several.map(open).collect();
+    let scenes = match contests.len() {
+        1 => String::new(),
+        2 => " in both scenes".into(),
+        more => format!(" in all {more} scenes"),
+    };
+    sets.dedup();
+    let blocks = contests.iter().flat_map(|contest| &contest.others);
+    let blocks = blocks.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
+    if blocks < 5 {
+        return format!(
+            "Undecided{scenes}: {} decide nothing; five are needed.",
+            plural(blocks, "block")
+        );
+    }
+    match &sets[..] {
+        [names] if names.len() <= 4 => {
+            let (last, first) = names.split_last().map_or(("", &[][..]), |(l, f)| (l.as_str(), f));
+            format!(
+                "Undecided{scenes}: {} and {last} are equally fast within the noise.",
+                first.join(", ")
+            )
+        }
+        _ => format!(
+            "Undecided{scenes}: two or more detectors are equally fast within the noise; the last \
+             column names them."
+        ),
+    }
+}
+
+/// The fastest of an experiment in a few words, for a list of experiments. Their scenes are not
+/// added up: some are one size of one pack, others six scenes at several sizes.
+pub fn brief(winners: &Winners) -> Text {
+    let tally = Tally::new(winners);
+    match tally.wins.first() {
+        Some(first) => Text::new().strong(first.detector.as_str()).plain(format!(
+            " in {} of {}",
+            first.margins.len(),
+            plural(tally.scenes, "scene")
+        )),
+        None => "undecided".into(),
+    }
+}
+
+pub fn table(contests: &[&Contest]) -> Table {
+    fn next(contest: &Contest) -> Option<&Contender> {
+        contest.others.first()
+    }
+    let cold = contests.iter().any(|it| next(it).is_some_and(|next| next.cold.is_some()));
+    Table::of("", contests)
+        .left("scene", |it| &*it.title)
+        .left("fastest", |it| {
+            let first = Cell::from(&*it.first.name);
+            if it.decided() { first.strong() } else { first }
+        })
+        .unit("time / N", "ns", |it| it.first.per_particle)
+        .left("next", |it| next(it).map_or("alone", |next| &*next.name))
+        .right("next / fastest", |it| next(it).and_then(|next| next.ratio))
+        .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
+        .left("decided", |it| decided(it))
+        .into()
+}
+
+/// `yes`, or the detectors that may be as fast.
+fn decided(contest: &Contest) -> Cell {
+    let open = contest.others.iter().filter(|other| !other.slower);
+    match contest.others.len() {
+        0 => Cell::absent(),
+        _ if contest.decided() => "yes".into(),
+        _ => undecided(open.map(|other| &other.name)),
+    }
+}
+
+/// `undecided: nbs, sweep and 3 more`: those who leave it open, the fastest first.
+pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
+    let open: Vec<&str> = open.into_iter().map(String::as_str).collect();
+    let (named, more) = open.split_at(open.len().min(2));
+    let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+    format!("undecided: {}{more}", named.join(", ")).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::markdown;
+    use contactbench_record::cells;
+    use contactbench_record::cells::testing::{self, Lab};
+    use contactbench_record::findings::winners::winners;
+
+    fn said(lab: &Lab) -> String {
+        let cells = cells::cells(&lab.rows());
+        markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>())))
+    }
+
+    #[test]
+    fn the_fastest_is_named_with_its_margin() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
+        lab.scene("loose", 2).detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
+        let text = said(&lab);
+        assert!(
+            text.starts_with(
+                "**nbs** is the fastest in **1 of 2 scenes**; the next takes **2.5 times** as \
+                 long; undecided in 1.\n"
+            ),
+            "{text}"
+        );
+        assert!(
+            text.contains(
+                "| packed, 2D, N = 100 | **nbs** | 10 | sorting | 2.50 (2.50 to 2.50) | yes |"
+            ),
+            "{text}"
+        );
+        let undecided =
+            "| loose, 2D, N = 100 | nbs | 1 | sorting | 1.00 (1.00 to 1.00) | undecided: sorting |";
+        assert!(text.contains(undecided), "{text}");
+    }
+
+    #[test]
+    fn equally_fast_detectors_are_named() {
+        let mut lab = Lab::new("e", "loose");
+        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
+        lab.detector("sweep").time(&[900; 15]);
+        let text = said(&lab);
+        let words = "Undecided: nbs and sorting are equally fast within the noise.";
+        assert!(text.starts_with(words), "{text}");
+        let mut lab = Lab::new("e", "loose");
+        lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
+        assert!(said(&lab).starts_with("Undecided: 3 blocks decide nothing"));
+    }
+
+    #[test]
+    fn scenes_that_are_not_shown_are_counted_and_stand_in_the_details() {
+        let mut lab = Lab::new("e", "packed");
+        for n in 1..=35 {
+            lab.n(n).detector("nbs").time(&[100; 5]).detector("sorting").time(&[250; 5]);
+        }
+        let cells = cells::cells(&lab.rows());
+        let found = winners(&cells.iter().collect::<Vec<_>>());
+        let text = markdown(&blocks(&found));
+        assert!(text.contains("in **35 of 35 scenes**"), "{text}");
+        assert!(text.contains("2 of 35 scenes are shown"), "{text}");
+        assert_eq!(text.matches("| packed").count(), 2);
+        let experiment = &testing::experiment("");
+        let about = About { experiment, cells: &[], maps: &[], winners: &found };
+        let details = section(&about).unwrap();
+        assert_eq!(markdown(&details.blocks).matches("| packed").count(), 35);
+    }
+
+    #[test]
+    fn nobody_wins_alone_or_without_times() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[1000; 15]);
+        assert_eq!(said(&lab), "**nbs** was timed alone.\n\n");
+        assert!(blocks(&Winners::default()).is_empty());
+        lab.detector("mine").time(&[10; 15]).edit(|row| row.outcome = Outcome::Wrong);
+        let words = "**nbs** is the only one with a right answer (mine was wrong).";
+        assert_eq!(said(&lab), format!("{words}\n\n"));
+    }
+}

@@ -1,0 +1,65 @@
+use super::{Align, Table};
+use contactbench_terms::number::wrap;
+
+const GAP: usize = 2;
+/// Columns of words give way down to this width before numbers do.
+const NARROW: usize = 12;
+
+impl Table {
+    /// For a terminal of this many columns: cells are wrapped until the table fits. The line of
+    /// heads is left out if all are empty.
+    pub fn plain(&self, width: usize) -> String {
+        let heads: Vec<Vec<String>> =
+            self.columns.iter().map(|column| vec![column.head()]).collect();
+        let titled = self.columns.iter().any(|column| !column.head().is_empty());
+        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.value.lines()).collect());
+        let rows: Vec<Vec<Vec<String>>> = titled.then_some(heads).into_iter().chain(body).collect();
+        let widths = self.widths(&rows, width);
+        let mut out = String::new();
+        if !self.title.is_empty() {
+            wrap(&self.title, width).into_iter().for_each(|line| out += &(line + "\n"));
+        }
+        for row in &rows {
+            let cells: Vec<Vec<String>> = row
+                .iter()
+                .zip(&widths)
+                .map(|(lines, &width)| lines.iter().flat_map(|line| wrap(line, width)).collect())
+                .collect();
+            for k in 0..cells.iter().map(Vec::len).max().unwrap_or(0) {
+                let mut text = String::new();
+                for ((cell, &width), column) in cells.iter().zip(&widths).zip(&self.columns) {
+                    let piece = cell.get(k).map_or("", String::as_str);
+                    text += &match column.align {
+                        Align::Left => format!("{piece:<width$}"),
+                        Align::Right => format!("{piece:>width$}"),
+                    };
+                    text.extend([' '; GAP]);
+                }
+                out += &(text.trim_end().to_string() + "\n");
+            }
+        }
+        out
+    }
+
+    /// As wide as the longest line of each column, then narrowed until all fit: the widest column
+    /// of words first, as long as it is wider than [`NARROW`], then the widest of all.
+    fn widths(&self, rows: &[Vec<Vec<String>>], limit: usize) -> Vec<usize> {
+        let longest = |column: usize| {
+            let lines = rows.iter().filter_map(|row| row.get(column)).flatten();
+            lines.map(|line| line.chars().count()).max().unwrap_or(0)
+        };
+        let mut widths: Vec<usize> = (0..self.columns.len()).map(longest).collect();
+        let room = limit.saturating_sub(GAP * self.columns.len().saturating_sub(1));
+        while widths.iter().sum::<usize>() > room.max(self.columns.len()) {
+            let words = |k: &usize| self.columns[*k].align == Align::Left && widths[*k] > NARROW;
+            let widest = |all: &mut dyn Iterator<Item = usize>| all.max_by_key(|&k| widths[k]);
+            let at = widest(&mut (0..widths.len()).filter(words))
+                .or_else(|| widest(&mut (0..widths.len())));
+            match at {
+                Some(at) if widths[at] > 1 => widths[at] -= 1,
+                _ => break,
+            }
+        }
+        widths
+    }
+}

@@ -1,0 +1,157 @@
+//! Every detector, held to the truth on the scenes that bytes describe.
+
+use crate::check::bytes::{nudged, scene_from_bytes};
+use crate::check::checker::truth;
+use crate::check::contender::{Answer, Expected, answer};
+use crate::check::numbers::Numbers;
+use crate::check::{Wrong, as_csv};
+use contactbench_core::contact::{Arithmetic, exact};
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::detect::table::TABLE;
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::oracle::{self, NoTruth};
+use contactbench_core::scene::{AnyScene, Lattice};
+use contactbench_core::searcher::Searcher;
+use contactbench_io::Given;
+
+/// A fuzzer is slow with large arrays: detectors refuse early.
+const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
+
+/// Holds every detector to the truth on the scene that the bytes describe, in every safe
+/// arithmetic; with textbook filters, a detector may lose pairs, and nothing else. Panics with the
+/// scene where one is wrong.
+pub fn fuzz_one(data: &[u8]) {
+    let Some(scene) = scene_from_bytes(data) else { return };
+    the_truth_is_exact(&scene);
+    let keep = data[0] & 4 != 0;
+    // With a history: some particles, all, others in another order, all once more.
+    let n = scene.len() as u32;
+    let mut scenes = vec![scene];
+    if keep {
+        let some = scenes[0].reordered(&(0..n / 2).collect::<Vec<_>>());
+        let others = scenes[0].reordered(&(n / 3..n).rev().collect::<Vec<_>>());
+        scenes = vec![some, scenes[0].clone(), others, scenes[0].clone()];
+    }
+    let scenes: Vec<Given> = scenes.into_iter().map(Given::from).collect();
+    hold(&scenes, keep);
+}
+
+/// The same in a box, which the first four bytes say: along which vectors it repeats, its edges in
+/// halves of a diameter, some of them a last bit longer or shorter, and a tilt in eighths of an
+/// edge. The others say the scene.
+pub fn fuzz_box(data: &[u8]) {
+    let Some((&[flags, x, y, z], data)) = data.split_first_chunk() else { return };
+    let Some(scene) = scene_from_bytes(data) else { return };
+    let diameter = Some(2.0 * scene.largest_radius()).filter(|&d| d.is_normal()).unwrap_or(1.0);
+    let edge = |byte: u8| {
+        let edge = diameter * 0.5 * f64::from(1 + (byte & 15));
+        nudged(edge, i32::from(byte >> 4 & 3) - 1)
+    };
+    let tilt = |byte: u8| edge(x) * f64::from(i32::from(byte >> 6) - 1) * 0.125;
+    let vectors = [[edge(x), 0.0, 0.0], [tilt(y), edge(y), 0.0], [tilt(z), tilt(x), edge(z)]];
+    let periodic = [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0];
+    let Ok(lattice) = Lattice::new(vectors, periodic, [0.0; 3]) else { return };
+    let Ok(given) = Given::in_box(scene, lattice) else { return };
+    hold(&[given], false);
+}
+
+/// Holds every detector to the truth, with what those before have left in its buffers if they are
+/// kept; in open space in every form of its code, which images do not change.
+fn hold(scenes: &[Given], keep: bool) {
+    let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
+    let entries = TABLE.iter().filter(|entry| entry.must_be_right());
+    let open = scenes.iter().all(|given| given.lattice.is_none());
+    let mut detectors: Vec<_> = entries
+        .flat_map(|entry| if open { DetectorSpec::choices(entry) } else { vec![entry.into()] })
+        .map(|spec| {
+            let searcher = fresh(&spec);
+            (spec, searcher)
+        })
+        .collect();
+    for given in scenes {
+        let shown = || match &given.lattice {
+            Some(lattice) => format!("{lattice:?}\n{}", as_csv(&given.scene)),
+            None => as_csv(&given.scene),
+        };
+        for arithmetic in Arithmetic::ALL {
+            let Ok(stored) = given.loaded(arithmetic) else { continue };
+            let truth = truth(&stored, arithmetic, OPTIONS.memory_limit);
+            for (spec, searcher) in &mut detectors {
+                let entry = spec.entry;
+                if !keep {
+                    *searcher = fresh(spec);
+                }
+                let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
+                let answer = answer(searcher, &stored, arithmetic, expected);
+                if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
+                    let promised = match refusal {
+                        Refusal::Domain { .. }
+                        | Refusal::Extent { .. }
+                        | Refusal::Memory { .. } => entry.memory != "0",
+                        // What the truth does without images.
+                        Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
+                            given.lattice.is_some()
+                        }
+                        _ => !entry.is_ours(),
+                    };
+                    assert!(promised, "{spec} refuses: {refusal}\n{}", shown());
+                }
+                let wrong = match (answer, &truth) {
+                    (answer, Ok(truth)) => answer
+                        .wrong(truth)
+                        .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
+                    // Where there is no truth because a square overflows, no detector may say more.
+                    (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
+                        None
+                    }
+                    // Without wrapping, numbers of images are twice as large; rounded truths list
+                    // pairs of two images, too.
+                    (
+                        Answer::Right | Answer::Pairs(_),
+                        Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
+                    ) if given.lattice.is_some() => None,
+                    (_, Err(error)) => {
+                        panic!(
+                            "{spec} with {} arithmetic answers, but {error}:\n{}",
+                            arithmetic.name(),
+                            shown()
+                        )
+                    }
+                };
+                if let Some(wrong) = wrong {
+                    panic!("{spec} with {} arithmetic: {wrong}\n{}", arithmetic.name(), shown());
+                }
+            }
+        }
+    }
+}
+
+/// What textbook filters may do.
+fn only_loses(wrong: &Wrong) -> bool {
+    let Wrong::Pairs(pairs) = wrong else { return false };
+    pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty()
+}
+
+/// The contact test's filter decides as integers do.
+fn the_truth_is_exact(scene: &AnyScene<'_>) {
+    let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
+        panic!("exact arithmetic refuses:\n{}", as_csv(scene))
+    };
+    let numbers = Numbers::new(scene);
+    let particles: Vec<([f64; 3], f64)> = numbers
+        .values
+        .chunks_exact(numbers.stride())
+        .map(|particle| {
+            (
+                std::array::from_fn(|k| if k < numbers.dim { particle[k] } else { 0.0 }),
+                particle[numbers.dim],
+            )
+        })
+        .collect();
+    let all = (0..particles.len()).flat_map(|i| (i + 1..particles.len()).map(move |j| (i, j)));
+    let touching = all.filter(|&(i, j)| {
+        exact::compare(&particles[i].0, &particles[j].0, particles[i].1, particles[j].1).is_le()
+    });
+    let pairs: Vec<[u32; 2]> = touching.map(|(i, j)| [i as u32, j as u32]).collect();
+    assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));
+}

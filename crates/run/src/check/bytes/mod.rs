@@ -1,0 +1,271 @@
+//! Fuzzing: any bytes make a scene, and often one that is hard; every detector must be right on it.
+//!
+//! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are
+//! instructions: most particles stand in a lattice of small whole numbers, or exactly a diameter
+//! from an earlier one, or some units in the last place beside such a place; few are raw doubles,
+//! subnormal or huge. The first four bytes say what holds for all particles:
+//!
+//! | byte | says |
+//! |---|---|
+//! | 0 | bit 0: 3D; bit 1: a radius each; bit 2: several calls, in which detectors keep buffers |
+//! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, else any |
+//! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
+//! | 3 | the radius: 1/2 to 16 halves of a unit, one of some odd lengths, or 0 |
+//!
+//! Then each particle takes a byte that says how its place is found, and what that needs. Where the
+//! bytes end, so does the scene.
+
+mod held;
+mod readers;
+
+pub use held::{fuzz_box, fuzz_one};
+pub use readers::{fuzz_reader, fuzz_reader_of, reader};
+
+use crate::check::numbers::Numbers;
+use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};
+
+/// Particles at most.
+const MOST: usize = 64;
+
+/// Legs and hypotenuse, all of whole numbers; those in the plane first.
+const PYTHAGOREAN: [([f64; 3], f64); 8] = [
+    ([3.0, 4.0, 0.0], 5.0),
+    ([5.0, 12.0, 0.0], 13.0),
+    ([8.0, 15.0, 0.0], 17.0),
+    ([20.0, 21.0, 0.0], 29.0),
+    ([1.0, 2.0, 2.0], 3.0),
+    ([2.0, 3.0, 6.0], 7.0),
+    ([1.0, 4.0, 8.0], 9.0),
+    ([2.0, 6.0, 9.0], 11.0),
+];
+
+/// The bytes not yet used.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn next(&mut self) -> Option<u8> {
+        let (&first, rest) = self.0.split_first()?;
+        self.0 = rest;
+        Some(first)
+    }
+
+    fn double(&mut self) -> Option<f64> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(f64::from_bits(u64::from_le_bytes(*first)))
+    }
+}
+
+/// A scene in the making.
+struct Maker<'a> {
+    bytes: Bytes<'a>,
+    mixed: bool,
+    unit: f64,
+    offset: f64,
+    radius: f64,
+    numbers: Numbers,
+}
+
+/// What is known of the next particle.
+#[derive(Clone, Copy)]
+struct Next {
+    /// The byte that says how its place is found.
+    how: u8,
+    dim: usize,
+    /// The place of the particle beside which it is put; else the offset.
+    beside: [f64; 3],
+    /// The distance at which the two just touch.
+    contact: f64,
+}
+
+/// A way to find the place of a particle.
+struct Way {
+    place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
+    /// Beside another particle.
+    beside: bool,
+    /// Then moved by some units in the last place.
+    nudged: bool,
+}
+
+/// The ways, by the lowest three bits of the byte that says how.
+const WAYS: [Way; 8] = [
+    Way { place: lattice, beside: false, nudged: true },
+    Way { place: along_an_axis, beside: true, nudged: true },
+    Way { place: along_a_hypotenuse, beside: true, nudged: true },
+    Way { place: almost_there, beside: true, nudged: false },
+    Way { place: raw, beside: false, nudged: false },
+    Way { place: subnormal, beside: false, nudged: false },
+    Way { place: huge, beside: false, nudged: false },
+    Way { place: diameters_away, beside: true, nudged: true },
+];
+
+fn lattice(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
+    let (offset, unit) = (maker.offset, maker.unit);
+    maker.each(dim, |bytes, _| Some(offset + f64::from(bytes.next()? as i8) * unit))
+}
+
+fn along_an_axis(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let (code, mut place) = (maker.bytes.next()?, next.beside);
+    let step = if code & 1 == 0 { next.contact } else { -next.contact };
+    place[usize::from(code / 2) % next.dim] += step;
+    Some(place)
+}
+
+fn along_a_hypotenuse(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let code = usize::from(maker.bytes.next()?);
+    let (legs, hypotenuse) = PYTHAGOREAN[code % if next.dim == 2 { 4 } else { 8 }];
+    maker.each(next.dim, |_, axis| {
+        // In the plane 0 or 1 is swapped, in space the legs take turns.
+        let step = legs[(axis + code / 64) % next.dim] * (next.contact / hypotenuse);
+        Some(next.beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step })
+    })
+}
+
+fn almost_there(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let near = |x: f64, byte: u8| nudged(x, i32::from(byte % 7) - 3);
+    maker.each(next.dim, |bytes, axis| Some(near(next.beside[axis], bytes.next()?)))
+}
+
+fn raw(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
+    maker.each(dim, |bytes, _| bytes.double())
+}
+
+fn subnormal(maker: &mut Maker<'_>, Next { dim, how, .. }: Next) -> Option<[f64; 3]> {
+    let scale = libm::scalbn(1.0, i32::from(how >> 3) * 4);
+    maker.each(dim, |bytes, _| {
+        let code = bytes.next()?;
+        let size = f64::from_bits(u64::from(code / 2)) * scale;
+        Some(if code & 1 == 0 { size } else { -size })
+    })
+}
+
+fn huge(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    if next.how < 128 {
+        return lattice(maker, next);
+    }
+    maker.each(next.dim, |bytes, _| {
+        let code = bytes.next()?;
+        let size = match code {
+            252.. => f64::MAX,
+            _ => libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110),
+        };
+        Some(if next.how & 8 == 0 { size } else { -size })
+    })
+}
+
+/// Where cells of the book end: whole diameters from another particle.
+fn diameters_away(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let diameter = 2.0 * maker.radius;
+    maker.each(next.dim, |bytes, axis| {
+        Some(next.beside[axis] + f64::from(bytes.next()? as i8) * diameter)
+    })
+}
+
+impl<'a> Maker<'a> {
+    fn new(data: &'a [u8]) -> Option<Maker<'a>> {
+        let mut bytes = Bytes(data);
+        let (form, unit, offset, radius) =
+            (bytes.next()?, bytes.next()?, bytes.next()?, bytes.next()?);
+        let unit =
+            if unit < 200 { i32::from(unit % 16) - 8 } else { (i32::from(unit) - 200) * 38 - 1060 };
+        let unit = libm::scalbn(1.0, unit);
+        let offset = unit * libm::scalbn(f64::from(offset & 15), i32::from(offset >> 4) * 4);
+        let radius = match radius {
+            255 => 0.0,
+            // Lengths with a full mantissa, so that sums are rounded.
+            192.. => unit * f64::from(radius) / 300.0,
+            _ => unit * f64::from(radius % 32 + 1) * 0.5,
+        };
+        let numbers = Numbers { dim: 2 + usize::from(form & 1), values: Vec::new() };
+        Some(Maker { bytes, mixed: form & 2 != 0, unit, offset, radius, numbers })
+    }
+
+    /// The radius of the next particle.
+    fn radius(&mut self) -> Option<f64> {
+        if !self.mixed {
+            return Some(self.radius);
+        }
+        let code = self.bytes.next()?;
+        let last = self.numbers.values.last().copied().unwrap_or(self.radius);
+        Some(match code % 8 {
+            0..=2 => self.radius * [1.0, 0.5, 2.0][usize::from(code % 8)],
+            3 => self.unit * f64::from(code / 8) * 0.25,
+            4 => last,
+            5 => nudged(last, i32::from(code / 8 % 7) - 3).max(0.0),
+            6 => self.radius * libm::scalbn(1.0, i32::from(code / 8) - 16),
+            _ if code == 255 => self.bytes.double()?,
+            _ => 0.0,
+        })
+    }
+
+    /// Adds a particle; none where the bytes end.
+    fn particle(&mut self) -> Option<()> {
+        let how = self.bytes.next()?;
+        let radius = self.radius()?;
+        let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
+        let Way { place, beside, nudged: moved } = &WAYS[usize::from(how % 8)];
+        let mut next = Next { how, dim, beside: [self.offset; 3], contact: 2.0 * radius };
+        if n > 0 && *beside {
+            let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
+            next.beside[..dim].copy_from_slice(&other[..dim]);
+            next.contact = radius + other[dim];
+        }
+        let mut place = place(self, next)?;
+        if *moved {
+            let axis = usize::from(how >> 6) % dim;
+            let steps = [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8];
+            place[axis] = nudged(place[axis], steps);
+        }
+        self.numbers.values.extend_from_slice(&place[..dim]);
+        self.numbers.values.push(radius);
+        Some(())
+    }
+
+    /// A number for each axis.
+    fn each(
+        &mut self,
+        dim: usize,
+        mut number: impl FnMut(&mut Bytes<'_>, usize) -> Option<f64>,
+    ) -> Option<[f64; 3]> {
+        let mut place = [self.offset; 3];
+        for (axis, x) in place[..dim].iter_mut().enumerate() {
+            *x = number(&mut self.bytes, axis)?;
+        }
+        Some(place)
+    }
+
+    fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
+        // Not as a file is read: a radius each, even where all are equal, is code of its own.
+        let radii = if self.mixed {
+            Radii::Each(self.numbers.radii().collect::<Vec<_>>().into())
+        } else {
+            Radii::Uniform(self.radius)
+        };
+        Ok(if self.numbers.dim == 2 {
+            AnyScene::from(Scene::<f64, 2>::new(self.numbers.centres(), radii)?)
+        } else {
+            AnyScene::from(Scene::<f64, 3>::new(self.numbers.centres(), radii)?)
+        })
+    }
+}
+
+/// The number `steps` doubles further; for an infinity and NaN something of the kind.
+fn nudged(x: f64, steps: i32) -> f64 {
+    (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
+}
+
+/// The scene that the bytes describe; none if they are too few, or describe numbers that no scene
+/// may have, which `Scene::new` must have found: it panics if a valid scene is refused or an
+/// invalid one is not.
+pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
+    let mut maker = Maker::new(data)?;
+    while maker.numbers.len() < MOST && maker.particle().is_some() {}
+    let numbers = &maker.numbers;
+    let valid =
+        |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
+    let valid =
+        (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
+    let scene = maker.scene();
+    assert!(scene.is_ok() == valid, "valid: {valid}, but {:?} for {numbers:?}", scene.err());
+    scene.ok()
+}

@@ -1,0 +1,90 @@
+//! Fuzzing of readers: any bytes are a particle file or a contact list.
+
+use crate::check::as_csv;
+use contactbench_core::scene::Lattice;
+use contactbench_io as io;
+use contactbench_io::Given;
+
+/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what
+/// is beside it.
+pub fn reader(name: &str) -> Option<u8> {
+    match name {
+        "gzip" => Some(14),
+        "pairs" => Some(15),
+        _ => name
+            .parse()
+            .ok()
+            .and_then(|format| io::FORMATS.iter().position(|entry| entry.format == format))
+            .map(|k| k as u8),
+    }
+}
+
+/// As [`fuzz_reader`], with one reader whatever the bytes say.
+pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
+    let mut data = data.to_vec();
+    if let Some(kind) = data.first_mut() {
+        *kind = *kind & 0xf0 | reader & 15;
+    }
+    fuzz_reader(&data);
+}
+
+/// Reads the bytes as a particle file: the first says of which format, the second with which
+/// options; every sixteenth format is a contact list. Whatever they are, there is a scene or an
+/// error of one clear line, a scene reads back from the CSV that is made of it, and a box encloses
+/// something.
+pub fn fuzz_reader(data: &[u8]) {
+    let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
+    let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
+        [usize::from(how >> 6)];
+    let clear = |error: anyhow::Error| {
+        let message = format!("{error:#}");
+        assert!(
+            message.chars().count() < 2000 && !message.contains(char::is_control),
+            "not one clear line: {message:?}"
+        );
+    };
+    let format = match usize::from(kind & 15) {
+        15 => {
+            let columns = [&[][..], &["i", "j"], &[], &["1", "2", "3", "4"]][usize::from(how) % 4];
+            io::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
+            let all = io::pairs::lists_from(data, "bytes", columns, io::Frame::All, |lists| {
+                lists.collect::<anyhow::Result<Vec<_>>>()
+            });
+            all.map_or_else(clear, drop);
+            return;
+        }
+        k => io::FORMATS.get(k).map(|entry| entry.format),
+    };
+    let options = io::Options {
+        radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(how) % 4],
+        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)]
+            [usize::from(how >> 2) % 8],
+        ids: how & 32 != 0,
+        frame,
+        format,
+        survey: kind & 16 != 0,
+        columns: None,
+        boundaries: io::Boundaries { open: kind & 32 != 0, ..io::Boundaries::AS_DECLARED },
+        without: None,
+        part: None,
+    };
+    let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
+    let all = io::Options { frame: io::Frame::All, ..options };
+    let frames = io::frames_from(data, "bytes", ending, all, |frames| {
+        frames.map(|frame| frame?.0.sort_by_id()).collect::<anyhow::Result<Vec<()>>>()
+    });
+    frames.map_or_else(clear, drop);
+    let read = io::load_from(data, "bytes", ending, options)
+        .and_then(|(particles, _)| particles.given("bytes", options.radius));
+    let Given { scene, lattice, .. } = match read {
+        Ok(given) => given,
+        Err(error) => return clear(error),
+    };
+    let whole = |lattice: &Lattice| lattice.repeats() && (0..3).all(|k| lattice.height(k) > 0.0);
+    assert!(lattice.as_ref().is_none_or(whole), "{lattice:?} is no box");
+    // An empty file has no place for the radius of all.
+    if !scene.is_empty() {
+        let again = io::from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
+        assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");
+    }
+}

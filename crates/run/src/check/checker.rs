@@ -1,0 +1,308 @@
+//! Asks contenders scene after scene, and keeps what came of it.
+
+use std::mem::discriminant;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::cases::{CASES, SIZES};
+use super::contender::{Contender, Question, Respondent};
+use super::shrink::shrink;
+use super::{Failure, Limits, MOST_BYTES, Report, Wrong, bytes};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::oracle::{self, NoTruth};
+use contactbench_core::periodic::{self, Truth, without_shift};
+use contactbench_core::scene::AnyScene;
+use contactbench_core::searcher::Loaded;
+use contactbench_io as io;
+use contactbench_io::Given;
+use contactbench_scenes::hard;
+
+/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
+/// too far apart for cells.
+const RANDOM: u64 = 200;
+const LENGTHS: Range<usize> = 4..64;
+
+pub(super) struct Checker<'a> {
+    limits: &'a Limits,
+    started: Instant,
+    contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
+    pub(super) report: Report,
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn new(
+        contenders: &'a [Contender],
+        limits: &'a Limits,
+    ) -> anyhow::Result<Checker<'a>> {
+        let entered = |contender: &'a Contender| {
+            Ok((contender, contender.respondent(limits.options, limits.deadline)?))
+        };
+        let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
+        Ok(Checker { limits, started: Instant::now(), contenders, report: Report::default() })
+    }
+
+    /// There is nobody left to check.
+    fn decided(&self) -> bool {
+        self.report.failures.len() == self.contenders.len()
+    }
+
+    /// The time is over, or there is nobody left to check.
+    pub(super) fn over(&self) -> bool {
+        self.started.elapsed() > self.limits.time || self.decided()
+    }
+
+    /// False if it is over.
+    pub(super) fn generated(
+        &mut self,
+        seed: u64,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<bool> {
+        for case in CASES {
+            for &dim in case.dims {
+                for &n in SIZES {
+                    if seed > 1 && self.over() || self.decided() {
+                        return Ok(false);
+                    }
+                    let spec = case.spec(dim, n, seed)?;
+                    let params = || {
+                        spec.params
+                            .iter()
+                            .map(|(name, value)| format!(" {name}={value}"))
+                            .collect::<String>()
+                    };
+                    let name = || {
+                        format!(
+                            "{} dim={} n={} seed={}{}",
+                            spec.name,
+                            spec.dim,
+                            spec.n,
+                            spec.seed,
+                            params()
+                        )
+                    };
+                    self.scene("generated", &spec.given()?, name, arithmetics)?;
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    pub(super) fn hard_cases(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
+        for case in hard::cases().filter(|case| case.expect != hard::Expect::Invalid) {
+            for &dim in case.dims {
+                if self.over() {
+                    return Ok(());
+                }
+                let steps = case.steps(dim)?;
+                for (k, given) in steps.iter().enumerate() {
+                    let step = if steps.len() == 1 {
+                        String::new()
+                    } else {
+                        format!(", step {} of {}", k + 1, steps.len())
+                    };
+                    self.scene(
+                        "hard cases",
+                        given,
+                        || format!("hard case {} in {dim}D{step}", case.name),
+                        arithmetics,
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn regressions(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
+        for (name, text) in crate::check::regression::KEPT {
+            if self.decided() {
+                break;
+            }
+            let ending = name.rsplit('.').next().unwrap_or_default();
+            let options = io::Options::default();
+            let (particles, _) = io::load_from(text.as_bytes(), name, ending, options)?;
+            self.scene(
+                "regressions",
+                &particles.given(name, None)?,
+                || format!("tests/regressions/{name}"),
+                arithmetics,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// False if it is over.
+    pub(super) fn random_bytes(
+        &mut self,
+        seed: u64,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<bool> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for k in 0..RANDOM {
+            if self.over() {
+                return Ok(false);
+            }
+            let mut data = vec![0; random.random_range(LENGTHS)];
+            random.fill_bytes(&mut data);
+            if let Some(scene) = bytes::scene_from_bytes(&data) {
+                self.scene(
+                    "random bytes",
+                    &scene.into(),
+                    || format!("random bytes, seed {seed}, number {k}"),
+                    arithmetics,
+                )?;
+            }
+        }
+        Ok(true)
+    }
+
+    pub(super) fn scene(
+        &mut self,
+        source: &'static str,
+        given: &Given,
+        name: impl Fn() -> String,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<()> {
+        *self.report.scenes.entry(source).or_default() += 1;
+        for &arithmetic in arithmetics {
+            let limit = self.limits.options.memory_limit;
+            let known = match given.loaded(arithmetic) {
+                Err(error) => Err(format!("{error:#}")),
+                Ok(stored) => match truth(&stored, arithmetic, limit) {
+                    Ok(truth) => Ok((Arc::new(stored), truth)),
+                    Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
+                        Err(error.to_string())
+                    }
+                    Err(error) => return Err(error.into()),
+                },
+            };
+            let (stored, truth) = match known {
+                Ok(known) => known,
+                Err(error) => {
+                    let reason = format!("{}: {error}", arithmetic.name());
+                    *self.report.refused.entry(reason).or_default() += 1;
+                    continue;
+                }
+            };
+            for (contender, respondent) in &mut self.contenders {
+                if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
+                    continue;
+                }
+                let question =
+                    Question { given, stored: &stored, arithmetic, fresh: false, truth: &truth };
+                let answer = respondent.ask(&question)?;
+                if let Some(reason) = answer.refusal() {
+                    *self
+                        .report
+                        .refused
+                        .entry(format!("{}: {reason}", contender.name()))
+                        .or_default() += 1;
+                } else {
+                    self.report.cases += 1;
+                    let of = (contender.name().to_string(), arithmetic.name());
+                    *self.report.compared.entry(of).or_default() += 1;
+                }
+                if let Some(found) = answer.wrong(&truth) {
+                    let (smallest, wrong) =
+                        simplest(contender, arithmetic, given, &found, self.limits)?;
+                    let detector = contender.name().to_string();
+                    self.report.failures.push(Failure {
+                        detector,
+                        arithmetic,
+                        found_on: name(),
+                        found,
+                        given: given.clone(),
+                        smallest,
+                        wrong,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The contacts to be found.
+pub(super) fn truth(
+    scene: &Loaded<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> Result<Truth, NoTruth> {
+    match scene {
+        Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
+        Loaded::Open(stored) => {
+            let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
+            let pairs = without_shift(&found.pairs).collect();
+            Ok(Truth { pairs, digest: found.digest })
+        }
+    }
+}
+
+/// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
+/// thread behind.
+const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
+const SHRINKING_HANGS: u32 = 2;
+
+/// The smallest scene found on which a fresh detector is wrong, and in which way.
+fn simplest(
+    contender: &Contender,
+    arithmetic: Arithmetic,
+    given: &Given,
+    found: &Wrong,
+    limits: &Limits,
+) -> anyhow::Result<(Given, Option<Wrong>)> {
+    if matches!(found, Wrong::Hangs(_)) {
+        return Ok((given.clone(), Some(found.clone())));
+    }
+    // The box stays as it is.
+    let in_box = |scene: AnyScene<'static>| Given { lattice: given.lattice, ..scene.into() };
+    let wrong = |respondent: &mut dyn Respondent,
+                 given: &Given,
+                 fresh: bool|
+     -> anyhow::Result<Option<Wrong>> {
+        let Ok(stored) = given.loaded(arithmetic) else { return Ok(None) };
+        let limit = limits.options.memory_limit;
+        let Ok(truth) = truth(&stored, arithmetic, limit) else { return Ok(None) };
+        let stored = Arc::new(stored);
+        let question = Question { given, stored: &stored, arithmetic, fresh, truth: &truth };
+        Ok(respondent.ask(&question)?.wrong(&truth))
+    };
+    let mut patient = contender.respondent(limits.options, limits.deadline)?;
+    let Some(first) = wrong(&mut *patient, given, true)? else { return Ok((given.clone(), None)) };
+    let options =
+        Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
+    let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
+    let mut hangs = 0;
+    let mut smaller = |fresh: bool| {
+        in_box(shrink(&given.scene, limits.effort, |scene| {
+            hangs < SHRINKING_HANGS
+                && match wrong(&mut *respondent, &in_box(scene.clone()), fresh) {
+                    Ok(Some(Wrong::Hangs(_))) | Err(_) => {
+                        hangs += 1;
+                        false
+                    }
+                    // In the same way, or another defect may take its place.
+                    Ok(wrong) => {
+                        wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
+                    }
+                }
+        }))
+    };
+    if contender.is_slow_to_make() {
+        // Most runners forget the scene before, and are a hundred times faster if they need not be
+        // started anew.
+        let smallest = smaller(false);
+        if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
+            .filter(|wrong| discriminant(wrong) == discriminant(&first))
+        {
+            return Ok((smallest, Some(wrong)));
+        }
+    }
+    let smallest = smaller(true);
+    let wrong = wrong(&mut *patient, &smallest, true)?;
+    Ok((smallest, wrong))
+}

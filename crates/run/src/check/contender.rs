@@ -1,0 +1,340 @@
+//! Who is checked: a detector in a thread of its own, a runner (see [`crate::check::process`]), or
+//! a function of the program around this crate.
+//!
+//! A detector under test works in a thread: one that panics or hangs ends neither the check nor the
+//! program.
+//!
+//! The thread keeps the detector, and so its buffers, from call to call. After a panic the detector
+//! is made anew. A thread that does not answer in time is left behind (nothing can end it but the
+//! end of the process), and another takes its place.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+use anyhow::Context;
+use contactbench_core::refusal::no_memory;
+
+use crate::check::process::{Foreign, Process};
+use crate::check::{Differences, Wrong};
+use crate::run::judge::outcome;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table::DetectorSpec;
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::oracle;
+use contactbench_core::periodic::{Contacts, ImagePair, Truth};
+use contactbench_core::scene::AnyScene;
+use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::sink::{Digest, Sink};
+use contactbench_io::Given;
+
+/// The name of the threads: panics in them are findings, not defects of the check.
+pub const THREAD: &str = "detector under test";
+
+/// Who is checked.
+pub enum Contender {
+    /// A detector of the table.
+    Detector {
+        /// Which, with its parameters.
+        spec: DetectorSpec,
+        /// Its normal form.
+        name: String,
+    },
+    /// A runner.
+    Runner(Foreign),
+    /// A function.
+    Function {
+        /// What it is called.
+        name: String,
+        /// It is called in the thread that checks: what hangs there is not noticed.
+        ask: Arc<Function>,
+    },
+}
+
+/// Answers for the particles of an open scene: pairs with whatever names it gives them. An error
+/// ends the check.
+pub type Function = dyn Fn(&AnyScene<'static>) -> anyhow::Result<Answer> + Send + Sync;
+
+impl<S: Into<DetectorSpec>> From<S> for Contender {
+    fn from(spec: S) -> Contender {
+        let spec = spec.into();
+        Contender::Detector { name: spec.to_string(), spec }
+    }
+}
+
+impl Contender {
+    /// The detector's name.
+    pub fn name(&self) -> &str {
+        match self {
+            Contender::Detector { name, .. } | Contender::Function { name, .. } => name,
+            Contender::Runner(foreign) => &foreign.name,
+        }
+    }
+
+    /// One to be asked, without a history; a detection may take until `deadline`.
+    pub fn respondent(
+        &self,
+        options: Options,
+        deadline: Duration,
+    ) -> anyhow::Result<Box<dyn Respondent>> {
+        Ok(match self {
+            Contender::Detector { spec, .. } => {
+                Box::new(Thread::new(spec.clone(), options, deadline)?)
+            }
+            Contender::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
+            Contender::Function { ask, .. } => Box::new(Called(ask.clone())),
+        })
+    }
+
+    /// Does a fresh one take a while?
+    pub(super) fn is_slow_to_make(&self) -> bool {
+        matches!(self, Contender::Runner(_))
+    }
+}
+
+/// What is asked.
+pub struct Question<'a> {
+    /// The scene.
+    pub given: &'a Given,
+    /// The same as the arithmetic stores it.
+    pub stored: &'a Arc<Loaded<'static>>,
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
+    /// Asked of a detector without a history.
+    pub fresh: bool,
+    /// The right answer.
+    pub truth: &'a Truth,
+}
+
+/// Answers questions, each with what those before have left behind, unless it is to be fresh.
+pub trait Respondent {
+    /// Asks for the pairs.
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer>;
+}
+
+/// What came of a detection.
+pub enum Answer {
+    /// Right, or lossy where the arithmetic allows it.
+    Right,
+    /// Pairs as reported.
+    Pairs(Vec<ImagePair>),
+    /// It refused the scene, after so many reported pairs.
+    Refused(Refusal, u64),
+    /// It panicked, with this message.
+    Panicked(String),
+    /// It was not ready in time.
+    Hangs(Duration),
+    /// A runner refused the scene, for this reason.
+    Declined(String),
+    /// A runner was wrong in a way of its own.
+    Wrong(Wrong),
+}
+
+impl Answer {
+    /// Pairs in ascending order, held to the truth.
+    pub(super) fn of(pairs: Vec<ImagePair>, truth: &Truth, arithmetic: Arithmetic) -> Answer {
+        let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        // How deep they are is nobody's question here.
+        let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
+        let good = outcome(&errors, arithmetic).is_good();
+        if good { Answer::Right } else { Answer::Pairs(pairs) }
+    }
+
+    /// Why the scene was refused, if it was, as it may be.
+    pub fn refusal(&self) -> Option<String> {
+        match self {
+            Answer::Refused(refusal, 0) => Some(refusal.to_string()),
+            Answer::Declined(reason) => Some(reason.clone()),
+            _ => None,
+        }
+    }
+
+    /// In which way the answer is wrong, if it is.
+    pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
+        match self {
+            Answer::Right => None,
+            Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
+            Answer::Refused(_, 0) | Answer::Declined(_) => None,
+            Answer::Wrong(wrong) => Some(wrong),
+            Answer::Refused(_, reported) => Some(Wrong::RefusesLate(reported)),
+            Answer::Panicked(message) => Some(Wrong::Panics(message)),
+            Answer::Hangs(deadline) => Some(Wrong::Hangs(deadline)),
+        }
+    }
+}
+
+/// The pairs reported, as many as are kept: a detector that reports without end must not fill the
+/// memory.
+struct Kept {
+    pairs: Vec<[u32; 2]>,
+    most: usize,
+    reported: u64,
+}
+
+impl Sink for Kept {
+    fn contact(&mut self, i: u32, j: u32) {
+        self.reported += 1;
+        if self.pairs.len() < self.most {
+            if self.pairs.len() == self.pairs.capacity() && self.pairs.try_reserve(1).is_err() {
+                self.most = self.pairs.len();
+                return;
+            }
+            self.pairs.push([i, j]);
+        }
+    }
+}
+
+/// What a detector says in this thread, asked twice: counted, where a detector that reports without
+/// end does no harm, and if that is right, as it is timed, which is other code to the compiler.
+pub fn answer(
+    searcher: &mut Searcher,
+    scene: &Loaded<'_>,
+    arithmetic: Arithmetic,
+    expected: Expected,
+) -> Answer {
+    let mut contacts = Contacts::default();
+    let mut reported = 0;
+    let both = || {
+        match scene {
+            Loaded::Open(scene) => {
+                let mut kept = Kept { pairs: Vec::new(), most: expected.most, reported: 0 };
+                let visited = searcher.detector_mut().visit(scene, arithmetic.test(), &mut kept);
+                (contacts.plain, reported) = (kept.pairs, kept.reported);
+                visited?;
+            }
+            Loaded::InBox(_) => {
+                let counted = searcher.count(scene, arithmetic, &mut contacts);
+                reported = searcher.found_in_box();
+                counted?;
+            }
+        }
+        if contacts.digest() == expected.digest {
+            searcher.list(scene, arithmetic, &mut contacts)?;
+        }
+        Ok(())
+    };
+    match catch_unwind(AssertUnwindSafe(both)) {
+        Ok(Ok(())) if contacts.digest() == expected.digest => Answer::Right,
+        Ok(Ok(())) => match contacts.sorted(scene.particles(), searcher.memory_limit()) {
+            Ok(pairs) => Answer::Pairs(pairs),
+            Err(_) => {
+                let (said, truth) = (contacts.digest(), expected.digest);
+                Answer::Wrong(Wrong::Counts { said, truth })
+            }
+        },
+        Ok(Err(refusal)) => Answer::Refused(refusal, reported),
+        Err(cause) => {
+            if let Some(refusal) = no_memory(&*cause) {
+                return Answer::Panicked(refusal.to_string());
+            }
+            Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
+                (Some(text), _) => text.to_string(),
+                (_, Some(text)) => text.clone(),
+                _ => "no message".into(),
+            })
+        }
+    }
+}
+
+/// What need be known of the truth to ask a detector.
+#[derive(Clone, Copy, Default)]
+pub struct Expected {
+    /// Of the right pairs.
+    digest: Digest,
+    /// More pairs than this need not be kept to see that an answer is wrong, and how.
+    most: usize,
+}
+
+impl From<&Truth> for Expected {
+    fn from(truth: &Truth) -> Expected {
+        Expected { digest: truth.digest, most: 2 * truth.pairs.len() + 1000 }
+    }
+}
+
+/// A function.
+struct Called(Arc<Function>);
+
+impl Respondent for Called {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        let Question { given, truth, arithmetic, .. } = *question;
+        if given.lattice.is_some() {
+            return Ok(Answer::Declined("it is asked about open scenes alone".into()));
+        }
+        Ok(match (self.0)(&given.scene)? {
+            Answer::Pairs(mut pairs) => {
+                pairs.sort_unstable();
+                Answer::of(pairs, truth, arithmetic)
+            }
+            other => other,
+        })
+    }
+}
+
+struct Job {
+    scene: Arc<Loaded<'static>>,
+    arithmetic: Arithmetic,
+    fresh: bool,
+    expected: Expected,
+}
+
+/// A detector in a thread of its own.
+struct Thread {
+    spec: DetectorSpec,
+    options: Options,
+    deadline: Duration,
+    jobs: Sender<Job>,
+    answers: Receiver<Answer>,
+}
+
+impl Thread {
+    fn new(spec: DetectorSpec, options: Options, deadline: Duration) -> anyhow::Result<Thread> {
+        let (jobs, to_do) = channel();
+        let (done, answers) = channel();
+        let served = spec.clone();
+        let work = move || serve(&served, options, &to_do, &done);
+        std::thread::Builder::new()
+            .name(THREAD.into())
+            .spawn(work)
+            .context("cannot start a thread for a detector")?;
+        Ok(Thread { spec, options, deadline, jobs, answers })
+    }
+}
+
+impl Respondent for Thread {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        let Question { stored, arithmetic, fresh, truth, .. } = *question;
+        let job = Job { scene: stored.clone(), arithmetic, fresh, expected: truth.into() };
+        // If the thread is gone, there will be no answer either.
+        let _ = self.jobs.send(job);
+        let lost = match self.answers.recv_timeout(self.deadline) {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Timeout) => Answer::Hangs(self.deadline),
+            Err(RecvTimeoutError::Disconnected) => Answer::Panicked("its thread ended".into()),
+        };
+        *self = Thread::new(self.spec.clone(), self.options, self.deadline)?;
+        Ok(lost)
+    }
+}
+
+/// The thread: serves until nobody asks any more.
+fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
+    let mut searcher = None;
+    for job in jobs {
+        if job.fresh {
+            searcher = None;
+        }
+        let answer = answer(
+            searcher.get_or_insert_with(|| Searcher::new(spec, options)),
+            &job.scene,
+            job.arithmetic,
+            job.expected,
+        );
+        if matches!(answer, Answer::Panicked(_)) {
+            searcher = None;
+        }
+        if answers.send(answer).is_err() {
+            return;
+        }
+    }
+}

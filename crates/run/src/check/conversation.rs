@@ -1,0 +1,235 @@
+//! How a runner keeps to the protocol, apart from the pairs that it finds: errors without an end,
+//! fields of later versions, fingerprints, the clock, and what it can measure.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Context;
+
+use crate::check::Wrong;
+use crate::check::contender::Answer;
+use crate::check::process::{Foreign, Stop, broken, digest, word};
+use crate::run::client::Client;
+use crate::run::protocol::{Found, Reply, Request};
+use crate::run::trajectory::Trajectory;
+use contactbench_core::scene::{Radii, Scene};
+use contactbench_core::sink::Digest;
+use contactbench_io::Given;
+use contactbench_record::record::row::Outcome;
+
+/// What a conversation showed.
+#[derive(Debug, Default)]
+pub struct Manners {
+    /// The first that was wrong of each kind.
+    pub broken: Vec<Wrong>,
+    /// What the runner measures besides time.
+    pub abilities: Vec<&'static str>,
+}
+
+/// A sample of this length is asked for.
+const SAMPLE_NS: u64 = 2_000_000;
+
+struct Talk<'a> {
+    foreign: &'a Foreign,
+    deadline: Duration,
+    client: Option<Client>,
+    manners: Manners,
+}
+
+/// Talks with a runner about a row of four discs of which three touch.
+pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
+    let folder = tempfile::tempdir()
+        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
+    let scene = Given::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
+    let right = Digest::from_pairs(&[[0, 1], [1, 2]]);
+    let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
+    let mut talk = Talk { foreign, deadline, client: None, manners: Manners::default() };
+    talk.early(&folder.path().join("not-there.npy"))?;
+    talk.load(row)?;
+    talk.sample(right)?;
+    for (ability, request) in [("count", Request::Count), ("memory", Request::Memory)] {
+        talk.measure(ability, &request, right)?;
+    }
+    let path = folder.path().join("pairs.npy");
+    if let Some(Reply::Pairs { .. }) =
+        talk.say("asked for the pairs", &Request::Pairs { path, frame: None })?
+    {
+        talk.manners.abilities.push("pairs");
+    }
+    Ok(talk.manners)
+}
+
+impl Talk<'_> {
+    /// The reply; none, and a finding, if there is none.
+    fn say(&mut self, when: &str, request: &Request) -> anyhow::Result<Option<Reply>> {
+        self.say_with(when, request, &[])
+    }
+
+    /// The same of a request with further fields.
+    fn say_with(
+        &mut self,
+        when: &str,
+        request: &Request,
+        fields: &[(&str, &str)],
+    ) -> anyhow::Result<Option<Reply>> {
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => match self.foreign.start(self.deadline) {
+                Ok(client) => client,
+                Err(Stop::Failed(error)) => return Err(error),
+                Err(Stop::Answer(answer)) => {
+                    if let Answer::Wrong(wrong) = answer {
+                        self.manners.broken.push(wrong);
+                    }
+                    return Ok(None);
+                }
+            },
+        };
+        let answer = client.message(request).and_then(|mut message| {
+            for (name, value) in fields {
+                message[name] = (*value).into();
+            }
+            client.exchange(&message)
+        });
+        match answer {
+            Ok(reply) => {
+                self.client = Some(client);
+                Ok(Some(reply))
+            }
+            Err(failure) => {
+                let wrong = match broken(&client, failure.clone()) {
+                    _ if failure.outcome == Outcome::Timeout => Wrong::Breaks(format!(
+                        "{when}, it does not answer within {} s",
+                        self.deadline.as_secs_f64()
+                    )),
+                    Wrong::Dies { how, errors } => {
+                        Wrong::Dies { how: format!("{when}: {how}"), errors }
+                    }
+                    Wrong::Breaks(what) => Wrong::Breaks(format!("{when}: {what}")),
+                    other => other,
+                };
+                self.manners.broken.push(wrong);
+                Ok(None)
+            }
+        }
+    }
+
+    fn breaks(&mut self, what: String) {
+        self.manners.broken.push(Wrong::Breaks(what));
+    }
+
+    /// Requests that cannot be done: an error, and life goes on.
+    fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
+        let frames = vec![missing.to_path_buf()];
+        let nowhere = Request::Load(Trajectory {
+            frames,
+            dim: 2,
+            n: 4,
+            radius: Some(0.5),
+            in_box: None,
+            boxes: Vec::new(),
+        });
+        for (when, request) in [
+            ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
+            ("given a file that is not there", nowhere),
+        ] {
+            match self.say(when, &request)? {
+                None | Some(Reply::Error { .. } | Reply::Refused { .. }) => {}
+                Some(other) => self.breaks(format!(
+                    "{when}, it answers {}; it should answer error, and go on",
+                    word(&other)
+                )),
+            }
+        }
+        Ok(())
+    }
+
+    /// With a field that no version has.
+    fn load(&mut self, row: Trajectory) -> anyhow::Result<()> {
+        let when = "given a load with a field that it does not know";
+        match self.say_with(when, &Request::Load(row), &[("remark", "of a later version")])? {
+            None | Some(Reply::Loaded | Reply::Refused { .. }) => {}
+            Some(Reply::Error { reason }) => {
+                self.breaks(format!("{when}, it answers with the error: {reason}"))
+            }
+            Some(other) => self.breaks(format!("{when}, it answers {}, not loaded", word(&other))),
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, right: Digest) -> anyhow::Result<()> {
+        let request = Request::Sample { min_ns: SAMPLE_NS };
+        for when in ["asked for a sample", "asked for a second sample"] {
+            let Some(reply) = self.say(when, &request)? else { return Ok(()) };
+            // It may refuse any scene.
+            if matches!(reply, Reply::Refused { .. }) {
+                return Ok(());
+            }
+            let Reply::Sample(sample) = &reply else {
+                self.breaks(format!("{when}, it answers {}", word(&reply)));
+                return Ok(());
+            };
+            self.digest(when, &sample.found, right);
+            if self.impossible(when, &request, &reply) {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Is there something in the reply that cannot be? It is noted.
+    fn impossible(&mut self, when: &str, request: &Request, reply: &Reply) -> bool {
+        let client = self.client.as_ref();
+        let found = client.and_then(|client| client.impossible(request, reply));
+        let wrong = found.is_some();
+        found.into_iter().for_each(|what| self.breaks(format!("{when}, {what}")));
+        wrong
+    }
+
+    fn measure(
+        &mut self,
+        ability: &'static str,
+        request: &Request,
+        right: Digest,
+    ) -> anyhow::Result<()> {
+        let when = format!("asked to {ability}");
+        let reply = self.say(&when, request)?;
+        if reply.as_ref().is_some_and(|reply| self.impossible(&when, request, reply)) {
+            return Ok(());
+        }
+        match reply {
+            Some(Reply::Count(counted)) if *request == Request::Count => {
+                self.manners.abilities.push(ability);
+                self.digest(&when, &counted.found, right);
+            }
+            Some(Reply::Memory(memory)) if *request == Request::Memory => {
+                self.manners.abilities.push(ability);
+                self.digest(&when, &memory.found, right);
+            }
+            None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
+            Some(other) => self.breaks(format!(
+                "{when}, it answers {}; one that cannot do it says unsupported",
+                word(&other)
+            )),
+        }
+        Ok(())
+    }
+
+    /// The pairs of the row are known: is their digest computed as it should be?
+    fn digest(&mut self, when: &str, found: &Found, right: Digest) {
+        let Found { contacts, digest: text, .. } = found;
+        match digest(*contacts, text) {
+            Err(wrong) => self.manners.broken.push(wrong),
+            // Other pairs are found in the scenes, and shown.
+            Ok(said) if said.contacts == right.contacts && said != right => {
+                let sample = "of the pairs 0,1 and 1,2";
+                self.breaks(format!(
+                    "{when}, it says 2 contacts and digest {text}; {sample} the digest is {}",
+                    right.hex()
+                ));
+            }
+            Ok(_) => {}
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! A scene as plain numbers, which can be changed one by one: what the shrinker works on.
+
+use nalgebra::Point;
+
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene, SceneError, array};
+use contactbench_core::with_scene;
+
+/// The coordinates and the radius of every particle, one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers {
+    /// 2 or 3.
+    pub dim: usize,
+    /// `dim + 1` numbers for each particle, the radius last.
+    pub values: Vec<f64>,
+}
+
+impl Numbers {
+    /// The numbers of a scene.
+    pub fn new(scene: &AnyScene<'_>) -> Numbers {
+        let mut values = Vec::with_capacity(scene.len() * (scene.dim() + 1));
+        with_scene!(scene, scene => for (k, centre) in scene.centres().iter().enumerate() {
+            values.extend(array(centre).iter().map(|x| x.wide()));
+            values.push(scene.radius(k).wide());
+        });
+        Numbers { dim: scene.dim(), values }
+    }
+
+    /// Numbers per particle.
+    pub fn stride(&self) -> usize {
+        self.dim + 1
+    }
+
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.values.len() / self.stride()
+    }
+
+    /// True if there are no particles.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// All radii, in order.
+    pub fn radii(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().skip(self.dim).step_by(self.stride()).copied()
+    }
+
+    /// Have not all particles the same radius?
+    pub fn mixed(&self) -> bool {
+        self.radii().any(|r| r != self.values[self.dim])
+    }
+
+    /// The scene, as a file of these numbers is read: with one radius for all where all are equal.
+    pub fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
+        let radii = match self.values.get(self.dim) {
+            Some(&r) if !self.mixed() => Radii::Uniform(r),
+            _ => Radii::Each(self.radii().collect::<Vec<_>>().into()),
+        };
+        Ok(if self.dim == 2 {
+            AnyScene::from(Scene::<f64, 2>::new(self.centres(), radii)?)
+        } else {
+            AnyScene::from(Scene::<f64, 3>::new(self.centres(), radii)?)
+        })
+    }
+
+    /// The centres, in `D` = `dim` dimensions.
+    pub fn centres<const D: usize>(&self) -> Vec<Point<f64, D>> {
+        self.values
+            .chunks_exact(self.stride())
+            .map(|particle| Point::from(std::array::from_fn(|k| particle[k])))
+            .collect()
+    }
+}
+
+/// The number of significant bits of the mantissa: 0 for 0, 1 for powers of two, up to 53.
+pub fn bits(x: f64) -> u32 {
+    if x == 0.0 {
+        return 0;
+    }
+    // Between 1/2 and 1, also for subnormal numbers: the leading bit is the hidden one.
+    let (fraction, _) = libm::frexp(x);
+    53 - (fraction.to_bits() & ((1 << 52) - 1)).trailing_zeros().min(52)
+}
+
+/// The nearest number with at most `count` significant bits.
+pub fn rounded(x: f64, count: u32) -> f64 {
+    let (fraction, exponent) = libm::frexp(x);
+    libm::scalbn(libm::round(libm::scalbn(fraction, count as i32)), exponent - count as i32)
+}
+
+/// `x` times a power of two, if that can be done without error.
+pub fn scaled(x: f64, exponent: i32) -> Option<f64> {
+    let scaled = libm::scalbn(x, exponent);
+    (scaled.is_finite() && libm::scalbn(scaled, -exponent) == x).then_some(scaled)
+}
+
+/// a - b, if that can be done without error.
+pub fn difference(a: f64, b: f64) -> Option<f64> {
+    // The error of a rounded sum (Knuth's TwoSum, for a and -b).
+    let d = a - b;
+    let part = d - a;
+    let error = (a - (d - part)) + (-b - part);
+    // An overflow makes the error NaN.
+    (error == 0.0).then_some(d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_counted_and_rounded_also_of_subnormals() {
+        let cases = [
+            (0.0, 0),
+            (-0.0, 0),
+            (1.0, 1),
+            (-0.75, 2),
+            (10.0, 3),
+            (1.0f64.next_down(), 53),
+            (0.1, 52),
+            (f64::from_bits(1), 1),
+            (f64::MAX, 53),
+        ];
+        for (x, count) in cases {
+            assert_eq!(bits(x), count, "{x:e}");
+            assert_eq!(rounded(x, 53), x, "{x:e}");
+            assert!(
+                (1..53).all(|k| bits(rounded(x, k)) <= k || rounded(x, k).is_infinite()),
+                "{x:e}"
+            );
+        }
+        assert_eq!(
+            [rounded(0.1, 1), rounded(0.7, 1), rounded(-11.0, 3), rounded(f64::from_bits(5), 2)],
+            [0.125, 0.5, -12.0, 3e-323]
+        );
+        assert_eq!(bits(f64::from_bits(0b1011)), 4);
+    }
+
+    #[test]
+    fn only_exact_results_are_given() {
+        assert_eq!(
+            (difference(3.0, 1.0), difference(1e300, -1.0), difference(f64::MAX, -f64::MAX)),
+            (Some(2.0), None, None)
+        );
+        assert_eq!(
+            (scaled(3.0, -2), scaled(f64::from_bits(3), -1), scaled(1.0, 1024)),
+            (Some(0.75), None, None)
+        );
+        assert_eq!(scaled(f64::from_bits(1), 1074), Some(1.0));
+    }
+
+    #[test]
+    fn a_scene_is_its_numbers() {
+        for (dim, values) in [
+            (2, vec![0.0, 1.0, 0.5, 2.0, 3.0, 0.5]),
+            (3, vec![0.0, 1.0, 2.0, 0.5, 2.0, 3.0, 4.0, 0.25]),
+            (2, vec![]),
+        ] {
+            let numbers = Numbers { dim, values };
+            let scene = numbers.scene().unwrap();
+            assert_eq!(
+                (Numbers::new(&scene), scene.uniform()),
+                (numbers.clone(), dim == 2 && !numbers.is_empty())
+            );
+        }
+    }
+}

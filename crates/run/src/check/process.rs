@@ -1,0 +1,310 @@
+//! A runner under test: the questions of the check, asked over the runner protocol
+//! (docs/PROTOCOL.md).
+//!
+//! Every scene is loaded from a file, sampled once, and its pairs are fetched, if it is small or
+//! the fingerprint is not the right one. A runner that dies, or does not answer in time, is started
+//! anew for the next scene.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context, anyhow, bail};
+use tempfile::TempDir;
+
+use crate::check::contender::{Answer, Question, Respondent};
+use crate::check::{Differences, Wrong};
+use crate::run::client::{self, Client, NO_REPLY, Start};
+use crate::run::protocol::{self, Reply, Request};
+use crate::run::trajectory::Trajectory;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::memory::most_of_one;
+use contactbench_core::periodic::Contacts;
+use contactbench_core::sink::Digest;
+use contactbench_io::Given;
+use contactbench_io::exchange;
+use contactbench_record::record::row::Outcome;
+
+/// Address space of a runner under test, in bytes: enough for an interpreter and its libraries.
+const ADDRESS_SPACE: u64 = 8 << 30;
+/// The first line must be there after this time: an interpreter may take a while to load its
+/// libraries.
+const GREETING: Duration = Duration::from_secs(30);
+/// Lines of what a runner said on its standard error that are kept.
+const LAST_LINES: usize = 12;
+/// The pairs of scenes of at most so many particles are always fetched.
+const SMALL: usize = 100;
+
+/// A detector in another language.
+#[derive(Clone)]
+pub struct Foreign {
+    /// What it calls itself, made fit for the name of a file.
+    pub name: String,
+    /// What it says of its version; may be empty.
+    pub version: String,
+    /// The arithmetic in which its answers are right.
+    pub arithmetic: Arithmetic,
+    /// Program and arguments.
+    pub command: Vec<String>,
+}
+
+/// What came of a first meeting with a runner.
+pub enum Met {
+    /// It can be checked.
+    Runner(Foreign),
+    /// It breaks the protocol.
+    Wrong(Wrong),
+}
+
+/// Why the runner is asked no further about a scene.
+pub(super) enum Stop {
+    /// That is its answer.
+    Answer(Answer),
+    /// The check itself cannot go on.
+    Failed(anyhow::Error),
+}
+
+impl From<anyhow::Error> for Stop {
+    fn from(error: anyhow::Error) -> Stop {
+        Stop::Failed(error)
+    }
+}
+
+impl From<Wrong> for Stop {
+    fn from(wrong: Wrong) -> Stop {
+        Stop::Answer(Answer::Wrong(wrong))
+    }
+}
+
+/// A finding.
+fn breaks(what: String) -> Stop {
+    Wrong::Breaks(what).into()
+}
+
+impl Foreign {
+    /// Starts a runner to hear who it is. An error if it cannot be started, or its library is not
+    /// there.
+    pub fn meet(command: Vec<String>) -> anyhow::Result<Met> {
+        let mut client = spawn(&command, GREETING)?;
+        match client.greet(GREETING) {
+            Ok(()) => {}
+            Err(failure) if failure.outcome == Outcome::Unavailable => bail!(failure.reason),
+            Err(failure) if failure.outcome == Outcome::Timeout => {
+                let must = "a runner says hello before it reads anything, and flushes";
+                let seconds = GREETING.as_secs();
+                return Ok(Met::Wrong(Wrong::Breaks(format!(
+                    "no first line within {seconds} s: {must}"
+                ))));
+            }
+            Err(failure) => return Ok(Met::Wrong(broken(&client, failure))),
+        }
+        let hello = &client.hello;
+        let said = |arithmetic: &Arithmetic| arithmetic.name() == hello.arithmetic;
+        let Some(arithmetic) = Arithmetic::ALL.into_iter().find(said) else {
+            return Ok(Met::Wrong(Wrong::Breaks(format!(
+                "its hello says arithmetic '{}'; it must be one of {}",
+                hello.arithmetic,
+                Arithmetic::names()
+            ))));
+        };
+        let fit = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+        let name: String =
+            hello.detector.trim_start_matches('.').chars().take(60).map(fit).collect();
+        let name = if name.is_empty() { "runner".into() } else { name };
+        let version = hello.version.clone();
+        Ok(Met::Runner(Foreign { name, version, arithmetic, command }))
+    }
+
+    /// A process that has said hello.
+    pub(super) fn start(&self, limit: Duration) -> Result<Client, Stop> {
+        let mut client = spawn(&self.command, limit)?;
+        match client.greet(GREETING) {
+            Ok(()) => Ok(client),
+            Err(failure) => Err(broken(&client, failure).into()),
+        }
+    }
+}
+
+fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
+    let start = Start {
+        command: command.to_vec(),
+        install: String::new(),
+        time_limit,
+        memory_limit: ADDRESS_SPACE,
+        processor: None,
+    };
+    Client::spawn(&start).map_err(|failure| anyhow!(failure.reason))
+}
+
+/// A failure in the words of the check; its answer was none.
+pub(super) fn broken(client: &Client, failure: client::Failure) -> Wrong {
+    if failure.outcome == Outcome::Wrong || failure.reason.starts_with(NO_REPLY) {
+        return Wrong::Breaks(failure.reason);
+    }
+    let errors = client.errors();
+    let lines: Vec<&str> = errors.lines().collect();
+    Wrong::Dies {
+        how: failure.reason,
+        errors: lines[lines.len().saturating_sub(LAST_LINES)..].join("\n"),
+    }
+}
+
+/// The digest of a reply.
+pub(super) fn digest(contacts: u64, text: &str) -> Result<Digest, Wrong> {
+    protocol::digest(contacts, text).map_err(Wrong::Breaks)
+}
+
+/// A runner, kept from scene to scene.
+pub(super) struct Process {
+    foreign: Foreign,
+    deadline: Duration,
+    folder: TempDir,
+    client: Option<Client>,
+    /// It has had a scene.
+    used: bool,
+}
+
+impl Process {
+    pub fn new(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Process> {
+        let folder = tempfile::tempdir()
+            .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+        Ok(Process { foreign: foreign.clone(), deadline, folder, client: None, used: false })
+    }
+
+    fn request(&mut self, request: &Request) -> Result<Reply, Stop> {
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => self.foreign.start(self.deadline)?,
+        };
+        let message = match client.message(request) {
+            Ok(message) => message,
+            // Its version of the protocol cannot say this.
+            Err(failure) => {
+                self.client = Some(client);
+                return Err(Stop::Answer(Answer::Declined(failure.reason)));
+            }
+        };
+        match client.exchange(&message) {
+            Ok(reply) => {
+                let impossible = client.impossible(request, &reply);
+                self.client = Some(client);
+                match reply {
+                    _ if impossible.is_some() => Err(breaks(impossible.unwrap_or_default())),
+                    Reply::Refused { reason } => Err(Stop::Answer(Answer::Declined(reason))),
+                    reply => Ok(reply),
+                }
+            }
+            Err(failure) if failure.outcome == Outcome::Timeout => {
+                Err(Stop::Answer(Answer::Hangs(self.deadline)))
+            }
+            Err(failure) if failure.outcome == Outcome::Unavailable => {
+                Err(breaks(format!("it has begun, and then says unavailable: {}", failure.reason)))
+            }
+            Err(failure) => Err(broken(&client, failure).into()),
+        }
+    }
+
+    /// The pairs that it writes; none if it does not.
+    fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
+        let n = given.scene.len();
+        let box_dim = given.lattice.map(|_| given.scene.dim());
+        let path: PathBuf = self.folder.path().join("pairs.npy");
+        // What was written before is not the answer; mostly there is nothing to remove.
+        let _ = std::fs::remove_file(&path);
+        let contacts = match self.request(&Request::Pairs { path: path.clone(), frame: None })? {
+            Reply::Pairs { contacts } => contacts,
+            Reply::Unsupported | Reply::Error { .. } => return Ok(None),
+            other => return Err(astray("pairs", &other)),
+        };
+        let found = exchange::read_contacts(&path, box_dim).map_err(|error| {
+            // The name of a temporary file would say nothing.
+            let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
+            breaks(format!("the file of its pairs: {why}"))
+        })?;
+        if found.len() != contacts {
+            return Err(breaks(format!(
+                "it says that it has written {contacts} pairs, and its file holds {}",
+                found.len()
+            )));
+        }
+        let named = |&[i, j]: &[u32; 2]| i.max(j) as usize >= n;
+        let shifted = found.shifted.iter().map(|pair| [pair.i, pair.j]);
+        if let Some([i, j]) = found.plain.iter().copied().chain(shifted).find(named) {
+            return Err(breaks(format!(
+                "it reports the pair {i},{j} in a scene of {n} particles: they are numbered from \
+                 0 to {}",
+                n as i64 - 1
+            )));
+        }
+        Ok(Some(found))
+    }
+
+    fn answer(&mut self, question: &Question<'_>) -> Result<Answer, Stop> {
+        let Question { given, truth, arithmetic, .. } = question;
+        let scene = Trajectory::write_at_rest(&self.folder.path().join("scene.npy"), given)?;
+        self.used = true;
+        match self.request(&Request::Load(scene))? {
+            Reply::Loaded => {}
+            other => return Err(astray("load", &other)),
+        }
+        let said = match self.request(&Request::Sample { min_ns: 1 })? {
+            Reply::Sample(sample) => digest(sample.found.contacts, &sample.found.digest)?,
+            other => return Err(astray("sample", &other)),
+        };
+        let right = said == truth.digest;
+        if right && given.scene.len() > SMALL {
+            return Ok(Answer::Right);
+        }
+        let Some(contacts) = self.pairs(given)? else {
+            let counts = Wrong::Counts { said, truth: truth.digest };
+            return if right { Ok(Answer::Right) } else { Err(counts.into()) };
+        };
+        let own = contacts.digest();
+        let as_text = |digest: Digest| format!("{} contacts and {}", digest.contacts, digest.hex());
+        if own != said && own == truth.digest {
+            return Err(breaks(format!(
+                "its pairs are right, with {}, but its sample says {}",
+                as_text(own),
+                as_text(said)
+            )));
+        }
+        let Ok(pairs) = contacts.sorted(given.scene.len(), most_of_one()) else {
+            return Err(Wrong::Counts { said: own, truth: truth.digest }.into());
+        };
+        if own != said && right {
+            let differences = Differences::new(pairs, &truth.pairs);
+            return Err(breaks(format!(
+                "its sample is right, but not the pairs that it writes: {differences}"
+            )));
+        }
+        Ok(Answer::of(pairs, truth, *arithmetic))
+    }
+}
+
+impl Respondent for Process {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        if question.fresh && self.used {
+            self.client = None;
+            self.used = false;
+        }
+        match self.answer(question) {
+            Ok(answer) | Err(Stop::Answer(answer)) => Ok(answer),
+            Err(Stop::Failed(error)) => Err(error),
+        }
+    }
+}
+
+/// An answer that does not belong to the request.
+fn astray(request: &str, reply: &Reply) -> Stop {
+    breaks(match reply {
+        Reply::Error { reason } => {
+            format!("asked to {request}, it answers with the error: {reason}")
+        }
+        other => format!("asked to {request}, it answers {}", word(other)),
+    })
+}
+
+/// The name of a reply.
+pub(super) fn word(reply: &Reply) -> String {
+    let value = serde_json::to_value(reply).unwrap_or_default();
+    value["reply"].as_str().unwrap_or_default().to_string()
+}

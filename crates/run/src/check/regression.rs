@@ -1,0 +1,78 @@
+//! Regression files: a scene as CSV, with a comment that says on what it was found and how to see
+//! it again; with a box as extended XYZ.
+
+use std::path::Path;
+
+use crate::check::Failure;
+use crate::check::numbers::Numbers;
+use contactbench_core::scene::AnyScene;
+use contactbench_io::write::{self, SceneFormat};
+
+/// The scenes that were once got wrong, by their names in `tests/regressions`.
+pub const KEPT: [(&str, &str); 5] = [
+    ("far-apart.csv", include_str!("../../../../tests/regressions/far-apart.csv")),
+    ("subnormal.csv", include_str!("../../../../tests/regressions/subnormal.csv")),
+    ("tangent-3-4-5.csv", include_str!("../../../../tests/regressions/tangent-3-4-5.csv")),
+    ("three-discs.csv", include_str!("../../../../tests/regressions/three-discs.csv")),
+    ("twice-around.xyz", include_str!("../../../../tests/regressions/twice-around.xyz")),
+];
+
+/// A scene as CSV with a header, in numbers that read back to the same bits.
+pub fn as_csv(scene: &AnyScene<'_>) -> String {
+    let numbers = Numbers::new(scene);
+    let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
+    for particle in numbers.values.chunks_exact(numbers.stride()) {
+        let particle: Vec<String> = particle.iter().map(|x| format!("{x:?}")).collect();
+        text.push_str(&particle.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// The regression file of a failure; `path` is where it will stand, `who` the options of the check
+/// that say who was wrong.
+pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
+    let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
+    let arithmetic = arithmetic.name();
+    let how = match &failure.wrong {
+        Some(wrong) => wrong.to_string(),
+        None => format!(
+            "wrong only after earlier scenes, something is left in its buffers: {}",
+            failure.found
+        ),
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let comment = format!(
+        "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\ncontactbench check \
+         --scene {name} {who}"
+    );
+    if smallest.lattice.is_some() {
+        // There is no place for a comment.
+        let mut text = Vec::new();
+        // Nothing fails in memory.
+        let _ = write::scene_to(&mut text, SceneFormat::Xyz, smallest);
+        return String::from_utf8_lossy(&text).into_owned();
+    }
+    let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
+    comment + &as_csv(&smallest.scene)
+}
+
+/// What it ends in.
+pub fn ending(failure: &Failure) -> &'static str {
+    if failure.smallest.lattice.is_some() { ".xyz" } else { ".csv" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_regression_is_kept() {
+        let folder =
+            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/regressions");
+        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
+        let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(name).collect();
+        names.sort();
+        assert!(names.iter().eq(KEPT.map(|(name, _)| name).iter()), "{names:?}");
+    }
+}

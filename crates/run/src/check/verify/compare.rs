@@ -1,0 +1,213 @@
+//! A list of contacts against the contacts that are true.
+
+use crate::check::verify::listing::Listing;
+use contactbench_core::oracle::Errors;
+use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
+use contactbench_scenes::touching::{gap, nearest};
+
+/// Pairs apart by more than this, in mean radii, do not belong to a skin.
+pub(super) const FAR: f64 = 2.5;
+
+/// What of a list is compared with what touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Taken {
+    /// Pairs: none touches through several images, or boundaries are open.
+    #[default]
+    Pairs,
+    /// Pairs with the images that are named.
+    Images,
+    /// Pairs, each as often as images of it touch.
+    Each,
+    /// Pairs, each once, through how many images it touches.
+    Once,
+}
+
+/// Against what a list is held.
+#[derive(Clone, Copy)]
+pub(super) struct Against<'a> {
+    pub space: &'a Periodic<'a>,
+    /// Sorted.
+    pub truth: &'a Contacts,
+    /// All pairs within the skin; empty without one.
+    pub near: &'a Contacts,
+    /// Pairs apart by no more than this length may be listed.
+    pub skin: f64,
+    /// Number of pairs of each kind that are kept.
+    pub kept: usize,
+}
+
+/// How a list differs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Compared {
+    pub taken: Taken,
+    pub errors: Errors,
+    pub missed: Worst,
+    pub spurious: Worst,
+    /// Pairs that do not touch and are within the skin.
+    pub within_skin: u64,
+}
+
+impl Against<'_> {
+    /// Compares the contacts of a list. A list without images names pairs, each as often as images
+    /// of it touch, or once: that with fewer errors is taken.
+    pub fn hold(&self, listing: &Listing) -> Compared {
+        let listed = &listing.contacts;
+        if listing.has_images {
+            return Compared { taken: Taken::Images, ..self.compare(listed, self.truth) };
+        }
+        if !self.space.lattice().repeats() && self.truth.shifted.is_empty() {
+            return self.compare(listed, self.truth);
+        }
+        let several = several(self.truth) || several(self.near);
+        let truth = if several { &self.deepest() } else { self.truth };
+        let once = self.compare(&self.with_images(listed, true), truth);
+        if !several {
+            return once;
+        }
+        let each = self.compare(&self.with_images(listed, false), self.truth);
+        match once.errors.wrong() < each.errors.wrong() {
+            true => Compared { taken: Taken::Once, ..once },
+            false => Compared { taken: Taken::Each, ..each },
+        }
+    }
+
+    fn compare(&self, listed: &Contacts, truth: &Contacts) -> Compared {
+        let mut found = Compared::default();
+        differences(&listed.plain, &truth.plain, |kind, [i, j]| {
+            self.note(&mut found, kind, ImagePair::new(i, j, [0; 3]));
+        });
+        differences(&listed.shifted, &truth.shifted, |kind, pair| {
+            self.note(&mut found, kind, pair);
+        });
+        let Compared { errors, missed, spurious, .. } = &mut found;
+        missed.keep(self.kept);
+        spurious.keep(self.kept);
+        (errors.missed, errors.deepest_miss) = (missed.count, missed.largest);
+        (errors.spurious, errors.widest_false) = (spurious.count, spurious.largest);
+        found
+    }
+
+    fn note(&self, found: &mut Compared, kind: Difference, pair: ImagePair) {
+        let own = pair.i == pair.j && pair.image == [0; 3];
+        match kind {
+            Difference::Repeated => found.errors.duplicate += 1,
+            Difference::Missed => found.missed.add(pair, depth(self.space, pair), self.kept),
+            Difference::Added if own => found.errors.self_pairs += 1,
+            Difference::Added if self.skin > 0.0 && gap(self.space, pair) <= self.skin => {
+                found.within_skin += 1;
+            }
+            Difference::Added => {
+                let deep = depth(self.space, pair);
+                found.spurious.add(pair, deep, self.kept);
+                if deep < -FAR {
+                    found.spurious.far += 1;
+                } else {
+                    found.spurious.widest = found.spurious.widest.max(-deep);
+                    found.spurious.gap = found.spurious.gap.max(gap(self.space, pair));
+                }
+            }
+        }
+    }
+
+    /// The deepest image of each pair that touches.
+    pub fn deepest(&self) -> Contacts {
+        let first = |pair: ImagePair| self.deepest_first(self.truth.of([pair.i, pair.j]))[0];
+        self.truth.filtered(|pair| first(pair) == pair)
+    }
+
+    fn deepest_first(&self, pairs: impl Iterator<Item = ImagePair>) -> Vec<ImagePair> {
+        let mut pairs: Vec<ImagePair> = pairs.collect();
+        if pairs.len() > 1 {
+            pairs.sort_by(|a, b| depth(self.space, *b).total_cmp(&depth(self.space, *a)));
+        }
+        pairs
+    }
+
+    /// Gives images to pairs that are listed without: those that touch, the deepest first; those
+    /// within the skin; where there are none, the nearest.
+    fn with_images(&self, listed: &Contacts, once: bool) -> Contacts {
+        let mut resolved = Contacts::default();
+        for same in listed.plain.chunk_by(|a, b| a == b) {
+            let pair = same[0];
+            let touching = self.deepest_first(self.truth.of(pair));
+            let beside = self.near.of(pair).filter(|it| !touching.contains(it));
+            let mut images: Vec<ImagePair> = touching.iter().copied().chain(beside).collect();
+            if once {
+                images.truncate(1);
+            }
+            let last = images.last().copied().unwrap_or_else(|| match pair {
+                [i, j] if i == j => ImagePair::new(i, i, [0; 3]),
+                _ => nearest(self.space, pair),
+            });
+            // What is listed more often than it touches is repeated.
+            let images = images.into_iter().chain(std::iter::repeat(last));
+            resolved.extend(images.take(same.len()));
+        }
+        resolved.sort();
+        resolved
+    }
+}
+
+/// Whether some pair touches through several images.
+fn several(contacts: &Contacts) -> bool {
+    let Contacts { plain, shifted } = contacts;
+    let same = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
+    shifted.windows(2).any(same)
+        || shifted.iter().any(|pair| plain.binary_search(&[pair.i, pair.j]).is_ok())
+}
+
+/// How a pair differs.
+#[derive(Clone, Copy)]
+enum Difference {
+    Missed,
+    /// Listed, and not true.
+    Added,
+    /// Listed again.
+    Repeated,
+}
+
+/// Hands on the pairs in which a sorted list differs from the sorted truth.
+fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Difference, C)) {
+    let mut truth = truth.iter().copied().peekable();
+    for same in listed.chunk_by(|a, b| a == b) {
+        let pair = same[0];
+        while let Some(missed) = truth.next_if(|&it| it < pair) {
+            each(Difference::Missed, missed);
+        }
+        if truth.next_if_eq(&pair).is_none() {
+            each(Difference::Added, pair);
+        }
+        same[1..].iter().for_each(|&pair| each(Difference::Repeated, pair));
+    }
+    truth.for_each(|pair| each(Difference::Missed, pair));
+}
+
+/// The worst of many pairs, and how many there are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Worst {
+    /// With the depth in mean radii, which is negative of pairs that are apart.
+    pub pairs: Vec<(ImagePair, f64)>,
+    pub count: u64,
+    largest: f64,
+    /// Pairs that are apart by more than [`FAR`].
+    pub far: u64,
+    /// The widest gap of the others, in mean radii and as a length.
+    pub widest: f64,
+    pub gap: f64,
+}
+
+impl Worst {
+    fn add(&mut self, pair: ImagePair, depth: f64, kept: usize) {
+        self.count += 1;
+        self.largest = self.largest.max(depth.abs());
+        self.pairs.push((pair, depth));
+        if self.pairs.len() >= kept.saturating_mul(2).max(1) {
+            self.keep(kept);
+        }
+    }
+
+    fn keep(&mut self, kept: usize) {
+        self.pairs.sort_by(|(p, a), (q, b)| b.abs().total_cmp(&a.abs()).then(p.cmp(q)));
+        self.pairs.truncate(kept);
+    }
+}

@@ -1,0 +1,238 @@
+//! A contact list as it was read, and its pairs as contacts of the particles of a scene.
+
+use std::collections::HashMap;
+
+use anyhow::{Context, bail};
+
+use contactbench_core::periodic::{Contacts, ImagePair};
+use contactbench_io as io;
+use contactbench_io::Groups;
+
+/// A pair of the list, by the numbers that stand there.
+pub type Couple = [i64; 2];
+
+/// A list as it was read.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<'a> {
+    /// Pairs by the numbers that stand there.
+    pub pairs: &'a [Couple],
+    /// The image of the second particle of each pair, if the list names images.
+    pub images: Option<&'a [[i32; 3]]>,
+}
+
+/// What the numbers of a list mean.
+#[derive(Clone, Debug)]
+pub enum Naming {
+    /// Places in the particle file, from this number on.
+    Base(i64),
+    /// Ids of the particles: the place of each.
+    Ids(HashMap<i64, u32>),
+}
+
+/// A kind of [`Naming`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Places in the particle file, from this number on.
+    Base(i64),
+    /// Ids of the particles.
+    Ids,
+}
+
+impl Naming {
+    /// By these ids of the particles.
+    ///
+    /// # Errors
+    /// An id that stands there twice.
+    pub fn by_id(ids: &[i64]) -> anyhow::Result<Naming> {
+        let mut places = HashMap::with_capacity(ids.len());
+        for (k, &id) in ids.iter().enumerate() {
+            if let Some(earlier) = places.insert(id, k as u32) {
+                bail!(
+                    "the id {id} stands twice in the file, at particles {earlier} and {k} (from \
+                     0); mend it, or give --base"
+                );
+            }
+        }
+        Ok(Naming::Ids(places))
+    }
+
+    /// Its kind.
+    pub fn meaning(&self) -> Meaning {
+        match self {
+            Naming::Base(base) => Meaning::Base(*base),
+            Naming::Ids(_) => Meaning::Ids,
+        }
+    }
+
+    /// The place of a particle in a file of `n`, by its name.
+    fn place(&self, name: i64, n: usize) -> Option<u32> {
+        match self {
+            Naming::Base(base) => name
+                .checked_sub(*base)
+                .and_then(|k| u32::try_from(k).ok())
+                .filter(|&k| (k as usize) < n),
+            Naming::Ids(ids) => ids.get(&name).copied(),
+        }
+    }
+
+    /// The name of the particle at each of these places.
+    fn names(&self, places: &[[u32; 2]]) -> Vec<Couple> {
+        let ids: HashMap<u32, i64> = match self {
+            Naming::Ids(ids) if !places.is_empty() => ids.iter().map(|(&id, &k)| (k, id)).collect(),
+            _ => HashMap::new(),
+        };
+        let name = |k: u32| match self {
+            Naming::Base(base) => i64::from(k) + base,
+            Naming::Ids(_) => ids.get(&k).copied().unwrap_or(-1),
+        };
+        places.iter().map(|pair| pair.map(name)).collect()
+    }
+}
+
+/// What the images of a list are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ImagesOf<'a> {
+    /// Images of the second particle, as they should be.
+    Second,
+    /// Images of the first particle.
+    First,
+    /// Images of the second particle, counted from where both are when they are put into the box:
+    /// by how many vectors each particle is outside.
+    Wrapped(&'a [[i32; 3]]),
+    /// Nothing.
+    LeftOut,
+}
+
+/// How the pairs of a list are taken.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Taking<'a> {
+    pub naming: &'a Naming,
+    pub images: ImagesOf<'a>,
+    /// Each pair stands there from both sides, and is taken once.
+    pub both_sides: bool,
+    /// Contacts that are left out.
+    pub without: Option<&'a Groups>,
+}
+
+/// The pairs of a list as contacts of a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Listing {
+    /// Sorted; a contact that is listed again stands there again.
+    pub contacts: Contacts,
+    /// The list names images.
+    pub has_images: bool,
+    /// Pairs that name no particle.
+    pub unknown: Vec<Couple>,
+    /// Pairs that are there from one side only, where both are expected.
+    pub one_sided: Vec<Couple>,
+    /// Pairs that were left out.
+    pub left_out: u64,
+}
+
+impl Listing {
+    /// Reads a list for a scene of `n` particles.
+    ///
+    /// # Errors
+    /// No memory for the pairs.
+    pub fn new(list: Listed<'_>, taking: Taking<'_>, n: usize) -> anyhow::Result<Listing> {
+        let Taking { naming, images, both_sides, without } = taking;
+        let of = list.images.filter(|_| images != ImagesOf::LeftOut);
+        let mut listing = Listing { has_images: of.is_some(), ..Listing::default() };
+        let mut sides = [Contacts::default(), Contacts::default()];
+        if of.is_none() && !both_sides {
+            let count = list.pairs.len();
+            let room = sides[0].plain.try_reserve_exact(count);
+            room.with_context(|| {
+                format!("no memory for {count} pairs; compare a part of the scene")
+            })?;
+        }
+        for (k, &[i, j]) in list.pairs.iter().enumerate() {
+            let (Some(a), Some(b)) = (naming.place(i, n), naming.place(j, n)) else {
+                io::room(&mut listing.unknown)?;
+                listing.unknown.push([i, j]);
+                continue;
+            };
+            if without.is_some_and(|groups| groups.leave_out(a, b)) {
+                listing.left_out += 1;
+                continue;
+            }
+            let image = of.map_or([0; 3], |of| shift(of[k], images, [a, b]));
+            let pair = ImagePair::new(a, b, image);
+            let turned = both_sides && (pair.i, pair.j, pair.image) != (a, b, image);
+            let side = &mut sides[usize::from(turned)];
+            if image == [0; 3] {
+                io::room(&mut side.plain)?;
+                side.plain.push([pair.i, pair.j]);
+            } else {
+                io::room(&mut side.shifted)?;
+                side.shifted.push(pair);
+            }
+        }
+        sides.iter_mut().for_each(Contacts::sort);
+        let [forward, backward] = sides;
+        if !both_sides {
+            return Ok(Listing { contacts: forward, ..listing });
+        }
+        let mut single = Vec::new();
+        let own = |pair: &[u32; 2]| pair[0] == pair[1];
+        let turn = |pair: [u32; 2], forward| if forward { pair } else { [pair[1], pair[0]] };
+        let plain = once([&forward.plain, &backward.plain], own, |pair, forward| {
+            single.push(turn(pair, forward));
+        });
+        // Its own image at the other side is another pair of numbers.
+        let shifted = once(
+            [&forward.shifted, &backward.shifted],
+            |_| false,
+            |pair, forward| {
+                single.push(turn([pair.i, pair.j], forward));
+            },
+        );
+        listing.one_sided = naming.names(&single);
+        Ok(Listing { contacts: Contacts { plain: plain?, shifted: shifted? }, ..listing })
+    }
+
+    /// Pairs that are wrong whatever touches.
+    pub fn faults(&self) -> u64 {
+        (self.unknown.len() + self.one_sided.len()) as u64
+    }
+}
+
+fn shift(image: [i32; 3], of: ImagesOf<'_>, [a, b]: [u32; 2]) -> [i32; 3] {
+    match of {
+        ImagesOf::Second | ImagesOf::LeftOut => image,
+        ImagesOf::First => image.map(i32::wrapping_neg),
+        ImagesOf::Wrapped(cells) => {
+            let [a, b] = [a, b].map(|k| cells[k as usize]);
+            std::array::from_fn(|v| image[v].wrapping_add(a[v]).wrapping_sub(b[v]))
+        }
+    }
+}
+
+/// Takes sorted pairs that are listed from both sides once each; `single` gets those of which one
+/// side is listed more often, and whether that is the first. A pair that is its `own` other side
+/// counts half.
+fn once<C: Copy + Ord>(
+    [forward, backward]: [&[C]; 2],
+    own: impl Fn(&C) -> bool,
+    mut single: impl FnMut(C, bool),
+) -> anyhow::Result<Vec<C>> {
+    let mut taken = Vec::new();
+    let mut sides = [forward, backward].map(|side| side.chunk_by(|a, b| a == b).peekable());
+    loop {
+        let first = sides.iter_mut().filter_map(|side| side.peek().map(|same| same[0])).min();
+        let Some(pair) = first else { return Ok(taken) };
+        let [forward, backward] =
+            sides.each_mut().map(|side| side.next_if(|same| same[0] == pair).map_or(0, <[C]>::len));
+        let count = match own(&pair) {
+            true => (forward + backward).div_ceil(2),
+            false => forward.max(backward),
+        };
+        for _ in 0..count {
+            io::room(&mut taken)?;
+            taken.push(pair);
+        }
+        if !own(&pair) && forward != backward {
+            single(pair, forward > backward);
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The usual mistakes of contact lists, in words and as options of `verify`.
+
+use crate::check::verify::listing::Meaning;
+use contactbench_core::contact::Arithmetic;
+use contactbench_io::boxes::along;
+use contactbench_terms::number::{number, plural};
+
+/// A way to read a list, and what differs all the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// What is different in the list: its numbers, its images, what it takes for a contact, its
+    /// box.
+    pub mistakes: Vec<Mistake>,
+    /// Pairs of the list, each once.
+    pub listed: u64,
+    /// Pairs that differ all the same.
+    pub wrong: u64,
+}
+
+/// What is different in a list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mistake {
+    /// Its numbers mean this.
+    Numbers(Meaning),
+    /// Every pair stands there as i,j and as j,i.
+    BothSides,
+    /// Its images are those of the first particle.
+    ImagesOfFirst,
+    /// Its images are counted from where the particles are when they are put into the box.
+    ImagesWrapped,
+    /// Without its images the pairs agree; they may all be 0.
+    ImagesLeftOut {
+        /// All images are 0.
+        zero: bool,
+    },
+    /// The box that the file declares repeats along these axes.
+    Declared([bool; 3]),
+    /// Contacts are what this arithmetic decides.
+    Rounded(Arithmetic),
+    /// It lacks the contacts in one point.
+    Strict,
+    /// All that differ are tangent to the last digits.
+    Tangent,
+    /// All pairs up to this gap, a length, are there.
+    Skin(f64),
+    /// Its radii are this many times as large.
+    Radii(f64),
+    /// Boundaries are open.
+    Open,
+    /// Contacts of particles with their own images are not there.
+    WithoutOwn,
+    /// Only the nearest image of each pair is there.
+    Nearest,
+    /// The box repeats along these axes.
+    Along([bool; 3]),
+    /// The box has these edges, and no tilt.
+    Straight([f64; 3]),
+    /// The particles repeat with these periods; `None` along open axes.
+    Periods([Option<f64>; 3]),
+}
+
+impl Mistake {
+    /// The mistake in words, after "with".
+    fn words(self) -> String {
+        match self {
+            Mistake::Numbers(Meaning::Base(base)) => format!("numbers from {base}"),
+            Mistake::Numbers(Meaning::Ids) => "ids of the particles' file as numbers".into(),
+            Mistake::BothSides => "each pair taken once, which is listed as i,j and as j,i".into(),
+            Mistake::ImagesOfFirst => {
+                "images of i in the place of those of j (S with the other sign)".into()
+            }
+            Mistake::ImagesWrapped => {
+                "images that are counted from particles put into the box (in \
+                                       the file some are outside)"
+                    .into()
+            }
+            Mistake::ImagesLeftOut { zero } => format!(
+                "the images of the list left out{}",
+                if zero { " (all that are named are 0)" } else { "" }
+            ),
+            Mistake::Declared(axes) => format!("the file's box, repeating along {}", along(axes)),
+            Mistake::Rounded(arithmetic) => format!("contacts decided in {}", arithmetic.name()),
+            Mistake::Strict => {
+                "contacts decided by <, where here it is <= (each pair missed is an \
+                                exact tie: the distance is the sum of the radii)"
+                    .into()
+            }
+            Mistake::Tangent => "any answer for pairs that are tangent to the last digits".into(),
+            Mistake::Skin(gap) => format!("pairs up to {} apart (a skin)", rounded_up(gap)),
+            Mistake::Radii(2.0) => "radii 2 times as large: diameters taken for radii?".into(),
+            Mistake::Radii(0.5) => "radii 0.5 times as large: radii taken for diameters?".into(),
+            Mistake::Radii(by) => format!("radii {} times as large", number(by)),
+            Mistake::Open => "open boundaries (no contact across the box)".into(),
+            Mistake::WithoutOwn => "no contact of a particle with its own image".into(),
+            Mistake::Nearest => "no image but the nearest of each pair (minimum image)".into(),
+            Mistake::Along(axes) => format!("a box that repeats along {}", along(axes)),
+            Mistake::Straight(_) => "a box without its tilt".into(),
+            Mistake::Periods(periods) => {
+                let of = |(period, axis): (Option<f64>, &str)| {
+                    period.map(|period| format!("{} along {axis}", number(period)))
+                };
+                let periods = periods.into_iter().zip(["x", "y", "z"]).filter_map(of);
+                let periods: Vec<String> = periods.collect();
+                format!("periodic images (a box of {})", periods.join(", "))
+            }
+        }
+    }
+
+    /// The options of `verify` for scenes of `dim` dimensions with which a list is read so.
+    pub fn flags(self, dim: usize) -> Option<String> {
+        let lengths = |lengths: [f64; 3]| {
+            lengths[..dim].iter().map(|length| format!("{length:?}")).collect::<Vec<_>>().join(",")
+        };
+        Some(match self {
+            Mistake::Numbers(Meaning::Base(base)) => format!("--base {base}"),
+            Mistake::Numbers(Meaning::Ids) => "--ids".into(),
+            Mistake::BothSides => "--both-sides".into(),
+            Mistake::Rounded(arithmetic) => format!("--arithmetic {}", arithmetic.name()),
+            Mistake::Skin(gap) => format!("--skin {}", rounded_up(gap)),
+            Mistake::Open => "--open".into(),
+            Mistake::Declared(axes) | Mistake::Along(axes) => {
+                format!("--periodic {}", letters(axes))
+            }
+            Mistake::Straight(edges) => format!("--box {}", lengths(edges)),
+            Mistake::Periods(periods) => format!(
+                "--box {} --periodic {}",
+                // The length of an axis that is open is not read.
+                lengths(periods.map(Option::unwrap_or_default)),
+                letters(periods.map(|period| period.is_some()))
+            ),
+            _ => return None,
+        })
+    }
+}
+
+/// The axes as --periodic takes them.
+fn letters(axes: [bool; 3]) -> String {
+    let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
+    names.map(|(name, _)| name).collect()
+}
+
+/// Rounds upwards to three digits, in the fewest that read back.
+pub fn rounded_up(value: f64) -> f64 {
+    let step = 10f64.powf(value.abs().log10().floor() - 2.0);
+    let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);
+    if up >= value { up } else { value }
+}
+
+impl Reading {
+    /// The list as it stands.
+    pub(super) fn plain(listed: u64) -> Reading {
+        Reading { mistakes: Vec::new(), listed, wrong: 0 }
+    }
+
+    /// The same in the box that the file declares.
+    pub(super) fn declared(mut self, axes: [bool; 3]) -> Reading {
+        let of_list = |it: &&Mistake| matches!(it, Mistake::Numbers(_) | Mistake::BothSides);
+        let at = self.mistakes.iter().take_while(of_list).count();
+        // Other axes say it, too.
+        if !self.mistakes.iter().any(|it| matches!(it, Mistake::Along(_))) {
+            self.mistakes.insert(at, Mistake::Declared(axes));
+        }
+        self
+    }
+
+    /// How the list would agree, and how far.
+    pub fn sentence(&self) -> String {
+        let with: Vec<String> = self.mistakes.iter().map(|mistake| mistake.words()).collect();
+        let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");
+        let result = match self.wrong {
+            0 if self.listed == 1 => "the one pair agrees".into(),
+            0 => format!("all {} agree", pairs(self.listed)),
+            wrong => format!("all but {} agree", pairs(wrong)),
+        };
+        format!("with {}, {result}", with.join(", and "))
+    }
+}

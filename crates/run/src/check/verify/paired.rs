@@ -1,0 +1,271 @@
+//! The frames of particles and the contact lists that another code wrote for them, brought
+//! together.
+
+use anyhow::{bail, ensure};
+
+use contactbench_io::pairs::{List, Lists};
+use contactbench_io::{About, Frames, Particles};
+
+/// Steps that are named in a message.
+const NAMED: usize = 6;
+
+/// Frames with their lists: by time steps where both files have them, else by number. One of each
+/// is held at a time.
+pub struct Paired<'a, 'b> {
+    particles: Frames<'a>,
+    lists: Lists<'b>,
+    /// Of the particles, and of the lists.
+    names: [&'a str; 2],
+    /// The next list; none where there are no more.
+    next: Option<List>,
+    begun: bool,
+    /// By time steps.
+    by_step: bool,
+    /// The steps of the first particle frames, and of the last.
+    steps: (Vec<i64>, Option<i64>),
+    /// Particle frames without a list.
+    pub left_out: Vec<u64>,
+    /// Frames of which no row of the list speaks: lists without pairs.
+    pub without_rows: u64,
+}
+
+impl<'a, 'b> Paired<'a, 'b> {
+    /// Two files by their names.
+    pub fn new(particles: Frames<'a>, lists: Lists<'b>, names: [&'a str; 2]) -> Paired<'a, 'b> {
+        Paired {
+            particles,
+            lists,
+            names,
+            next: None,
+            begun: false,
+            by_step: false,
+            steps: (Vec::new(), None),
+            left_out: Vec::new(),
+            without_rows: 0,
+        }
+    }
+
+    /// They are brought together by time steps.
+    pub fn is_by_step(&self) -> bool {
+        self.by_step
+    }
+
+    /// The next frame of the particles that has a list, and the list.
+    ///
+    /// # Errors
+    /// A file is broken, or a list has no particles, or the other way round.
+    pub fn next_frame(&mut self) -> anyhow::Result<Option<(Particles, About, List)>> {
+        loop {
+            let Some((particles, about)) = self.particles.next().transpose()? else {
+                let next = self.next.take();
+                return next.map_or(Ok(None), |list| self.without_particles(&list));
+            };
+            if !self.begun {
+                self.begin(&about)?;
+            }
+            if let Some(list) = self.list_of(&about)? {
+                return Ok(Some((particles, about, list)));
+            }
+        }
+    }
+
+    fn begin(&mut self, about: &About) -> anyhow::Result<()> {
+        self.begun = true;
+        self.next = self.lists.next().transpose()?;
+        let step = self.next.as_ref().and_then(|list| list.step);
+        self.by_step = step.is_some() && about.step.is_some();
+        ensure!(
+            self.by_step || step.is_none() || !self.lists.is_sparse(),
+            "{}: the rows say their step, and {} has no steps; give the rows a column frame, \
+             numbered from 0",
+            self.names[1],
+            self.names[0]
+        );
+        Ok(())
+    }
+
+    /// The list of a frame; none where it is left out.
+    fn list_of(&mut self, about: &About) -> anyhow::Result<Option<List>> {
+        let [particles, lists] = self.names;
+        let at = if self.by_step { self.step(about)? } else { about.frame as i64 };
+        let of = |list: &List| match (self.by_step, list.step, list.frame) {
+            (true, Some(step), _) => Ok(step),
+            (true, None, frame) => bail!(
+                "{lists}: list {} has no time step, and those before it have; mend the file",
+                frame.unwrap_or_default()
+            ),
+            (false, _, frame) => Ok(frame.unwrap_or_default() as i64),
+        };
+        let next = match &self.next {
+            Some(list) => Some(of(list)?),
+            None => None,
+        };
+        match next {
+            Some(next) if next == at => {
+                let list = self.next.take();
+                self.next = self.lists.next().transpose()?;
+                if let (Some(list), Some(next)) = (&list, &self.next) {
+                    let [a, b] = [of(list)?, of(next)?];
+                    ensure!(a < b, "{lists}: step {b} stands after step {a}; write them in order");
+                }
+                Ok(list)
+            }
+            Some(next) if next < at => match self.next.take() {
+                Some(list) => self.without_particles(&list),
+                None => Ok(None),
+            },
+            _ if self.lists.is_sparse() => {
+                self.without_rows += 1;
+                let (frame, step) = (Some(about.frame), about.step);
+                Ok(Some(List { format: "rows", frame, step, sparse: true, ..List::default() }))
+            }
+            _ if self.by_step => {
+                self.left_out.push(about.frame);
+                Ok(None)
+            }
+            _ => bail!(
+                "{lists} has no list for {} of {particles}, and not both have time steps by which \
+                 to bring them together; write a list for each frame, or give --frame K for the \
+                 one that was listed",
+                about.which()
+            ),
+        }
+    }
+
+    /// The step of a frame of the particles, which is larger than that before.
+    fn step(&mut self, about: &About) -> anyhow::Result<i64> {
+        let name = self.names[0];
+        let Some(step) = about.step else {
+            bail!("{name}: {} has no time step, and those before it have; mend it", about.which())
+        };
+        if let Some(last) = self.steps.1.replace(step) {
+            ensure!(
+                last < step,
+                "{name}: step {step} stands after step {last}; write the frames in order"
+            );
+        }
+        if self.steps.0.len() < NAMED {
+            self.steps.0.push(step);
+        }
+        Ok(step)
+    }
+
+    /// Refuses a list.
+    fn without_particles<T>(&self, list: &List) -> anyhow::Result<T> {
+        let [particles, lists] = self.names;
+        match list.step.filter(|_| self.by_step) {
+            Some(step) => {
+                let (first, last) = &self.steps;
+                let mut there: Vec<String> = first.iter().map(i64::to_string).collect();
+                if let Some(last) = last.filter(|last| !first.contains(last)) {
+                    there.push(format!("… {last}"));
+                }
+                bail!(
+                    "{lists}: the list of step {step} has no particles: up to there {particles} \
+                     has the steps {}; write both at the same steps",
+                    there.join(" ")
+                )
+            }
+            None => bail!(
+                "{lists}: the list of frame {} (from 0) has no particles: {particles} ends before \
+                 it; write as many frames as lists",
+                list.frame.unwrap_or_default()
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_io::pairs::lists_from;
+    use contactbench_io::{Frame, Options, frames_from};
+
+    fn dump(steps: &[i64]) -> String {
+        let frame = |step| {
+            format!(
+                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z\n1 0 0 0\n"
+            )
+        };
+        steps.iter().map(frame).collect()
+    }
+
+    fn local(steps: &[i64]) -> String {
+        let frame = |step| {
+            format!(
+                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES i j\n{step} 0\n"
+            )
+        };
+        steps.iter().map(frame).collect()
+    }
+
+    /// Frames and the first number of their list, -1 where it is empty; what was left out; and how
+    /// many have no rows.
+    type Told = (Vec<(u64, i64)>, Vec<u64>, u64);
+
+    fn paired(particles: &str, lists: &str) -> Result<Told, String> {
+        let options = Options { frame: Frame::All, radius: Some(1.0), ..Options::default() };
+        let told = frames_from(particles.as_bytes(), "p", "", options, |frames| {
+            lists_from(lists.as_bytes(), "l", &[], Frame::All, |lists| {
+                let (mut paired, mut told) = (Paired::new(frames, lists, ["p", "l"]), vec![]);
+                while let Some((_, about, list)) = paired.next_frame()? {
+                    told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
+                }
+                Ok((told, paired.left_out, paired.without_rows))
+            })
+        });
+        told.map_err(|error| format!("{error:#}"))
+    }
+
+    #[test]
+    fn frames_are_brought_together_by_their_steps() {
+        let five = dump(&[0, 10, 20, 30, 40]);
+        let found = paired(&five, &local(&[0, 20, 40])).unwrap();
+        assert_eq!(found, (vec![(0, 0), (2, 20), (4, 40)], vec![1, 3], 0));
+        let found = paired(&five, &local(&[10])).unwrap();
+        assert_eq!(found, (vec![(1, 10)], vec![0, 2, 3, 4], 0));
+        let there = "l: the list of step 15 has no particles: up to there p has the steps 0 10 20";
+        assert_eq!(
+            paired(&five, &local(&[0, 15, 20])).unwrap_err(),
+            format!("{there}; write both at the same steps")
+        );
+        let many: Vec<i64> = (0..9).collect();
+        assert_eq!(
+            paired(&dump(&many), &local(&[3, 9])).unwrap_err(),
+            "l: the list of step 9 has no particles: up to there p has the steps 0 1 2 3 4 5 … 8; \
+             write both at the same steps"
+        );
+        let again = paired(&dump(&[0, 10, 10]), &local(&[0, 10])).unwrap_err();
+        assert_eq!(again, "p: step 10 stands after step 10; write the frames in order");
+        let again = paired(&five, &local(&[0, 10, 10])).unwrap_err();
+        assert_eq!(again, "l: step 10 stands after step 10; write them in order");
+    }
+
+    #[test]
+    fn without_steps_frames_are_brought_together_by_number() {
+        let xyz = |n: usize| "1\n\nA 0 0 0\n".repeat(n);
+        let found = paired(&xyz(2), &local(&[0, 20])).unwrap();
+        assert_eq!(found, (vec![(0, 0), (1, 20)], vec![], 0));
+        let short = paired(&xyz(3), &local(&[0, 20])).unwrap_err();
+        assert!(short.starts_with("l has no list for frame 2 of p, and not both have"), "{short}");
+        let long = paired(&xyz(1), &local(&[0, 20])).unwrap_err();
+        assert!(long.starts_with("l: the list of frame 1 (from 0) has no particles: p"), "{long}");
+        // A list without frames is that of a single one.
+        assert_eq!(paired(&xyz(1), "i,j\n7,8\n").unwrap(), (vec![(0, 7)], vec![], 0));
+        assert!(paired(&xyz(2), "i,j\n7,8\n").unwrap_err().contains("no list for frame 1 of p"));
+    }
+
+    #[test]
+    fn frames_of_which_no_row_speaks_have_no_contacts() {
+        let five = dump(&[0, 10, 20, 30, 40]);
+        let found = paired(&five, "frame,i,j\n1,7,8\n3,9,8\n").unwrap();
+        assert_eq!(found, (vec![(0, -1), (1, 7), (2, -1), (3, 9), (4, -1)], vec![], 3));
+        let found = paired(&five, "step,i,j\n0,7,8\n40,9,8\n").unwrap();
+        assert_eq!(found, (vec![(0, 7), (1, -1), (2, -1), (3, -1), (4, 9)], vec![], 3));
+        assert_eq!(paired(&five, "frame,i,j\n").unwrap().2, 5);
+        assert!(paired(&five, "step,i,j\n5,7,8\n").unwrap_err().contains("the list of step 5"));
+        assert!(paired(&five, "frame,i,j\n5,7,8\n").unwrap_err().contains("the list of frame 5"));
+        let none = paired("1\n\nA 0 0 0\n", "step,i,j\n5,7,8\n").unwrap_err();
+        assert!(none.starts_with("l: the rows say their step, and p has no steps"), "{none}");
+    }
+}

@@ -1,0 +1,250 @@
+//! Which of the usual mistakes explain a list that differs: [`ROWS`], tried in turn.
+
+use crate::check::verify::compare::{Against, Compared};
+use crate::check::verify::listing::{ImagesOf, Listing, Taking};
+use crate::check::verify::mistake::{Mistake, Reading};
+use crate::check::verify::rows::{At, Kind, ROWS, Tries, one};
+use crate::check::verify::{Job, Naming, WORST};
+use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
+use contactbench_core::scene::Lattice;
+use contactbench_scenes::touching::{contacts, particle, resized};
+
+/// Differences below this, in mean radii, may be rounding of f32.
+const ROUNDED: f64 = 1e-3;
+/// Pairs within this of just touching, in mean radii, are tangent to the last digits.
+const TANGENT: f64 = 1e-9;
+/// Two mistakes at once take some twenty detections: not of more particles than this.
+const FEW: usize = 100_000;
+
+/// The search for the mistakes of a list.
+pub(super) struct Search<'a> {
+    pub job: &'a Job<'a>,
+    /// A box may be guessed.
+    pub may_guess: bool,
+    /// The list, its numbers and images taken in the way in which it differs least.
+    pub listing: Listing,
+    /// What is different in these.
+    of_list: Vec<Mistake>,
+    pub found: Compared,
+    best: Reading,
+}
+
+impl<'a> Search<'a> {
+    /// The reading with the fewest pairs that differ, if it is better by half than the list as it
+    /// stands.
+    pub fn best(
+        job: &'a Job<'a>,
+        truth: &Contacts,
+        may_guess: bool,
+    ) -> anyhow::Result<Option<Reading>> {
+        let (mut search, given) = Search::of_list(job, truth, may_guess)?;
+        let at = At { space: job.space, truth };
+        search.try_all(at, &[], &[Kind::Part, Kind::Tie, Kind::Size, Kind::Box]);
+        if search.best.wrong > 0 && job.space.scene().len() <= FEW {
+            search.two_at_once(job.space);
+        }
+        if search.best.wrong > 0 && job.list.images.is_some() {
+            search.without_images(at)?;
+        }
+        Ok(Some(search.best).filter(|reading| reading.wrong < given.div_ceil(2)))
+    }
+
+    /// Takes numbers, sides and images of a list in all ways; and the pairs that differ as it
+    /// stands.
+    fn of_list(
+        job: &'a Job<'a>,
+        truth: &Contacts,
+        may_guess: bool,
+    ) -> anyhow::Result<(Search<'a>, u64)> {
+        let mut search = Search {
+            job,
+            may_guess,
+            listing: Listing::default(),
+            of_list: Vec::new(),
+            found: Compared::default(),
+            best: Reading { wrong: u64::MAX, ..Reading::plain(0) },
+        };
+        let cells = cells(job.space);
+        let mut images = vec![(None, ImagesOf::Second)];
+        if job.list.images.is_some() {
+            images.push((Some(Mistake::ImagesOfFirst), ImagesOf::First));
+            if cells.iter().any(|cell| *cell != [0; 3]) {
+                images.push((Some(Mistake::ImagesWrapped), ImagesOf::Wrapped(&cells)));
+            }
+        }
+        let mut given = None;
+        for naming in std::iter::once(job.naming).chain(job.others) {
+            for &(mistake, images) in &images {
+                for both_sides in [false, true] {
+                    let taking = Taking { naming, images, both_sides, without: None };
+                    let listing = Listing::new(job.list, taking, job.space.scene().len())?;
+                    let found = search.against(job.space, truth).hold(&listing);
+                    let wrong = found.errors.wrong() + listing.faults();
+                    given.get_or_insert(wrong);
+                    if wrong < search.best.wrong {
+                        let meaning = naming.meaning();
+                        let other = (meaning != job.naming.meaning()).then_some(meaning);
+                        search.of_list = [
+                            other.map(Mistake::Numbers),
+                            both_sides.then_some(Mistake::BothSides),
+                            mistake,
+                        ]
+                        .into_iter()
+                        .flatten()
+                        .collect();
+                        let listed = job.list.pairs.len() as u64;
+                        let listed = if both_sides { listed.div_ceil(2) } else { listed };
+                        let mistakes = search.of_list.clone();
+                        search.best = Reading { mistakes, listed, wrong };
+                        (search.listing, search.found) = (listing, found);
+                    }
+                }
+            }
+        }
+        Ok((search, given.unwrap_or_default()))
+    }
+
+    /// Tries the rows of these kinds, with mistakes that were made before, until all is explained.
+    fn try_all(&mut self, at: At<'_>, before: &[Mistake], kinds: &[Kind]) {
+        let errors = self.found.errors;
+        let near = errors.duplicate + errors.self_pairs + self.listing.faults();
+        let small = errors.missed + errors.spurious > 0 && self.largest() <= ROUNDED;
+        for row in ROWS.iter().filter(|row| kinds.contains(&row.kind)) {
+            if row.kind == Kind::Tie && !small {
+                continue;
+            }
+            let most = match row.kind {
+                Kind::Size => near + self.found.spurious.far,
+                _ if before.is_empty() => u64::MAX,
+                _ => 0,
+            };
+            let mut better = Vec::new();
+            for (mistake, contacts) in (row.tries)(self, at) {
+                let found = self.against(self.job.space, &contacts).hold(&self.listing);
+                let wrong = found.errors.wrong() + self.listing.faults();
+                better.push((mistake, wrong));
+                if wrong == 0 {
+                    break;
+                }
+            }
+            for (mistake, wrong) in better.into_iter().filter(|(_, wrong)| *wrong <= most) {
+                self.consider(before, mistake, wrong);
+            }
+            if self.best.wrong == 0 {
+                return;
+            }
+        }
+        if small && before.is_empty() && self.largest() < TANGENT {
+            self.consider(before, Mistake::Tangent, near);
+        }
+    }
+
+    fn consider(&mut self, before: &[Mistake], mistake: Mistake, wrong: u64) {
+        if wrong < self.best.wrong {
+            let mistakes = [&self.of_list, before, &[mistake]].concat();
+            self.best = Reading { mistakes, wrong, ..self.best };
+        }
+    }
+
+    /// Diameters taken for radii, or the other way, in another box or a part of it.
+    fn two_at_once(&mut self, space: &Periodic<'_>) {
+        let limit = self.job.terms.memory_limit;
+        for by in [0.5, 2.0] {
+            let Ok(sized) = resized(space, |r| (by * r).min(f64::MAX)) else { continue };
+            let Ok(truth) = contacts(&sized, limit) else { continue };
+            let at = At { space: &sized, truth: &truth.into_iter().collect() };
+            self.try_all(at, &[Mistake::Radii(by)], &[Kind::Part, Kind::Box]);
+            if self.best.wrong == 0 {
+                return;
+            }
+        }
+    }
+
+    /// The same numbers without images.
+    fn without_images(&mut self, at: At<'_>) -> anyhow::Result<()> {
+        let numbers = self.of_list.iter().find_map(|mistake| match mistake {
+            Mistake::Numbers(meaning) => Some(*meaning),
+            _ => None,
+        });
+        let meant = |naming: &&Naming| Some(naming.meaning()) == numbers;
+        let naming = self.job.others.iter().find(meant).unwrap_or(self.job.naming);
+        let both_sides = self.of_list.contains(&Mistake::BothSides);
+        let taking = Taking { naming, images: ImagesOf::LeftOut, both_sides, without: None };
+        let listing = Listing::new(self.job.list, taking, at.space.scene().len())?;
+        let found = self.against(at.space, at.truth).hold(&listing);
+        let zero = self.job.list.images.into_iter().flatten().all(|image| *image == [0; 3]);
+        let of_images = [Mistake::ImagesOfFirst, Mistake::ImagesWrapped];
+        self.of_list.retain(|mistake| !of_images.contains(mistake));
+        let wrong = found.errors.wrong() + listing.faults();
+        self.consider(&[], Mistake::ImagesLeftOut { zero }, wrong);
+        Ok(())
+    }
+
+    pub fn against<'b>(&self, space: &'b Periodic<'b>, truth: &'b Contacts) -> Against<'b> {
+        const NONE: &Contacts = &Contacts { plain: Vec::new(), shifted: Vec::new() };
+        Against { space, truth, near: NONE, skin: 0.0, kept: WORST }
+    }
+
+    /// The largest overlap or gap of a pair that differs, in mean radii.
+    pub fn largest(&self) -> f64 {
+        self.found.errors.deepest_miss.max(self.found.errors.widest_false)
+    }
+
+    /// Whether at least so many pairs are too many, not far apart, and none is missed.
+    pub fn is_larger(&self, least: u64) -> bool {
+        let Compared { errors, spurious, .. } = &self.found;
+        errors.missed == 0 && spurious.count - spurious.far >= least
+    }
+
+    /// Whether at least so many contacts are missed, and only pairs far apart are too many.
+    pub fn is_smaller(&self, least: u64) -> bool {
+        let Compared { errors, spurious, .. } = &self.found;
+        errors.missed >= least && spurious.count == spurious.far
+    }
+
+    /// What touches with radii `by` times as large, and a little more.
+    pub fn with_radii<'b>(
+        &self,
+        at: At<'b>,
+        by: f64,
+        more: f64,
+        keep: impl Fn(ImagePair) -> bool,
+    ) -> Tries<'b> {
+        let limit = self.job.terms.memory_limit;
+        let sized = resized(at.space, |r| (by * more * r).min(f64::MAX));
+        match sized.and_then(|sized| contacts(&sized, limit)) {
+            Ok(contacts) if !contacts.is_empty() => {
+                one(Mistake::Radii(by), contacts.into_iter().filter(|&pair| keep(pair)).collect())
+            }
+            _ => Box::new(std::iter::empty()),
+        }
+    }
+
+    /// What touches in these boxes.
+    pub fn boxes<'b>(
+        &self,
+        at: At<'b>,
+        boxes: impl IntoIterator<Item = Option<(Mistake, Lattice)>> + 'b,
+    ) -> Tries<'b> {
+        let limit = self.job.terms.memory_limit;
+        let truth = move |(mistake, lattice): (Mistake, Lattice)| {
+            let periodic = Periodic::new(at.space.scene().clone(), lattice).ok()?;
+            Some((mistake, contacts(&periodic, limit).ok()?.into_iter().collect()))
+        };
+        Box::new(boxes.into_iter().flatten().filter_map(truth))
+    }
+}
+
+/// By how many vectors each particle is out of the box.
+fn cells(space: &Periodic<'_>) -> Vec<[i32; 3]> {
+    let lattice = space.lattice();
+    let cell = |k: u32| {
+        let (centre, _) = particle(space.scene(), k);
+        std::array::from_fn(|v| {
+            let (dual, corner) = (lattice.dual(v), lattice.origin());
+            let at: f64 = (0..3).map(|k| (centre[k] - corner[k]) * dual[k]).sum();
+            if lattice.periodic()[v] { at.floor() as i32 } else { 0 }
+        })
+    };
+    (0..space.scene().len() as u32).map(cell).collect()
+}

@@ -1,0 +1,290 @@
+use super::*;
+use contactbench_core::detect::{Options, table};
+use contactbench_core::periodic::{self, BRUTE_FORCE, depth};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_scenes::spec::Spec;
+use contactbench_scenes::touching::{in_open_space, nearest, particle};
+
+const GIVEN: Allowed = Allowed { both_sides: false, skin: 0.0 };
+const BOTH: Allowed = Allowed { both_sides: true, skin: 0.0 };
+
+fn skin(skin: f64) -> Allowed {
+    Allowed { skin, ..GIVEN }
+}
+
+/// Unit discs at 0, 1, 3, 10 and 20: 0,1 overlap by one radius, 1,2 are tangent, 0,2 is 1 apart.
+fn row() -> AnyScene<'static> {
+    let centres = [0.0, 1.0, 3.0, 10.0, 20.0].map(|x| nalgebra::Point::from([x, 0.0]));
+    Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
+}
+
+/// Discs in a box of these edges that repeats along both.
+fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static> {
+    let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
+    let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
+    let lattice = Lattice::along_axes([edges[0], edges[1], 0.0], [true, true, false]).unwrap();
+    Periodic::new(scene.into(), lattice).unwrap()
+}
+
+/// The comparison, and the reading that explains what differs.
+fn ask(
+    space: &Periodic<'_>,
+    list: Listed<'_>,
+    naming: &Naming,
+    others: &[Naming],
+    allowed: Allowed,
+) -> (Verification, Option<Reading>) {
+    let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
+    let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, without: None };
+    let job = Job { space, list, naming, others, terms };
+    let found = verify(&job).unwrap();
+    let reading = explain(&job, &found, None).unwrap();
+    (found, reading)
+}
+
+fn of_row(pairs: &[Couple], naming: &Naming, allowed: Allowed) -> Verification {
+    ask(&in_open_space(&row()).unwrap(), Listed { pairs, images: None }, naming, &[], allowed).0
+}
+
+fn in_box(
+    periodic: &Periodic<'_>,
+    pairs: &[Couple],
+    images: Option<&[[i32; 3]]>,
+    allowed: Allowed,
+) -> (Verification, Option<Reading>) {
+    let others = [Naming::Base(1)];
+    ask(periodic, Listed { pairs, images }, &Naming::Base(0), &others, allowed)
+}
+
+/// Missed, spurious, repeated, and with itself.
+fn counts(found: &Verification) -> [u64; 4] {
+    let Errors { missed, spurious, duplicate, self_pairs, .. } = found.errors;
+    [missed, spurious, duplicate, self_pairs]
+}
+
+#[test]
+fn every_kind_of_difference_is_found() {
+    let list = [[2, 1], [1, 2], [3, 3], [2, 3], [0, 4], [1, 9]];
+    let found = of_row(&list, &Naming::Base(0), GIVEN);
+    assert_eq!((counts(&found), found.truth.len()), ([1, 2, 1, 1], 2));
+    assert_eq!((found.unknown.as_slice(), found.is_same()), (&[[1, 9]][..], false));
+    let pair = |i, j| ImagePair::new(i, j, [0; 3]);
+    assert_eq!(found.missed, [(pair(0, 1), 1.0)]);
+    assert_eq!(found.spurious, [(pair(0, 4), -18.0), (pair(2, 3), -5.0)]);
+    assert_eq!([found.errors.deepest_miss, found.errors.widest_false], [1.0, 18.0]);
+    assert!(of_row(&[[0, 1], [2, 1]], &Naming::Base(0), GIVEN).is_same());
+    let twice = Naming::by_id(&[7, 8, 7]).unwrap_err().to_string();
+    assert!(twice.contains("the id 7 stands twice in the file, at particles 0 and 2"), "{twice}");
+}
+
+#[test]
+fn both_sides_and_skins_are_allowed_where_asked_for() {
+    let ids = Naming::by_id(&[7, 8, 9, 10, 11]).unwrap();
+    for (naming, [a, b, c]) in [(&Naming::Base(0), [0, 1, 2]), (&ids, [7, 8, 9])] {
+        let both = |list: &[Couple]| of_row(list, naming, BOTH);
+        assert!(both(&[[a, b], [c, b], [b, a], [b, c]]).is_same());
+        let found = both(&[[a, b], [c, b], [b, a]]);
+        assert_eq!((found.one_sided, found.errors), (vec![[c, b]], Errors::default()));
+        let list = [[a, b], [b, c], [a, c]];
+        let found = of_row(&list, naming, skin(1.0));
+        assert_eq!((found.is_same(), found.within_skin), (true, 1));
+        assert_eq!(of_row(&list, naming, skin(0.9)).errors.spurious, 1);
+    }
+}
+
+/// The pairs of a pack whose centres are less than `reach` apart, across a box of that length if
+/// there is one.
+fn apart(scene: &AnyScene<'_>, reach: f64, period: f64) -> Vec<Couple> {
+    let n = scene.len() as u32;
+    let near = |i: u32, j: u32| {
+        let (a, b) = (particle(scene, i).0, particle(scene, j).0);
+        let along = |x: f64| if x.abs() > period / 2.0 { period - x.abs() } else { x };
+        let square: f64 = a.iter().zip(&b).map(|(a, b)| along(a - b).powi(2)).sum();
+        square <= reach * reach
+    };
+    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j]));
+    pairs.filter(|&[i, j]| near(i, j)).map(|pair| pair.map(i64::from)).collect()
+}
+
+#[test]
+fn usual_mistakes_are_recognised_alone_and_together() {
+    let pack = Spec::parse("packed:dim=3,n=216,lattice=cubic").unwrap().make().unwrap();
+    let dense = Spec::parse("packed:n=100,spacing=0.45").unwrap().make().unwrap();
+    let none = f64::INFINITY;
+    let ids = Naming::by_id(&(0..216).map(|k| 3 * k + 7).collect::<Vec<_>>()).unwrap();
+    let right = apart(&pack, 1.0, none);
+    let map = |list: &[Couple], name: fn(i64) -> i64| -> Vec<Couple> {
+        list.iter().map(|pair| pair.map(name)).collect()
+    };
+    let twice: Vec<Couple> = right.iter().flat_map(|&[i, j]| [[i, j], [j, i]]).collect();
+    let others = [Naming::Base(1), ids];
+    let read = |scene: &AnyScene<'_>, pairs: &[Couple]| {
+        let list = Listed { pairs, images: None };
+        ask(&in_open_space(scene).unwrap(), list, &Naming::Base(0), &others, GIVEN).1
+    };
+    let one = Mistake::Numbers(Meaning::Base(1));
+    for (scene, list, mistakes) in [
+        (&pack, map(&right, |i| i + 1), vec![one]),
+        (&pack, map(&right, |i| 3 * i + 7), vec![Mistake::Numbers(Meaning::Ids)]),
+        (&pack, map(&twice, |i| i + 1), vec![one, Mistake::BothSides]),
+        // Diameters of 2 for radii of 0.5 reach 2; a radius that was halved reaches 0.5.
+        (&dense, apart(&dense, 0.5, none), vec![Mistake::Radii(0.5)]),
+        (&pack, apart(&pack, 2.0, none), vec![Mistake::Radii(2.0)]),
+    ] {
+        let reading = read(scene, &list).expect("it is explained");
+        assert_eq!((reading.mistakes, reading.wrong), (mistakes, 0));
+    }
+    let reading = read(&pack, &map(&apart(&pack, 1.2, none), |i| i + 1)).unwrap();
+    let [first, Mistake::Skin(skin)] = reading.mistakes[..] else { panic!("{reading:?}") };
+    assert!(first == one && skin <= 0.2 && skin > 0.05 && reading.wrong == 0, "{skin}");
+    let reading = read(&pack, &apart(&pack, 1.0, 6.0)).unwrap();
+    let [Mistake::Periods(periods)] = reading.mistakes[..] else { panic!("{reading:?}") };
+    let good = |period: &Option<f64>| period.is_some_and(|period| (5.8..6.2).contains(&period));
+    assert!(periods.iter().all(good) && reading.wrong == 0, "{periods:?}");
+    // What is far apart does not hide a skin.
+    let mut far = apart(&pack, 1.2, none);
+    let close = apart(&pack, 5.0, none);
+    far.extend(apart(&pack, 99.0, none).into_iter().filter(|it| !close.contains(it)).take(2));
+    let reading = read(&pack, &far).unwrap();
+    assert!(matches!(reading.mistakes[..], [Mistake::Skin(_)]) && reading.wrong == 2);
+    // Any wrong pairs are explained by nothing.
+    let mut wrong = right.clone();
+    wrong.extend((0..200).map(|k| [k, (7 * k + 5) % 216]).filter(|[i, j]| i != j));
+    assert_eq!(read(&pack, &wrong), None);
+}
+
+#[test]
+fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
+    // In a box of 2 by 9, 0 and 1 touch at both sides, exactly; 1 and 2 once.
+    let row = discs(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], 0.5, [2.0, 9.0]);
+    let each = [[0, 1], [1, 2], [1, 0]];
+    for (list, taken, expected) in [
+        (&each[..], Taken::Each, [0; 4]),
+        (&each[..2], Taken::Once, [0; 4]),
+        (&each[1..2], Taken::Once, [1, 0, 0, 0]),
+        (&[], Taken::Once, [2, 0, 0, 0]),
+        (&[[0, 1], [1, 2], [1, 0], [0, 1]], Taken::Each, [0, 0, 1, 0]),
+        (&[[0, 1], [1, 0]], Taken::Each, [1, 0, 0, 0]),
+        (&[[0, 1], [1, 2], [2, 1]], Taken::Once, [0, 0, 1, 0]),
+        (&[[0, 1], [1, 2], [0, 2]], Taken::Once, [0, 1, 0, 0]),
+        (&[[0, 1], [1, 2], [0, 2], [2, 0]], Taken::Once, [0, 1, 1, 0]),
+        (&[[0, 1], [1, 2], [2, 2]], Taken::Once, [0, 0, 0, 1]),
+    ] {
+        let (found, _) = in_box(&row, list, None, GIVEN);
+        assert_eq!((found.taken, counts(&found)), (taken, expected), "{list:?}");
+        assert_eq!((found.truth.len(), found.is_same()), (3, expected == [0; 4]), "{list:?}");
+    }
+    // A spurious pair is shown by its nearest image: 0 and 2 are sqrt 2 apart at both sides.
+    let (found, _) = in_box(&row, &[[0, 1], [1, 2], [0, 2]], None, GIVEN);
+    let (pair, depth) = found.spurious[0];
+    assert_eq!((pair.i, pair.j), (0, 2));
+    assert!((depth + 2.0 * (2f64.sqrt() - 1.0)).abs() < 1e-15, "{depth}");
+    // From both sides.
+    let twice = [[0, 1], [1, 0], [0, 1], [1, 0], [1, 2], [2, 1]];
+    assert!(in_box(&row, &twice, None, BOTH).0.is_same());
+    let (found, _) = in_box(&row, &twice[..5], None, BOTH);
+    assert_eq!((counts(&found), found.one_sided), ([0; 4], vec![[1, 2]]));
+}
+
+#[test]
+fn particles_touch_their_own_images() {
+    // One disc in a square of its diameter: two contacts with itself, four neighbours.
+    let one = discs(&[[0.3, 7.0]], 0.5, [1.0, 1.0]);
+    for (rows, allowed, taken, expected) in [
+        (1, GIVEN, Taken::Once, [0; 4]),
+        (2, GIVEN, Taken::Each, [0; 4]),
+        (4, GIVEN, Taken::Each, [0, 0, 2, 0]),
+        (4, BOTH, Taken::Each, [0; 4]),
+    ] {
+        let (found, _) = in_box(&one, &vec![[0, 0]; rows], None, allowed);
+        assert_eq!((found.taken, counts(&found)), (taken, expected), "{rows}");
+    }
+    let images = [[1, 0, 0], [0, -1, 0], [-1, 0, 0], [0, 1, 0], [0, 0, 0]];
+    let of = |images: &[[i32; 3]], allowed| {
+        let (found, _) = in_box(&one, &vec![[0, 0]; images.len()], Some(images), allowed);
+        (counts(&found), found.one_sided.len())
+    };
+    assert_eq!(of(&images[..2], GIVEN), ([0; 4], 0));
+    assert_eq!(of(&images[..4], GIVEN), ([0, 0, 2, 0], 0));
+    assert_eq!(of(&images[..4], BOTH), ([0; 4], 0));
+    assert_eq!(of(&images[..3], BOTH), ([0; 4], 1));
+    assert_eq!(of(&images[1..2], GIVEN), ([1, 0, 0, 0], 0));
+    assert_eq!(of(&images[3..], GIVEN), ([1, 0, 0, 1], 0));
+    assert_eq!(of(&[[1, 0, 0], [0, 1, 0], [1, 1, 0]], GIVEN), ([0, 1, 0, 0], 0));
+}
+
+#[test]
+fn pairs_within_a_skin_may_be_there_through_each_image() {
+    // 0.5 apart at both sides.
+    let row = discs(&[[0.0, 0.0], [1.5, 0.0]], 0.5, [3.0, 9.0]);
+    let ask = |pairs: &[Couple], images, allowed| in_box(&row, pairs, images, allowed).0;
+    let images: Vec<[i32; 3]> = vec![[0; 3], [-1, 0, 0]];
+    let found = ask(&[[0, 1]; 2], Some(&images), skin(0.5));
+    assert_eq!((found.is_same(), found.within_skin), (true, 2));
+    let found = ask(&[[0, 1]; 2], Some(&images), skin(0.49));
+    assert_eq!((found.is_same(), counts(&found)), (false, [0, 2, 0, 0]));
+    assert!(ask(&[[0, 1]], None, skin(0.5)).is_same());
+    assert!(ask(&[], None, skin(0.5)).is_same());
+    assert_eq!(counts(&ask(&[[0, 1]], None, skin(0.4))), [0, 1, 0, 0]);
+    // A little farther is farther.
+    let far = discs(&[[0.0, 0.0], [1.5 + 1e-10, 0.0]], 0.5, [9.0, 9.0]);
+    assert_eq!(counts(&in_box(&far, &[[0, 1]], None, skin(0.5)).0), [0, 1, 0, 0]);
+    // They touch through one image, and are 0.75 apart through another.
+    let mixed = discs(&[[0.0, 0.0], [1.0, 0.0]], 0.5, [2.75, 9.0]);
+    let ask = |pairs: &[Couple]| in_box(&mixed, pairs, None, skin(0.8)).0;
+    let found = ask(&[[0, 1]; 2]);
+    assert_eq!((found.is_same(), found.within_skin), (true, 1));
+    assert_eq!(counts(&ask(&[[0, 1]; 3])), [0, 0, 1, 0]);
+    assert_eq!(counts(&ask(&[])), [1, 0, 0, 0]);
+    let reading = in_box(&row, &[[0, 1]; 2], Some(&images), GIVEN).1.unwrap();
+    assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Skin(0.5)], 0));
+}
+
+/// The nearest image, from far away and in a box with a shear.
+#[test]
+fn the_nearest_image_is_found() {
+    let scene = Scene::new(
+        vec![nalgebra::Point::from([100.25, -3.0, 0.0]), nalgebra::Point::from([0.0, 0.0, 0.5])],
+        Radii::Uniform(0.5),
+    );
+    let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
+    let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+    let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
+    // By -3 of the second vector and 27 of the first, (1.25, 0) are left; by -4 and 28, (0.25, 1),
+    // which is shorter, though the fractions of the difference are 27.3125 and -3.
+    let pair = nearest(&periodic, [0, 1]);
+    assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
+    let distance = (0.0625f64 + 1.0 + 0.25).sqrt();
+    assert!((depth(&periodic, pair) + 2.0 * (distance - 1.0)).abs() < 1e-14);
+    assert!((gap(&periodic, pair) - (distance - 1.0)).abs() < 1e-14);
+}
+
+/// Beyond what is tested by all pairs, and against the guess of a list that knows no box.
+#[test]
+fn many_particles_are_compared_with_what_two_detectors_say() {
+    let pack = Spec::parse("packed:dim=3,n=3375,lattice=cubic").unwrap().make().unwrap();
+    assert!(pack.len() > BRUTE_FORCE);
+    let edges = [0, 1, 2].map(|axis| {
+        let along = (0..pack.len() as u32)
+            .map(|k| particle(&pack, k).0[axis])
+            .fold([f64::INFINITY, 0.0f64], |[low, high], x| [low.min(x), high.max(x)]);
+        along[1] - along[0] + 0.75
+    });
+    let cube = Lattice::along_axes(edges, [true; 3]).unwrap();
+    let periodic = Periodic::new(pack, cube).unwrap();
+    let mut other = table::find("kd-tree").unwrap().make(Options::default());
+    let truth = periodic::contacts(&periodic, &mut *other, Arithmetic::Exact, 1 << 28).unwrap();
+    let listed = |pairs: &[ImagePair]| -> (Vec<Couple>, Vec<[i32; 3]>) {
+        let names = pairs.iter().map(|pair| [pair.i, pair.j].map(i64::from));
+        (names.collect(), pairs.iter().map(|pair| pair.image).collect())
+    };
+    let (pairs, images) = listed(&truth);
+    assert!(images.iter().any(|image| *image != [0; 3]));
+    assert!(in_box(&periodic, &pairs, Some(&images), GIVEN).0.is_same());
+    assert!(in_box(&periodic, &pairs, None, GIVEN).0.is_same());
+    let open: Vec<ImagePair> = truth.iter().copied().filter(|p| p.image == [0; 3]).collect();
+    let (found, reading) = in_box(&periodic, &listed(&open).0, None, GIVEN);
+    assert_eq!(counts(&found), [(truth.len() - open.len()) as u64, 0, 0, 0]);
+    let reading = reading.unwrap();
+    assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Open], 0));
+}

@@ -1,0 +1,142 @@
+//! In which way an answer is wrong.
+
+use std::fmt;
+use std::time::Duration;
+
+use contactbench_core::periodic::ImagePair;
+use contactbench_core::sink::Digest;
+
+/// In which way a detector is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wrong {
+    /// It misses, adds or repeats pairs.
+    Pairs(Differences),
+    /// It refuses the scene, but has reported so many pairs before.
+    RefusesLate(u64),
+    /// It panics, with this message.
+    Panics(String),
+    /// It was not ready after this time.
+    Hangs(Duration),
+    /// A runner died: how, and the end of what it said on its standard error.
+    Dies {
+        /// How, and its last words, in one sentence.
+        how: String,
+        /// The last lines.
+        errors: String,
+    },
+    /// A runner broke the protocol: what it should have done, and what it did.
+    Breaks(String),
+    /// A function does something else than answering: what, as in `raises an error`.
+    Fails(String),
+    /// Pairs that nobody can see, of a runner that does not give them or too many for a list, are
+    /// others than the truth.
+    Counts {
+        /// What it says.
+        said: Digest,
+        /// What is true.
+        truth: Digest,
+    },
+}
+
+/// What is wrong with a list of contacts. The smaller index stands first; in open scenes images are
+/// 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Differences {
+    /// Touching pairs not reported.
+    pub missed: Vec<ImagePair>,
+    /// Reported pairs that do not touch.
+    pub spurious: Vec<ImagePair>,
+    /// Particles reported with themselves.
+    pub selves: Vec<ImagePair>,
+    /// Pairs reported again, once for each time.
+    pub duplicate: Vec<ImagePair>,
+}
+
+/// This many pairs of a kind are shown.
+const SHOWN: usize = 4;
+
+impl Differences {
+    /// Compares what was reported, in any order, with the true pairs, each once and in ascending
+    /// order.
+    pub fn new(mut reported: Vec<ImagePair>, truth: &[ImagePair]) -> Differences {
+        reported.sort_unstable();
+        let duplicate: Vec<ImagePair> =
+            reported.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+        reported.dedup();
+        let without = |pairs: &[ImagePair], others: &[ImagePair]| {
+            let absent = |pair: &ImagePair| others.binary_search(pair).is_err();
+            pairs.iter().copied().filter(absent).collect::<Vec<_>>()
+        };
+        let of_itself = |pair: &ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        let (selves, spurious) = without(&reported, truth).into_iter().partition(of_itself);
+        Differences { missed: without(truth, &reported), spurious, selves, duplicate }
+    }
+}
+
+impl fmt::Display for Differences {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Differences { missed, spurious, selves, duplicate } = self;
+        write!(
+            f,
+            "{} missed, {} spurious, {} duplicate pairs",
+            missed.len(),
+            spurious.len(),
+            duplicate.len()
+        )?;
+        if !selves.is_empty() {
+            write!(f, ", {} of a particle with itself", selves.len())?;
+        }
+        for (kind, pairs) in [
+            ("missed", missed),
+            ("spurious", spurious),
+            ("itself", selves),
+            ("duplicate", duplicate),
+        ] {
+            if !pairs.is_empty() {
+                let shown: Vec<String> =
+                    pairs.iter().take(SHOWN).map(ImagePair::to_string).collect();
+                write!(
+                    f,
+                    "; {kind} {}{}",
+                    shown.join(" "),
+                    if pairs.len() > SHOWN { " ..." } else { "" }
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Wrong {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Wrong::Pairs(differences) => differences.fmt(f),
+            Wrong::RefusesLate(reported) => {
+                write!(f, "it refuses after it has reported {reported} pairs")
+            }
+            Wrong::Panics(message) => {
+                write!(f, "it panics: {}", message.lines().next().unwrap_or_default())
+            }
+            Wrong::Hangs(deadline) => {
+                write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64())
+            }
+            Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
+            Wrong::Fails(what) => write!(f, "it {what}"),
+            Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
+            Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
+                write!(
+                    f,
+                    "it finds other pairs, as many as there are ({}); nobody knows which",
+                    said.contacts
+                )
+            }
+            Wrong::Counts { said, truth } => {
+                write!(
+                    f,
+                    "it finds {} pairs, there are {}; nobody knows which",
+                    said.contacts, truth.contacts
+                )
+            }
+        }
+    }
+}

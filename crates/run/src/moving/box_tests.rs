@@ -1,0 +1,349 @@
+use nalgebra::Point;
+
+use super::names::{Nearest, Onward, repeating, sum};
+use super::through::Through;
+use super::*;
+use contactbench_core::contact::image::{Shift, compare};
+use contactbench_core::contact::swept::touches_within;
+use contactbench_core::scene::{Lattice, Radii, Scene};
+use contactbench_core::sink::splitmix64;
+use contactbench_core::track;
+use contactbench_scenes::motion::{Frames, Kind, Motion};
+use contactbench_scenes::spec::Spec;
+
+const LIMIT: u64 = 1 << 26;
+
+fn given<const D: usize>(centres: Vec<[f64; D]>, radius: f64, lattice: Lattice) -> Given
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let centres = centres.into_iter().map(Point::from).collect::<Vec<_>>();
+    Given::in_box(Scene::new(centres, Radii::Uniform(radius)).unwrap().into(), lattice).unwrap()
+}
+
+fn square(edge: f64) -> Lattice {
+    Lattice::along_axes([edge, edge, 1.0], [true, true, false]).unwrap()
+}
+
+fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
+    let trackers: Vec<TrackerSpec> =
+        trackers.iter().map(|text| track::parse(text).unwrap()).collect();
+    let question = Question {
+        trackers: &trackers,
+        arithmetic: Arithmetic::Exact,
+        frames: u64::MAX,
+        memory_limit: LIMIT,
+    };
+    follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
+}
+
+/// Asked in every frame, and with lists that promise to miss nothing; and with one that does not.
+#[test]
+fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
+    let trackers = [
+        "every-step(nbs)",
+        "verlet(nbs,skin=0.3)",
+        "verlet(streamed-nbs,skin=auto)",
+        "verlet(nbs,skin=0.02,rule=every-6)",
+    ];
+    let mut missed = 0;
+    for text in [
+        "loose:dim=2,n=70,fraction=0.5,periodic=true",
+        "loose:dim=2,n=4,fraction=0.6,periodic=true,tilt=0.4",
+        "loose:dim=2,n=70,fraction=0.5,periodic=x",
+        "loose:dim=3,n=60,fraction=0.4,periodic=true,tilt=-0.3",
+        "loose:dim=3,n=3,fraction=0.6,periodic=true,tilt=2.4",
+        "loose:dim=3,n=60,fraction=0.4,periodic=yz,size-ratio=3",
+    ] {
+        for kind in [Kind::Rest, Kind::Drift, Kind::Shear, Kind::Jitter, Kind::Brownian] {
+            let scene = Spec::parse(text).unwrap().given().unwrap();
+            let mut frames = Frames::new(&scene, Motion { kind, speed: 0.11, seed: 3 }).unwrap();
+            let frames: Vec<Given> = (0..19).map(|k| frames.at(k).unwrap()).collect();
+            let Followed { moved, trackers, .. } = followed(&frames, &trackers);
+            assert_eq!((moved.frames, &moved.uncounted), (19, &None), "{text} {kind:?}");
+            let changes = moved.born + moved.ended;
+            assert!(
+                moved.contacts > 19 && (changes > 0) == (kind != Kind::Rest),
+                "{text} {kind:?}"
+            );
+            for it in &trackers {
+                assert_eq!((&it.refused, it.spurious), (&None, 0), "{text} {kind:?} {}", it.spec);
+                assert_eq!(it.reported + it.late.missed, moved.contacts, "{text} {}", it.spec);
+                assert!(!it.is_safe || it.late.missed == 0, "{text} {kind:?} {}", it.spec);
+            }
+            missed += trackers[3].late.missed;
+        }
+    }
+    assert!(missed > 500, "{missed}");
+}
+
+/// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
+/// far they go.
+#[test]
+fn a_list_serves_a_box_that_is_sheared() {
+    let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
+    let motion = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
+    let mut frames = Frames::new(&scene.given().unwrap(), motion).unwrap();
+    let frames: Vec<Given> = (0..40).map(|k| frames.at(k).unwrap()).collect();
+    let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
+    assert_eq!(followed.trackers[0].builds.built, 1);
+}
+
+/// Two that touch fly on together, through one face after the other.
+#[test]
+fn a_contact_that_goes_through_a_face_goes_on() {
+    let flight = |k: u32| {
+        let x = 0.5 + 0.75 * f64::from(k);
+        let at = [[x, 2.0 * x], [x + 0.75, 2.0 * x + 0.5]];
+        given(at.map(|at| at.map(|x| x.rem_euclid(8.0))).to_vec(), 0.5, square(8.0))
+    };
+    let frames: Vec<Given> = (0..60).map(flight).collect();
+    let Followed { moved, trackers, .. } = followed(&frames, &["verlet(nbs,rule=every-59)"]);
+    assert_eq!([moved.contacts, moved.born, moved.ended, moved.tunnelled], [60, 0, 0, 0]);
+    assert!((moved.way.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
+    assert_eq!(trackers[0].late.missed, 0, "it was never out of the list");
+    // The same in a box that is sheared, and flipped back: seen from one, the other is at rest.
+    let frames: Vec<Given> = (0..60)
+        .map(|k| {
+            let tilt = 0.3 * f64::from(k);
+            let vectors =
+                [[8.0, 0.0, 0.0], [tilt - 8.0 * (tilt / 8.0).round(), 8.0, 0.0], [0.0; 3]];
+            let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+            given(vec![[1.0, 7.75], [(1.25 + tilt).rem_euclid(8.0), 0.5]], 0.5, lattice)
+        })
+        .collect();
+    // The image above the second stays where it is, though everything else moves.
+    let still: Vec<Given> = frames
+        .iter()
+        .map(|frame| {
+            let lattice = frame.lattice.unwrap();
+            let second = 1.25 - lattice.vectors()[1][0];
+            given(vec![[1.0, 7.75], [second.rem_euclid(8.0), 0.5]], 0.5, lattice)
+        })
+        .collect();
+    let moved = followed(&still, &[]).moved;
+    assert_eq!([moved.contacts, moved.born, moved.ended], [60, 0, 0]);
+    assert!(moved.way.longest < 0.31, "{moved:?}");
+    // And one that the box carries past ends, and is another when it comes again.
+    let moved = followed(&frames, &[]).moved;
+    assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
+}
+
+/// Missed since the frame in which they met, through the face, to the one in which it is reported.
+#[test]
+fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
+    let frames: Vec<Given> = (0..9)
+        .map(|k| {
+            let at = |x: f64| [(x + 0.5 * f64::from(k)).rem_euclid(8.0), 1.0];
+            // They meet in frame 1.
+            let gap = if k == 0 { 1.5 } else { 0.75 };
+            given(vec![at(6.25), at(6.25 + gap)], 0.5, square(8.0))
+        })
+        .collect();
+    let found = followed(&frames, &["verlet(direct,skin=0,rule=every-6)"]);
+    assert_eq!([found.moved.contacts, found.moved.born, found.moved.ended], [8, 1, 0]);
+    let late = &found.trackers[0].late;
+    assert_eq!((late.missed, late.first, late.latest, late.never), (5, Some(1), 5, 0));
+    assert_eq!(late.deepest, 0.5);
+}
+
+/// Places and ways that are whole sixteenths: nothing is rounded.
+fn sixteenths(seed: u64, n: u64, most: u64) -> Vec<[f64; 2]> {
+    let draw = |k: u64| (splitmix64(seed << 32 | k) % (2 * most + 1)) as f64 / 16.0;
+    (0..n).map(|k| [draw(2 * k), draw(2 * k + 1)].map(|x| x - most as f64 / 16.0)).collect()
+}
+
+/// A dump may wrap its particles, or not, or name any image.
+#[test]
+fn a_wrapped_dump_and_its_twin_are_one_motion() {
+    for (seed, way) in [(1, 3), (2, 20), (3, 40)] {
+        let (first, ways) = (sixteenths(seed, 40, 64), sixteenths(seed + 9, 40, way));
+        let frames = |named: &dyn Fn(usize, f64) -> f64| -> Vec<Given> {
+            let at = |k: u32, i: usize| -> [f64; 2] {
+                std::array::from_fn(|axis| {
+                    named(i + axis, first[i][axis] + f64::from(k) * ways[i][axis])
+                })
+            };
+            (0..25).map(|k| given((0..40).map(|i| at(k, i)).collect(), 0.5, square(8.0))).collect()
+        };
+        // Between two builds nobody goes half of the box: what is listed does not hang on names.
+        let tracker = ["verlet(nbs,rule=every-2)"];
+        let onwards = followed(&frames(&|_, x| x), &tracker);
+        let wrapped = followed(&frames(&|_, x| x.rem_euclid(8.0)), &tracker);
+        let anyhow = |i: usize, x: f64| x + 8.0 * ((7 * i) as f64 + x).rem_euclid(5.0).floor();
+        let anyhow = followed(&frames(&anyhow), &tracker);
+        assert!(onwards.moved.born > 5 && onwards.moved.way.longest > 0.1);
+        assert!(onwards.moved.tunnelled > 0 || way < 10, "{:?}", onwards.moved);
+        assert!(onwards.trackers[0].late.missed > 20);
+        let late = |of: &Followed| of.trackers[0].late.clone();
+        for other in [&wrapped, &anyhow] {
+            assert_eq!(other.moved, onwards.moved, "{seed}");
+            assert_eq!(late(other), late(&onwards), "{seed}");
+        }
+    }
+}
+
+/// Where nobody comes near a face, a box changes nothing.
+#[test]
+fn a_box_far_away_is_none() {
+    let (first, ways) = (sixteenths(5, 30, 64), sixteenths(6, 30, 25));
+    let places = |k: u32| -> Vec<[f64; 2]> {
+        let place = |(at, way): (&[f64; 2], &[f64; 2])| {
+            std::array::from_fn(|axis| at[axis] + f64::from(k % 3) * way[axis])
+        };
+        first.iter().zip(&ways).map(place).collect()
+    };
+    let boxed: Vec<Given> = (0..7).map(|k| given(places(k), 0.5, square(64.0))).collect();
+    let open: Vec<Given> = boxed.iter().map(|given| given.scene.clone().into()).collect();
+    let trackers = ["verlet(nbs,skin=0.01,rule=every-2)"];
+    let [boxed, open] = [boxed, open].map(|frames| followed(&frames, &trackers));
+    assert!(open.moved.tunnelled > 5 && open.moved.born > 5, "{:?}", open.moved);
+    assert_eq!(boxed.moved, open.moved);
+    assert_eq!(boxed.trackers[0].late, open.trackers[0].late);
+    assert!(open.trackers[0].late.missed > 0);
+}
+
+/// All images of all couples, in boxes that move and are flipped.
+#[test]
+fn no_contact_between_two_frames_is_lost_in_boxes() {
+    let mut all = 0;
+    for (seed, way, from, to) in [
+        (1, 14, [[4.0, 0.0], [0.5, 3.0]], [[4.0, 0.0], [0.5, 3.0]]),
+        (2, 14, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
+        (3, 14, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
+        (4, 14, [[1.5, 0.0], [0.5, 2.0]], [[1.5, 0.0], [-0.75, 2.0]]),
+        // The box alone moves.
+        (5, 0, [[4.0, 0.0], [1.5, 3.0]], [[4.0, 0.0], [-1.25, 3.0]]),
+        (6, 0, [[1.5, 0.0], [0.5, 1.5]], [[1.5, 0.0], [-0.125, 1.5]]),
+    ] {
+        let lattice = |rows: [[f64; 2]; 2]| {
+            let row = |v: usize| [rows[v][0], rows[v][1], 0.0];
+            Lattice::new([row(0), row(1), [0.0; 3]], [true, true, false], [0.0; 3]).unwrap()
+        };
+        let radius = 0.125;
+        let (first, ways) = (sixteenths(seed, 18, 32), sixteenths(seed + 20, 18, way));
+        let then = first.iter().zip(&ways).map(|(at, way)| [at[0] + way[0], at[1] + way[1]]);
+        let frames = [given(first.clone(), radius, lattice(from)), {
+            given(then.collect(), radius, lattice(to))
+        }];
+        let [last, frame] = frames.map(|given| given.periodic().unwrap().unwrap());
+        let mut names = Names::default();
+        assert!(names.next(&last).is_none());
+        let (_, onward): (_, Onward) = names.next(&frame).unwrap();
+        let through = Through::new(&last, &frame, &onward);
+        let (ways, _) = through.ways();
+        let found = through.tunnelled(&ways, LIMIT).unwrap();
+        let (before, after) = (repeating(last.lattice()), repeating(frame.lattice()));
+        let later = onward.vectors(frame.lattice());
+        let place = |at: &[f64; 3], image: [i32; 3], vectors: &[[f64; 3]; 3]| {
+            let shift = sum(image, vectors);
+            [at[0] + shift[0], at[1] + shift[1], 0.0]
+        };
+        let [x, given] = [&last, &frame].map(|frame| names::centres(frame.scene()));
+        let y: Vec<_> =
+            given.iter().zip(&onward.by).map(|(at, &by)| place(at, by, &after)).collect();
+        let mut count = 0;
+        for i in 0..18 {
+            for j in i..18 {
+                for s in 0..961 {
+                    let image = [s / 31 - 15, s % 31 - 15, 0];
+                    if i == j && image <= [0; 3] {
+                        continue;
+                    }
+                    let other = [place(&x[j], image, &before), place(&y[j], image, &later)];
+                    let apart = |at: &[[f64; 3]], image, vectors| {
+                        compare(&at[i], &at[j], radius, radius, Shift { image, vectors }).is_gt()
+                    };
+                    let pair = ImagePair { i: i as u32, j: j as u32, image };
+                    let is = touches_within([&x[i], &y[i]], [&other[0], &other[1]], radius, radius)
+                        && apart(&x, image, &before)
+                        && apart(&given, onward.called(pair), &after);
+                    count += u64::from(is);
+                }
+            }
+        }
+        assert_eq!(found, count, "{seed}");
+        assert!(way > 0 || count > 0, "{seed}");
+        all += count;
+    }
+    assert!(all > 20, "{all}");
+}
+
+#[test]
+fn boxes_that_change_too_much_are_not_counted() {
+    let frames = [square(8.0), square(3.0)].map(|box_| given(vec![[1.0, 1.0]], 0.5, box_));
+    let moved = followed(&frames, &[]).moved;
+    assert_eq!(
+        moved.uncounted.as_deref(),
+        Some("the box changes too much from one frame to the next")
+    );
+    // Nor are frames that do not follow each other; that costs nothing else.
+    let open: Given = frames[0].scene.clone().into();
+    let moved = followed(&[frames[0].clone(), open, frames[1].clone()], &["every-step(nbs)"]).moved;
+    assert_eq!((moved.frames, moved.tunnelled, moved.born), (3, 0, 0));
+}
+
+/// By all images that can be the nearest, in boxes that are tilted by more than their length, too.
+#[test]
+fn ways_are_those_to_the_nearest_image() {
+    for (vectors, repeats) in [
+        ([[4.0, 0.0, 0.0], [1.9, 3.0, 0.0], [0.0; 3]], [true, true, false]),
+        ([[4.0, 0.0, 0.0], [9.5, 3.0, 0.0], [-4.0, 2.5, 5.0]], [true; 3]),
+        ([[2.0, 0.0, 0.0], [1.0, 1.75, 0.0], [1.0, 0.5, 1.5]], [true; 3]),
+        ([[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 1.0]], [false, true, false]),
+    ] {
+        let lattice = Lattice::new(vectors, repeats, [0.0; 3]).unwrap();
+        let (nearest, vectors) = (Nearest::new(&lattice), repeating(&lattice));
+        let draw = |k: u64| (splitmix64(k) % 2048) as f64 / 128.0 - 8.0;
+        for k in 0..80 {
+            let at =
+                |from: u64| [draw(6 * k + from), draw(6 * k + from + 1), draw(6 * k + from + 2)];
+            let [at, then] = [at(0), at(3)];
+            let far = |by: [i32; 3]| {
+                let sum = sum(by, &vectors);
+                (0..3).map(|k| (then[k] - at[k] - sum[k]).powi(2)).sum::<f64>()
+            };
+            let all = (0..29i32.pow(3)).map(|s| [s / 841 - 14, s / 29 % 29 - 14, s % 29 - 14]);
+            let least = all.map(far).fold(f64::INFINITY, f64::min);
+            assert!(far(nearest.by(at, then)) <= least + 1e-9, "{lattice:?} {at:?} {then:?}");
+        }
+    }
+}
+
+/// Whatever image is named, and however often a sheared box was flipped.
+#[test]
+fn contacts_have_one_name_in_all_frames() {
+    let (first, ways) = (sixteenths(1, 12, 64), sixteenths(2, 12, 9));
+    let mut names = Names::default();
+    let mut flips = 0;
+    for k in 0..60i32 {
+        // Wrapped at random, in boxes of 8 by 8 with a tilt that grows by 0.75.
+        let tilt = 0.75 * f64::from(k);
+        let whole = (tilt / 8.0).round();
+        let vectors = [[8.0, 0.0, 0.0], [tilt - 8.0 * whole, 8.0, 0.0], [0.0; 3]];
+        let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+        flips = whole as i32;
+        let by = |i: usize| -> [i32; 2] {
+            let draw = |v: u64| (splitmix64((v << 40) + ((k as u64) << 20) + i as u64) % 5) as i32;
+            if k == 0 { [0; 2] } else { [draw(1) - 2, draw(2) - 2] }
+        };
+        let place = |i: usize| -> [f64; 2] {
+            let [x, y] = by(i).map(f64::from);
+            let on = |axis: usize| first[i][axis] + f64::from(k) * ways[i][axis];
+            [on(0) + x * 8.0 + y * vectors[1][0], on(1) + y * 8.0]
+        };
+        let frame = given((0..12).map(place).collect(), 0.5, lattice).periodic().unwrap().unwrap();
+        names.next(&frame);
+        for (i, j) in (0..12).flat_map(|i| (i..12).map(move |j| (i, j))) {
+            for image in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-2, 3, 0]] {
+                let ([ix, iy], [jx, jy]) = (by(i), by(j));
+                let here = [image[0] + flips * image[1] + ix - jx, image[1] + iy - jy, 0];
+                let here = ImagePair::new(i as u32, j as u32, here);
+                let always = ImagePair::new(i as u32, j as u32, image);
+                assert_eq!(names.name(here), always, "{k} {i} {j}");
+                assert_eq!(names.called(always), here, "{k} {i} {j}");
+            }
+        }
+    }
+    assert!(flips > 4, "{flips}");
+}

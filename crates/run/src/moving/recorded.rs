@@ -1,0 +1,150 @@
+//! The frames of a file as those of one motion: of the same particles.
+
+use anyhow::{Context, bail, ensure};
+
+use contactbench_core::scene::Lattice;
+use contactbench_io::Given;
+use contactbench_io::boxes::along;
+use contactbench_io::{About, Particles};
+
+/// Frames of the same particles, in boxes that repeat along the same axes. Particles are told apart
+/// by the ids of the file, where it has such, and then in their order; else by their places.
+pub struct Recorded<'a, I> {
+    frames: I,
+    name: &'a str,
+    radius: Option<f64>,
+    /// Of the first frame.
+    first: Option<First>,
+}
+
+struct First {
+    len: usize,
+    dim: usize,
+    /// In order.
+    ids: Option<Vec<i64>>,
+    /// Along which axes its box repeats.
+    repeats: [bool; 3],
+}
+
+fn repeats(particles: &Particles) -> [bool; 3] {
+    let [x, y, z] = particles.lattice().map_or([false; 3], Lattice::periodic);
+    [x, y, z && particles.dim() == 3]
+}
+
+impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I> {
+    /// Of [`Frames`](contactbench_io::Frames); the radius is that of all, for files that hold none.
+    pub fn new(frames: I, name: &'a str, radius: Option<f64>) -> Recorded<'a, I> {
+        Recorded { frames, name, radius, first: None }
+    }
+
+    /// The next frame, none after the last.
+    ///
+    /// # Errors
+    /// The file is broken, or the frame holds other particles than the first, or repeats otherwise.
+    pub fn next_frame(&mut self) -> anyhow::Result<Option<Given>> {
+        let Some((mut particles, about)) = self.frames.next().transpose()? else {
+            return Ok(None);
+        };
+        particles.sort_by_id().with_context(|| self.place(&about))?;
+        match &self.first {
+            None => self.first = Some(First::new(&particles)?),
+            Some(first) => first.same(&particles).with_context(|| self.place(&about))?,
+        }
+        particles.given(self.name, self.radius).with_context(|| about.which()).map(Some)
+    }
+
+    fn place(&self, about: &About) -> String {
+        format!("{}: {}", self.name, about.which())
+    }
+}
+
+impl First {
+    fn new(particles: &Particles) -> anyhow::Result<First> {
+        let ids = particles.ids_copied()?;
+        Ok(First { len: particles.len(), dim: particles.dim(), ids, repeats: repeats(particles) })
+    }
+
+    fn same(&self, particles: &Particles) -> anyhow::Result<()> {
+        let remedy = "a motion is of the same particles: write all of them in every frame, or take \
+                      those before (--frames)";
+        ensure!(
+            particles.len() == self.len && particles.dim() == self.dim,
+            "{} particles in {}D, and {} in {}D in the first frame; {remedy}",
+            particles.len(),
+            particles.dim(),
+            self.len,
+            self.dim
+        );
+        let repeats = repeats(particles);
+        ensure!(
+            repeats == self.repeats,
+            "the box repeats along {}, and along {} in the first frame; say along which axes it \
+             does in all (--periodic), or give --open",
+            along(repeats),
+            along(self.repeats)
+        );
+        let (ids, before) = (particles.ids(), self.ids.as_deref());
+        ensure!(
+            ids.is_some() == before.is_some(),
+            "particles have ids in some frames alone; write the column in all, or in none"
+        );
+        let (ids, before) = (ids.unwrap_or_default(), before.unwrap_or_default());
+        if let Some((new, old)) = ids.iter().zip(before).find(|(new, old)| new != old) {
+            let (what, id) = if new < old { ("a new", new) } else { ("no", old) };
+            bail!("there is {what} particle of id {id}; {remedy}");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_io::{Frame, Options, frames_from};
+
+    /// Frames of a dump by their rows `id x`, and how the reading of them ends.
+    fn read(frames: &[&[(i64, f64)]]) -> (Vec<Vec<f64>>, String) {
+        let frame = |(k, rows): (usize, &&[(i64, f64)])| {
+            let n = rows.len();
+            let rows: String = rows.iter().map(|(id, x)| format!("{id} {x} 0 0\n")).collect();
+            format!(
+                "ITEM: TIMESTEP\n{k}0\nITEM: NUMBER OF ATOMS\n{n}\nITEM: ATOMS id x y z\n{rows}"
+            )
+        };
+        let text: String = frames.iter().enumerate().map(frame).collect();
+        let options =
+            Options { ids: true, frame: Frame::All, radius: Some(1.0), ..Options::default() };
+        let mut places = Vec::new();
+        let end = frames_from(text.as_bytes(), "p", "", options, |frames| {
+            let mut recorded = Recorded::new(frames, "p", Some(1.0));
+            while let Some(given) = recorded.next_frame()? {
+                let scene = given.scene;
+                let x = |k| contactbench_scenes::touching::particle(&scene, k).0[0];
+                places.push((0..scene.len() as u32).map(x).collect());
+            }
+            Ok(())
+        });
+        (places, end.map_or_else(|error| format!("{error:#}"), |()| String::new()))
+    }
+
+    #[test]
+    fn particles_are_the_same_whatever_their_order_in_the_file() {
+        let frames = [&[(4, 0.0), (2, 1.0), (9, 2.0)][..], &[(9, 5.0), (4, 3.0), (2, 4.0)]];
+        assert_eq!(read(&frames), (vec![vec![1.0, 0.0, 2.0], vec![4.0, 3.0, 5.0]], String::new()));
+    }
+
+    #[test]
+    fn other_particles_are_refused_with_the_frame() {
+        let two = &[(1, 0.0), (2, 1.0)][..];
+        for (frame, words) in [
+            (&[(1, 0.0)][..], "p: frame 1 (step 10): 1 particles in 3D, and 2 in 3D in the first"),
+            (&[(1, 0.0), (3, 1.0)], "p: frame 1 (step 10): there is no particle of id 2; a motion"),
+            (&[(0, 0.0), (2, 1.0)], "p: frame 1 (step 10): there is a new particle of id 0; a mo"),
+            (&[(2, 0.0), (2, 1.0)], "p: frame 1 (step 10): the id 2 stands twice"),
+        ] {
+            let (places, end) = read(&[two, frame, two]);
+            assert_eq!(places.len(), 1);
+            assert!(end.starts_with(words), "{end}");
+        }
+    }
+}

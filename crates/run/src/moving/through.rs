@@ -1,0 +1,150 @@
+//! From one frame in a box to the next: ways to the nearest image, and contacts between the two.
+//!
+//! Particle i goes from xi to yi, its image in the next frame that is nearest. The image of j by S
+//! goes from xj + S·H to yj + S·H', where H' are the vectors of the box that have become of H (a
+//! box that is flipped back goes on). Both are rounded to f64, and go straight; so what is counted
+//! may differ by couples that come nearer than rounding to touching.
+//!
+//! **Who can meet.** A couple that touches on its way is, before, at a distance d of at most ri +
+//! rj, its ways, and what the box moves the image, which is at most the sum over vectors of |Sv|
+//! |H'v - Hv|. With the dual vectors g and the width w of all particles along them, |Sv| <= wv +
+//! |gv| d. So d (1 - B) <= ri + rj + ways + A with A = sum of wv |H'v - Hv| and B = sum of |gv|
+//! |H'v - Hv|.
+
+use super::names::{Onward, centres, repeating, sum};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::contact::exact::label;
+use contactbench_core::contact::image::{Shift, compare};
+use contactbench_core::contact::swept::touches_within;
+use contactbench_core::detect::{Options, table};
+use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene};
+use contactbench_core::track::way;
+use contactbench_core::with_scene;
+
+/// Of sums of a dozen terms.
+const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Two frames.
+pub(crate) struct Through<'a> {
+    last: &'a Periodic<'a>,
+    frame: &'a Periodic<'a>,
+    onward: &'a Onward,
+    /// x, y, and the places of the next frame as given.
+    from: Vec<[f64; 3]>,
+    to: Vec<[f64; 3]>,
+    given: Vec<[f64; 3]>,
+}
+
+impl<'a> Through<'a> {
+    /// Of frames of the same particles.
+    pub fn new(last: &'a Periodic<'a>, frame: &'a Periodic<'a>, onward: &'a Onward) -> Through<'a> {
+        let vectors = repeating(frame.lattice());
+        let given = centres(frame.scene());
+        let to = given.iter().zip(&onward.by).map(|(at, &by)| moved(at, by, &vectors)).collect();
+        Through { last, frame, onward, from: centres(last.scene()), to, given }
+    }
+
+    /// The way of each particle, rounded up, and how many stay exactly where they are.
+    pub fn ways(&self) -> (Vec<f64>, usize) {
+        let ends = || self.from.iter().zip(&self.to);
+        let gone = |a, b| if a == b { 0.0 } else { way(a, b) };
+        (ends().map(|(a, b)| gone(a, b)).collect(), ends().filter(|(a, b)| a == b).count())
+    }
+
+    /// Does the box move?
+    pub fn changes(&self) -> bool {
+        let now = repeating(self.last.lattice());
+        self.onward.vectors(self.frame.lattice()) != now
+    }
+
+    /// Contacts between the two, or why they were not counted.
+    pub fn tunnelled(&self, ways: &[f64], memory_limit: u64) -> Result<u64, String> {
+        let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
+        let onward = self.onward.vectors(self.frame.lattice());
+        let more = self.more(ways, &before, &onward)?;
+        let near = self.near(ways, more, memory_limit)?;
+        let is_tunnelled = |pair: &ImagePair| {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let [ri, rj] = [i, j].map(|k| radius(self.last.scene(), k));
+            let from = [self.from[i], moved(&self.from[j], pair.image, &before)];
+            let to = [self.to[i], moved(&self.to[j], pair.image, &onward)];
+            let apart = |at: &[[f64; 3]], image, vectors| {
+                compare(&at[i], &at[j], ri, rj, Shift { image, vectors }).is_gt()
+            };
+            // Also as rounded, or couples at rest would meet that are nearly in touch.
+            let [from_apart, to_apart] = [&from, &to].map(|[a, b]| !label(a, b, ri, rj).touches());
+            touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
+                && from_apart
+                && to_apart
+                && apart(&self.from, pair.image, &before)
+                && apart(&self.given, self.onward.called(*pair), &after)
+        };
+        Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
+    }
+
+    /// How much farther apart than by their own ways bodies may be before, since the box moves.
+    fn more(
+        &self,
+        ways: &[f64],
+        before: &[[f64; 3]; 3],
+        onward: &[[f64; 3]; 3],
+    ) -> Result<f64, String> {
+        let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
+        let reach = 2.0 * (self.last.scene().largest_radius() + longest);
+        let (mut wide, mut share) = (0.0, 0.0);
+        for v in (0..3).filter(|&v| before[v] != onward[v]) {
+            let moved = way(&onward[v], &before[v]);
+            let dual = self.last.lattice().dual(v);
+            let along = |at: &[f64; 3]| -> f64 { (0..3).map(|k| dual[k] * at[k]).sum() };
+            let (low, high) = self
+                .from
+                .iter()
+                .map(along)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                    (low.min(x), high.max(x))
+                });
+            wide += moved * (high - low + ROUNDING * (high.abs() + low.abs() + 1.0));
+            share += moved * way(&dual, &[0.0; 3]);
+        }
+        if share < 0.5 {
+            Ok((reach + wide) / (1.0 - share) * (1.0 + ROUNDING) - reach)
+        } else {
+            Err("the box changes too much from one frame to the next".into())
+        }
+    }
+
+    /// All couples that are near enough to meet.
+    fn near(&self, ways: &[f64], more: f64, memory_limit: u64) -> Result<Vec<ImagePair>, String> {
+        let wider = ways.iter().map(|way| (way + 0.5 * more) * (1.0 + ROUNDING)).collect();
+        let wider: AnyScene<'static> = match self.last.scene() {
+            AnyScene::Plane(scene) => wider_by(&scene.widened(), wider)?.into(),
+            AnyScene::Space(scene) => wider_by(&scene.widened(), wider)?.into(),
+        };
+        let wider =
+            Periodic::new(wider, *self.last.lattice()).map_err(|error| error.to_string())?;
+        let options = Options { memory_limit, threads: 1 };
+        periodic::contacts(&wider, &mut *table::fast(options), Arithmetic::Exact, memory_limit)
+            .map_err(|refusal| format!("bodies as wide as their ways: {refusal}"))
+    }
+}
+
+/// A scene with radii that are larger by so much.
+fn wider_by<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    by: Vec<f64>,
+) -> Result<Scene<'static, f64, D>, String> {
+    let radii = by.iter().enumerate().map(|(k, by)| (scene.radius(k) + by).next_up());
+    let radii = Radii::Each(radii.collect::<Vec<_>>().into());
+    Scene::new(scene.centres().to_vec(), radii).map_err(|error| error.to_string())
+}
+
+fn radius(scene: &AnyScene<'_>, k: usize) -> f64 {
+    with_scene!(scene, scene => scene.radius(k).wide())
+}
+
+/// x + S·H.
+fn moved(at: &[f64; 3], image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
+    let shift = sum(image, vectors);
+    std::array::from_fn(|k| at[k] + shift[k])
+}

@@ -1,0 +1,208 @@
+//! Names of detectors in experiments: groups become the detectors in them, and every detector with
+//! parameters has one way of being written.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use contactbench_core::detect::peers::{self, PEERS};
+use contactbench_core::detect::table::{self, Group, SpecError, TABLE};
+use contactbench_core::track::{self, TrackerError};
+use contactbench_record::experiment::twice;
+use contactbench_record::record::role::Role;
+use contactbench_terms::nearest::hint;
+
+/// Groups that are not a [`Group`] of the table, but several.
+const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
+
+/// The names of all groups, for messages and the documentation.
+pub fn groups() -> impl Iterator<Item = &'static str> {
+    Group::ALL.iter().map(|group| group.name()).chain([ALL.0])
+}
+
+/// The detectors that these names and groups stand for, in order. Who is named by a group, too, is
+/// there once; who is named twice by name is refused.
+pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
+    expanded(names, false)
+}
+
+/// As [`expand`], for the copy of an experiment in a record, which may name detectors and trackers
+/// of other versions of this program.
+pub fn expand_copy(names: &[String]) -> Result<Vec<String>, String> {
+    expanded(names, true)
+}
+
+fn expanded(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
+    let (mut all, mut named) = (Vec::new(), Vec::new());
+    for name in names {
+        if name.starts_with('@') {
+            all.extend(members(name)?);
+            continue;
+        }
+        let name = match written(name) {
+            Ok(name) => name,
+            // Its rows say how to get it.
+            Err(TrackerError::Detector(SpecError::NotBuilt { .. })) => name.clone(),
+            Err(_) if is_copy => name.clone(),
+            Err(error) => return Err(error.to_string()),
+        };
+        if named.contains(&name) {
+            return Err(twice(&name));
+        }
+        named.push(name.clone());
+        all.push(name);
+    }
+    let mut seen = BTreeSet::new();
+    all.retain(|name| seen.insert(name.clone()));
+    Ok(all)
+}
+
+/// The text of an experiment with the groups of its detectors written out, as a record keeps it: a
+/// group may have more detectors later, which the record does not lack. A text that cannot be read
+/// is left as it is.
+pub fn in_full(text: &str) -> String {
+    #[derive(serde::Deserialize)]
+    struct Named {
+        detectors: toml::Spanned<Vec<String>>,
+    }
+    let Ok(Named { detectors }) = toml::from_str(text) else { return text.into() };
+    let groups = detectors.get_ref().iter().any(|name| name.starts_with('@'));
+    let Some(names) = groups.then(|| expand(detectors.get_ref()).ok()).flatten() else {
+        return text.into();
+    };
+    let Range { start, end } = detectors.span();
+    let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    format!("{}[{}]{}", &text[..start], names.join(", "), &text[end..])
+}
+
+/// The detectors of a group, in the order of the table.
+pub fn members(group: &str) -> Result<Vec<String>, String> {
+    let one = Group::ALL.iter().find(|known| known.name() == group);
+    let groups = match one {
+        Some(one) => std::slice::from_ref(one),
+        None if group == ALL.0 => &ALL.1,
+        None => {
+            let hint = hint(group, self::groups());
+            let list = self::groups().collect::<Vec<_>>().join(", ");
+            return Err(format!("there is no group '{group}'{hint}; the groups are: {list}"));
+        }
+    };
+    let names = TABLE.iter().filter(|entry| groups.contains(&entry.group)).map(|entry| entry.name);
+    // Peers are asked for also where they were not compiled: their rows say how to get them.
+    let peers = groups.contains(&Group::Peers).then(|| PEERS.iter().map(|peer| peer.name));
+    let mut names: Vec<String> = names.map(String::from).collect();
+    for peer in peers.into_iter().flatten() {
+        if !names.iter().any(|name| name == peer) {
+            names.push(peer.into());
+        }
+    }
+    Ok(names)
+}
+
+/// The role that rows of a detector have.
+pub fn role(role: table::Role) -> Role {
+    match role {
+        table::Role::Detector => Role::Detector,
+        table::Role::Peer => Role::Peer,
+        table::Role::Nothing => Role::Nothing,
+        table::Role::Twin(original) => Role::Twin(original.into()),
+    }
+}
+
+/// Which of these are libraries that were not compiled, and how to have them measured.
+pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> {
+    let missing = names.filter(|name| peers::missing(name).is_some());
+    let missing: BTreeSet<&str> = missing.map(String::as_str).collect();
+    let of_table = PEERS.iter().map(|peer| peer.name).filter(|name| missing.contains(name));
+    let all: Vec<&str> = of_table.collect();
+    let how = peers::missing(all.first()?).unwrap_or_default();
+    let how = how.rsplit_once("; ").map_or(&*how, |(_, how)| how);
+    let are = if all.len() == 1 { "is" } else { "are" };
+    Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
+}
+
+/// The one way of writing a detector or a tracker; another name stays as it is.
+pub fn normal(name: &str) -> String {
+    written(name).unwrap_or_else(|_| name.to_string())
+}
+
+fn written(name: &str) -> Result<String, TrackerError> {
+    let spec = track::parse(name)?;
+    // A detector by itself keeps its name, though it does what `every-step` does.
+    Ok(if is_tracker(name) { spec.to_string() } else { spec.detector().to_string() })
+}
+
+/// Is this the text of a tracker, not of a detector?
+pub fn is_tracker(name: &str) -> bool {
+    name.contains('(')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_record::record::id::CellId;
+
+    fn expanded(names: &[&str]) -> Result<String, String> {
+        let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+        expand(&names).map(|names| names.join(" "))
+    }
+
+    #[test]
+    fn groups_stand_for_their_detectors_once() {
+        assert_eq!(expanded(&["@book"]).unwrap(), "direct binary-tree screening sorting nbs");
+        assert_eq!(
+            expanded(&["nbs", "@book", "@book"]).unwrap(),
+            "nbs direct binary-tree screening sorting"
+        );
+        assert_eq!(expanded(&["@controls"]).unwrap(), "nothing nbs-twin");
+        assert_eq!(expanded(&["@peers"]).unwrap(), "kiddo kd-tree-crate rstar parry zelll");
+        let all = expanded(&["@all"]).unwrap();
+        assert_eq!(all, expanded(&["@book", "@streamed", "@modern"]).unwrap());
+        let searches = TABLE.iter().filter(|entry| entry.role == table::Role::Detector).count();
+        assert_eq!(all.split(' ').count(), searches);
+    }
+
+    #[test]
+    fn a_record_keeps_the_names_that_groups_stood_for() {
+        let text =
+            "name = \"a\" # @all\ndetectors = [ \"nbs:\", # first\n \"@controls\" ]\nx = 1\n";
+        let full = "name = \"a\" # @all\ndetectors = [\"nbs\", \"nothing\", \"nbs-twin\"]\nx = 1\n";
+        assert_eq!(in_full(text), full);
+        for same in [full, "detectors = [\"nbs:\"]", "detectors = [\"@nobody\"]", "x ="] {
+            assert_eq!(in_full(same), same);
+        }
+    }
+
+    /// The text of a tracker is the normal form of its row.
+    #[test]
+    fn rows_have_the_normal_form_of_a_tracker() {
+        for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]
+        {
+            let normal = normal(text);
+            assert_eq!(CellId::default().with_contender(&normal).contender(), normal);
+        }
+    }
+
+    #[test]
+    fn unknown_names_and_repeated_ones_are_refused() {
+        for (names, words) in [
+            (&["@boks"][..], "there is no group '@boks'; did you mean @book?; the groups are: "),
+            (&["nbs", "nbs"], "two runners named 'nbs'"),
+            (
+                &[
+                    "streamed-nbs:form=dense,level=portable",
+                    "streamed-nbs:level=portable,form=dense",
+                ],
+                "two runners named 'streamed-nbs:form=dense,level=portable'",
+            ),
+            (&["nsb"], "there is no detector 'nsb'"),
+            (&["streamed-nbs:levle=avx2"], "levle"),
+        ] {
+            let error = expanded(names).unwrap_err();
+            assert!(error.contains(words), "{names:?}: {error}");
+        }
+        assert_eq!(
+            expanded(&["streamed-nbs", "streamed-nbs:level=portable"]).unwrap(),
+            "streamed-nbs streamed-nbs:level=portable"
+        );
+    }
+}

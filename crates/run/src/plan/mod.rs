@@ -1,0 +1,211 @@
+//! What experiments mean: the detectors that their names stand for, the scenes of their sweeps, and
+//! who looks at them. [`read`] fills in what [`Experiment`] leaves open.
+
+pub mod builtin;
+pub mod detectors;
+mod scenes;
+
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+
+pub use self::scenes::{id, specs};
+use contactbench_core::memory::default_limit;
+use contactbench_record::experiment::{
+    Bars, Document, Entrant, Experiment, ExternalRunner, FigureKind, Planned, Where,
+};
+use contactbench_record::record::role::Role;
+use contactbench_terms::nearest::hint;
+
+/// The bytes of an experiment file, at most; the largest of ours has 15 kB.
+const MOST_BYTES: u64 = 1 << 20;
+/// What stands for the number of threads in the command of a runner in another language.
+pub const THREADS: &str = "{threads}";
+
+/// The text of an experiment file, which is read no further than its bound.
+pub fn text_of(path: &Path) -> anyhow::Result<String> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path);
+    file.and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+    short_enough(&String::from_utf8_lossy(&bytes))
+        .with_context(|| format!("in {}", path.display()))?;
+    String::from_utf8(bytes).with_context(|| format!("{} is not text (UTF-8)", path.display()))
+}
+
+fn short_enough(text: &str) -> anyhow::Result<()> {
+    let scenes = text.matches("[[scene]]").count();
+    ensure!(
+        text.len() as u64 <= MOST_BYTES,
+        "an experiment has at most {} KiB, and this text is longer, with {scenes} [[scene]] tables \
+         in what was read; give a scene lists of values, or write several experiments",
+        MOST_BYTES >> 10
+    );
+    Ok(())
+}
+
+/// Reads and checks an experiment file.
+pub fn read(path: &Path) -> anyhow::Result<Experiment> {
+    let text = text_of(path)?;
+    parse(&text, folder_of(path)).with_context(|| format!("in {}", path.display()))
+}
+
+/// As [`read`], for a run that is to begin: names in claims and figures must be of rows that it
+/// will have.
+pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
+    let text = text_of(path)?;
+    let named = || {
+        let (experiment, document) = checked(&text, folder_of(path), false)?;
+        experiment.check_names(&document)?;
+        anyhow::Ok(experiment)
+    };
+    named().with_context(|| format!("in {}", path.display()))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("."))
+}
+
+/// Parses and checks; relative file names of scenes are taken from `folder`.
+pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
+    checked(text, folder, false).map(|read| read.0)
+}
+
+/// Parses and checks the copy of an experiment in a record. It may name detectors, trackers and
+/// motions that this program does not have: rows of them are reported, and cannot be made.
+pub fn parse_copy(text: &str) -> anyhow::Result<Experiment> {
+    checked(text, Path::new(""), true).map(|read| read.0)
+}
+
+fn checked<'a>(
+    text: &'a str,
+    folder: &Path,
+    is_copy: bool,
+) -> anyhow::Result<(Experiment, Document<'a>)> {
+    short_enough(text)?;
+    let (mut experiment, document) = Document::read(text)?;
+    let expand = if is_copy { detectors::expand_copy } else { detectors::expand };
+    experiment.detectors =
+        expand(&experiment.detectors).map_err(|words| document.key("detectors", words))?;
+    experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
+    resolve_names(&mut experiment, &document)?;
+    experiment.check(&document)?;
+    for sweep in &mut experiment.scenes {
+        scenes::relative_to(sweep, folder).with_context(|| format!("line {}", sweep.line))?;
+    }
+    let whole = specs(&experiment, false)?;
+    let quick = specs(&experiment, true)?;
+    if !is_copy {
+        let mut courses = whole.iter().filter_map(|spec| spec.course);
+        courses.try_for_each(|course| course.motion.kind.made())?;
+    }
+    let ids = |specs: &[_]| specs.iter().map(|spec| id(&experiment, spec)).collect();
+    experiment.planned = Planned {
+        scenes: ids(&whole),
+        quick: ids(&quick),
+        entrants: entrants(&experiment),
+        own_n: scenes::own_n(&experiment),
+        defaults: scenes::defaults(&experiment),
+    };
+    Ok((experiment, document))
+}
+
+/// Resolves groups and parameters where claims and figures name detectors.
+fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow::Result<()> {
+    let runners = experiment.runners.iter().map(|runner| runner.name.clone());
+    let known: Vec<String> = experiment.detectors.iter().cloned().chain(runners).collect();
+    for (k, claim) in experiment.claims.iter_mut().enumerate() {
+        let problem = |words| document.claim(k, words);
+        resolve(&mut claim.filter).map_err(problem)?;
+        if let Some(than) = claim.kind.than_mut() {
+            name_one(than, "than", &known).map_err(problem)?;
+        }
+    }
+    for (k, figure) in experiment.figures.iter_mut().enumerate() {
+        let problem = |words| document.figure(k, words);
+        resolve(&mut figure.filter).map_err(problem)?;
+        if let FigureKind::Bars(Bars { to }) = &mut figure.kind {
+            name_one(to, "to", &known).map_err(problem)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the name of a detector in its normal form; an error unless it is `known`.
+fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String> {
+    *name = detectors::normal(name);
+    if known.contains(name) {
+        return Ok(());
+    }
+    Err(format!(
+        "{key} = \"{name}\": it must be one of the experiment's detectors or runners{}",
+        hint(name, known.iter().map(String::as_str))
+    ))
+}
+
+/// Resolves groups and parameters among the detectors of a filter.
+pub fn resolve(filter: &mut Where) -> Result<(), String> {
+    let Some(list) = filter.get_mut("detector") else { return Ok(()) };
+    let mut all = Vec::new();
+    for value in list.0.drain(..) {
+        match value.as_str() {
+            Some(group) if group.starts_with('@') => {
+                all.extend(detectors::members(group)?.into_iter().map(toml::Value::from));
+            }
+            Some(name) => all.push(detectors::normal(name).into()),
+            None => all.push(value),
+        }
+    }
+    list.0 = all;
+    Ok(())
+}
+
+/// The memory limit of an experiment in bytes.
+pub fn memory_limit(experiment: &Experiment) -> u64 {
+    experiment.memory_limit_mib.map_or_else(default_limit, |mib| mib << 20)
+}
+
+/// Who looks at every scene, in the order of the record.
+fn entrants(experiment: &Experiment) -> Vec<Entrant> {
+    let Experiment { threads, .. } = experiment;
+    let mut all = Vec::new();
+    for &arithmetic in &experiment.arithmetics {
+        for name in &experiment.detectors {
+            // A sequential detector has one thread, whatever the others are given; so has a peer
+            // that was not compiled. A tracker is what its detector is.
+            let spec = contactbench_core::track::parse(name);
+            let entry = spec.as_ref().map(|spec| spec.detector().entry);
+            let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));
+            let several = entry.is_ok_and(|entry| entry.threads);
+            let counts = if several { &threads[..] } else { &[1] };
+            all.extend(counts.iter().map(|&threads| Entrant {
+                name: name.clone(),
+                role: role.clone(),
+                arithmetic: Some(arithmetic),
+                threads,
+            }));
+        }
+    }
+    for runner in &experiment.runners {
+        // A command that does not say how many threads is the same for all numbers of them.
+        let counts = if says_threads(runner) { &threads[..] } else { &threads[..1] };
+        all.extend(counts.iter().map(|&threads| Entrant {
+            name: runner.name.clone(),
+            role: Role::Runner,
+            arithmetic: None,
+            threads,
+        }));
+    }
+    all
+}
+
+/// Returns whether the command of a runner says how many threads.
+pub fn says_threads(runner: &ExternalRunner) -> bool {
+    runner.command.iter().any(|word| word.contains(THREADS))
+}
+
+#[cfg(test)]
+mod documented;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,212 @@
+//! The scenes that an experiment plans: the product of the lists in its sweeps.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::path::Path;
+
+use anyhow::{Context, anyhow, bail, ensure};
+
+use contactbench_record::experiment::{Experiment, SceneSweep};
+use contactbench_record::record::id::CellId;
+use contactbench_record::record::value::AxisValue;
+use contactbench_scenes::spec::{Course, Generator, Order, Spec};
+use contactbench_scenes::{generate, hard};
+
+/// Scenes of an experiment, at most: a plan holds all of them.
+const MOST_SCENES: u64 = 100_000;
+/// Scenes times detectors, arithmetics and numbers of threads, at most.
+const MOST_CELLS: u64 = 1_000_000;
+
+/// All scenes of an experiment, in the order run. Too many are refused before one is made.
+pub fn specs(experiment: &Experiment, quick: bool) -> anyhow::Result<Vec<Spec>> {
+    let of_run = |sweep: &SceneSweep| if quick { sweep.quickened() } else { sweep.clone() };
+    let sweeps: Vec<SceneSweep> = experiment.scenes.iter().map(of_run).collect();
+    bounded(experiment, &sweeps)?;
+    let (mut all, mut known) = (Vec::new(), HashSet::new());
+    for sweep in &sweeps {
+        let line = || format!("line {}", sweep.line);
+        for spec in product(sweep).with_context(line)? {
+            ensure!(
+                known.insert(format!("{spec:?}")),
+                "{}: scene {} stands there twice with the same parameters; leave one out",
+                line(),
+                spec.name
+            );
+            all.push(spec);
+        }
+    }
+    Ok(all)
+}
+
+/// The axes of a scene of an experiment, without a detector.
+pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
+    CellId {
+        experiment: experiment.name.clone(),
+        scene: spec.name.clone(),
+        dim: spec.dim,
+        params: spec.axes().iter().map(|(name, value)| (name.clone(), value.into())).collect(),
+        order: spec.order.name().into(),
+        n: spec.n,
+        seed: spec.seed,
+        ..CellId::default()
+    }
+}
+
+/// The generators of the experiment that decide the number of particles.
+pub(super) fn own_n(experiment: &Experiment) -> BTreeSet<String> {
+    let own = generators(experiment).filter(|generator| generator.own_n);
+    own.map(|generator| generator.name.to_string()).collect()
+}
+
+fn generators(experiment: &Experiment) -> impl Iterator<Item = &'static Generator> {
+    experiment.scenes.iter().filter_map(|sweep| generate::table::find(&sweep.name).ok())
+}
+
+/// The default values of the parameters of all scenes, by scene and dimension.
+pub(super) fn defaults(
+    experiment: &Experiment,
+) -> BTreeMap<(String, u32), BTreeMap<String, AxisValue>> {
+    let of = |generator: &Generator, dim| {
+        let known = generator.defaults(dim).into_iter();
+        ((generator.name.into(), dim), known.map(|(name, value)| (name, (&value).into())).collect())
+    };
+    generators(experiment).flat_map(|generator| [2, 3].map(|dim| of(generator, dim))).collect()
+}
+
+/// An error if there are more scenes, or more cells, than can be planned.
+fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
+    let mut scenes = 0u64;
+    for sweep in sweeps {
+        let factors = factors(sweep);
+        let product = factors.iter().fold(1, |all, (_, count)| count.saturating_mul(all));
+        scenes = scenes.saturating_add(product);
+        if scenes > MOST_SCENES {
+            let factors: Vec<String> = factors
+                .into_iter()
+                .filter(|(_, count)| *count > 1)
+                .map(|(name, count)| format!("{count} values of {name}"))
+                .collect();
+            let sum = if scenes > product { " with those above" } else { "" };
+            let of = if factors.is_empty() { String::new() } else { factors.join(" x ") + ": " };
+            bail!(
+                "line {}: scene {}: {of}{scenes} scenes{sum}, and an experiment has at most \
+                 {MOST_SCENES}; shorten a list",
+                sweep.line,
+                sweep.name
+            );
+        }
+    }
+    let names = experiment.detectors.len().saturating_mul(experiment.arithmetics.len());
+    let most =
+        names.saturating_add(experiment.runners.len()).saturating_mul(experiment.threads.len());
+    let entrants = if most as u64 > MOST_CELLS { most } else { super::entrants(experiment).len() };
+    let cells = scenes.saturating_mul(entrants as u64);
+    ensure!(
+        cells <= MOST_CELLS,
+        "{scenes} scenes x {entrants} detectors (with arithmetics and threads): {cells} cells, \
+         and an experiment has at most {MOST_CELLS}; shorten a list"
+    );
+    Ok(())
+}
+
+/// Takes relative paths of files from this folder.
+pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Result<()> {
+    for params in [&mut sweep.params, &mut sweep.quick.params] {
+        match params.get_mut("path").map(|list| list.0.as_mut_slice()) {
+            None => {}
+            Some([toml::Value::String(path)]) => {
+                *path = folder.join(&*path).display().to_string();
+            }
+            Some(_) => bail!("path must be one string"),
+        }
+        for curve in params.get_mut("grading").map_or(&mut [][..], |list| &mut list.0) {
+            if let toml::Value::String(path) = curve
+                && !generate::grading::is_points(path)
+            {
+                *path = folder.join(&*path).display().to_string();
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The lists whose product the scenes are, with their lengths.
+fn factors(sweep: &SceneSweep) -> Vec<(&str, u64)> {
+    let len = |list: &[toml::Value]| list.len() as u64;
+    let all_cases = takes_all_cases(sweep);
+    let own = [
+        ("n", sweep.n.as_ref().map_or(1, |list| list.len() as u64)),
+        ("dim", sweep.dim.len() as u64),
+        ("seed", sweep.seed.len() as u64),
+        ("order", sweep.order.len() as u64),
+        ("case", if all_cases { hard::cases().count() as u64 } else { 1 }),
+    ];
+    let params = sweep.params.iter().map(|(name, list)| (name.as_str(), len(list)));
+    own.into_iter().chain(params).collect()
+}
+
+/// Whether a sweep is over all hard cases.
+fn takes_all_cases(sweep: &SceneSweep) -> bool {
+    sweep.name == generate::hard::NAME && !sweep.params.contains_key("case")
+}
+
+/// All scenes of a sweep.
+fn product(sweep: &SceneSweep) -> anyhow::Result<Vec<Spec>> {
+    let own_n = generate::table::find(&sweep.name)?.own_n;
+    let numbers = match &sweep.n {
+        Some(numbers) => numbers.to_vec(),
+        None if own_n => vec![0],
+        None => bail!(
+            "scene {}: n is missing; give the numbers of particles, as in n = [100, 1000]",
+            sweep.name
+        ),
+    };
+    let numbered = |&n: &u64| sweep.seed.iter().map(move |&seed| (n, seed));
+    let numbered: Vec<(u64, u64)> = numbers.iter().flat_map(numbered).collect();
+    let mut all = Vec::new();
+    for (dim, order) in sweep.dim.iter().flat_map(|dim| sweep.order.iter().map(move |o| (dim, o))) {
+        let order: Order =
+            order.parse().map_err(|words| anyhow!("scene {}: {words}", sweep.name))?;
+        for mut params in combinations(&axes(sweep, *dim)) {
+            let course = Course::take(&mut params)?;
+            ensure!(
+                course.is_none() || sweep.name != generate::hard::NAME,
+                "scene {}: hard cases stay where they are; leave out motion",
+                sweep.name
+            );
+            for &(n, seed) in &numbered {
+                let spec = Spec::new(&sweep.name, *dim, n, seed, order, &params)?;
+                all.push(Spec { course, ..spec });
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The parameters of a sweep in one dimension, each with its values.
+fn axes(sweep: &SceneSweep, dim: u32) -> Vec<(&str, Vec<toml::Value>)> {
+    let params = sweep.params.iter().map(|(name, list)| (name.as_str(), list.to_vec()));
+    let mut axes: Vec<(&str, Vec<toml::Value>)> = params.collect();
+    if takes_all_cases(sweep) {
+        let cases = hard::cases().filter(|case| case.dims.contains(&dim));
+        axes.push(("case", cases.map(|case| case.name.into()).collect()));
+    }
+    axes
+}
+
+/// All combinations of one value per axis.
+fn combinations(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
+    let mut all = vec![BTreeMap::new()];
+    for (name, values) in axes {
+        all = all
+            .into_iter()
+            .flat_map(|head| {
+                values.iter().map(move |value| {
+                    let mut head = head.clone();
+                    head.insert((*name).to_string(), value.clone());
+                    head
+                })
+            })
+            .collect();
+    }
+    all
+}

@@ -1,0 +1,278 @@
+//! What a file may not say, and where the error is.
+
+use std::path::Path;
+
+use crate::plan::parse;
+use contactbench_record::cells::{self, Cell};
+use contactbench_record::findings::coverage::{Coverage, Scope, Why};
+use contactbench_record::findings::every;
+use contactbench_record::record::role::Role;
+
+fn error(text: &str) -> String {
+    let error = parse(text, Path::new(".")).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    format!("{error:#}")
+}
+
+const HEAD: &str =
+    "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\ndetectors = [\"nbs\"]\n";
+
+fn refused(tail: &str, place: &str, words: &str) {
+    let error = error(&format!("{HEAD}{tail}"));
+    assert!(
+        !error.contains('\n') && error.starts_with(place) && error.contains(words),
+        "{tail:?}: {error}"
+    );
+}
+
+#[test]
+fn errors_are_one_line_with_a_place() {
+    for (tail, place, words) in [
+        ("blocks = ", "line 6, column 10", ""),
+        ("blocks = 3 4\n", "line 6, column 10", ""),
+        ("[[scene]\nname = 1\n", "line 6,", ""),
+        (
+            "block = 3\nscene = []\n",
+            "line 6, column 1",
+            "there is no key 'block'; did you mean blocks?; there are: name",
+        ),
+        (
+            "blocks = \"three\"\nscene = []\n",
+            "line 6, column 10",
+            "the text \"three\" stands where a whole number of at least 0 is expected",
+        ),
+        ("title = \"u\"\nscene = []\n", "line 6, column 1", "duplicate key"),
+        ("", "", "scene is missing: give a [[scene]]"),
+        (
+            "arithmetics = [\"exacd\"]\nscene = []\n",
+            "line 6, column 16",
+            "no value 'exacd' here; did you mean exact?",
+        ),
+        ("[scene]\nname = \"packed\"\n", "line 6, column 2", "write [[scene]]"),
+        ("detector = [\"nbs\"]\n", "line 6, column 1", "did you mean detectors?"),
+        ("threads = 0\nscene = []\n", "line 6, column 1", "threads = 0"),
+        ("scene = 3\n", "line 6, column 9", "3 stands where a list in brackets"),
+        ("scene = [3]\n", "line 6, column 10", "3 stands where a table"),
+    ] {
+        refused(tail, place, words);
+    }
+    refused("scene = []\nratios-to = \"sorting\"\n", "line 7, column 1", "must be one of");
+    let text = HEAD.replace("\"nbs\"", "\"nsb\"") + "scene = []\n";
+    let words = error(&text);
+    assert!(words.starts_with("line 5, column 1: there is no detector 'nsb'"), "{words}");
+    assert!(words.contains("; did you mean nbs?"), "{words}");
+}
+
+#[test]
+fn scenes_are_refused_with_their_line() {
+    for (scene, place, words) in [
+        ("n = [1, \"a\"]", "line 8, column 9", "the text \"a\" stands where a whole number"),
+        ("n = \"a\"", "line 8, column 5", "a whole number of at least 0 is expected"),
+        ("n = -1", "line 8, column 5", "-1 stands where a whole number of at least 0"),
+        ("n = 1979-05-27", "line 8, column 5", "a value or a list of values is expected"),
+        (
+            "n = 5\norder = \"up\"",
+            "line 6: scene packed: order is 'up'",
+            "must be shuffled, generated",
+        ),
+        ("n = 5\nquick.n = \"x\"", "line 9, column 11", "a whole number"),
+        ("n = 5\nquick = 3", "line 9, column 9", "3 stands where a table"),
+        (
+            "n = 5\nspcing = 1",
+            "line 6: packed: there is no parameter 'spcing'; did you mean spacing?",
+            "size-ratio",
+        ),
+        ("n = 5\nsed = 1", "line 6: packed:", "did you mean seed?"),
+        ("n = 5\nquick.jitter = -1", "line 6: packed: jitter is -1", "at least 0"),
+        ("n = 5\nparams = 5", "line 6: packed: there is no parameter 'params'", ""),
+        ("", "line 6: scene packed: n is missing", ""),
+        ("n = [5, 5]", "line 6: scene packed stands there twice", ""),
+    ] {
+        refused(&format!("[[scene]]\nname = \"packed\"\n{scene}\n"), place, words);
+    }
+    refused("[[scene]]\nn = 5\n", "line 6: there is no scene ''", "");
+}
+
+#[test]
+fn a_claim_takes_the_keys_of_its_kind() {
+    for (claim, place, words) in [
+        (
+            "kind = \"at-most\"\nvalue = \"n\"\nto = \"1\"\nwithin = 0.1",
+            "line 12, column 1",
+            "a claim of kind at-most has no key 'within'; it takes value, \
+             to, than, and like every claim name, kind, where, set, source",
+        ),
+        (
+            "kind = \"constant\"\nvalue = \"n\"\nwithn = 1",
+            "line 11, column 1",
+            "has no key 'withn'; did you mean within?",
+        ),
+        ("kind = \"faster\"\nvalue = \"n\"", "line 10, column 1", "it takes than, by, and"),
+        (
+            "kind = \"constnt\"",
+            "line 9, column 8",
+            "no such kind of claim; did you mean constant?; the kinds are: constant, equal",
+        ),
+        ("value = \"n\"", "line 7, column 1", "the claim has no kind; the kinds are: constant,"),
+        ("kind = \"equal\"\nvalue = \"n\"", "line 9, column 8", "the key 'to' is missing"),
+        (
+            "kind = \"equal\"\nvalue = \"n\"\nto = \"n / / 2\"",
+            "line 11, column 6",
+            "cannot read the expression 'n / / 2': at column 5,",
+        ),
+        (
+            "kind = \"constant\"\nvalue = \"n\"\nwithin = -0.5",
+            "line 11, column 10",
+            "within is -0.5; it must be a finite number of at least 0",
+        ),
+        ("kind = \"constant\"\nvalue = \"n\"\nwithin = nan", "line 11, column 10", "finite"),
+        (
+            "kind = \"model\"\nvalue = \"n\"\nmodel = \"N^3\"",
+            "line 11, column 9",
+            "unknown model 'N^3'; the models are: N, N log N, N^2",
+        ),
+        (
+            "kind = \"model\"\nvalue = \"time_ns\"\nmodel = \"N\"",
+            "line 10, column 9",
+            "fitted to counts or bytes",
+        ),
+    ] {
+        refused(&format!("scene = []\n[[claim]]\nname = \"c\"\n{claim}\n"), place, words);
+    }
+}
+
+#[test]
+fn a_figure_takes_the_keys_of_its_kind() {
+    const LINES: &str = "x = \"s\"\nx-label = \"s\"\ny = \"n\"\ny-label = \"n\"\n";
+    for (figure, place, words) in [
+        (
+            "kind = \"speed-error\"\nx = \"n\"",
+            "line 11, column 1",
+            "a figure of kind speed-error has no key 'x'",
+        ),
+        (
+            &format!("{LINES}against = \"given\""),
+            "line 14, column 1",
+            "a figure of kind lines has no key 'against'",
+        ),
+        (
+            "kind = \"speed-error\"\nagainst = \"all\"",
+            "line 11, column 11",
+            "no value 'all' here; there are: given, stored",
+        ),
+        ("kind = \"pie\"", "line 10, column 8", "the kinds are: lines, bars, speed-error"),
+        ("x = \"n\"", "line 7, column 1", "the key 'x-label' is missing"),
+        (&format!("{LINES}caches = true"), "line 7, column 1", "the figure f has caches = true"),
+        (&format!("{LINES}slopes = true"), "line 7, column 1", "the figure f has slopes = true"),
+        (&LINES.replace("\"n\"", "\"n +\""), "line 12, column 5", "at column 4"),
+    ] {
+        let head = "scene = []\n[[figure]]\nname = \"f\"\ntitle = \"F\"\n";
+        refused(&format!("{head}{figure}\n"), place, words);
+    }
+}
+
+#[test]
+fn whole_numbers_may_have_an_exponent_and_lists_may_lack_brackets() {
+    let text = |blocks: &str, n: &str, detectors: &str, per_cluster: &str| {
+        format!(
+            "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\ndetectors = \
+             {detectors}\nblocks = {blocks}\nmemory-limit-mib = {n}\n[[scene]]\nname = \
+             \"clustered\"\nn = [{n}, 5]\nquick.n = {n}\nseed = {n}\nper-cluster = \
+             {per_cluster}\n[[claim]]\nname = \"c\"\nkind = \"at-most\"\nvalue = \"n\"\nto = {n}\n"
+        )
+    };
+    let read = |text: String| {
+        let experiment = parse(&text, Path::new("."));
+        let mut experiment = experiment.unwrap_or_else(|error| panic!("{error:#}\n{text}"));
+        experiment.claims.clear();
+        experiment
+    };
+    let short = read(text("1e1", "1e3", "\"nbs\"", "1e1"));
+    let long = read(text("10", "1000", "[\"nbs\"]", "10"));
+    assert_eq!(format!("{short:?}"), format!("{long:?}"));
+    let error = error(&text("1.5", "1e3", "\"nbs\"", "1e1"));
+    assert!(error.contains("1.5 stands where a whole number of at least 0 is expected"), "{error}");
+}
+
+/// The product of lists is known before one scene is made: a test that made them would not end.
+#[test]
+fn plans_are_bounded_before_they_are_made() {
+    let list = |unit: &str| (1..=2000).map(|k| format!("{k}{unit}")).collect::<Vec<_>>().join(", ");
+    let [whole, broken] = ["", ".5"].map(list);
+    let lists = format!("n = [{whole}]\nseed = [{whole}]\nspacing = [{broken}]\n");
+    let plan = |detectors: &str, rest: &str| {
+        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
+        let text = format!("{head}detectors = [{detectors}]\n{rest}");
+        parse(&text, Path::new(".")).map(|_| ()).map_err(|error| format!("{error:#}"))
+    };
+    let packed = "[[scene]]\nname = \"loose\"\n";
+    let refused = plan("\"nbs\"", &format!("{packed}{lists}")).unwrap_err();
+    for words in ["line 6", "8000000000 scenes", "2000 values of seed", "at most 100000"] {
+        assert!(refused.contains(words), "{refused}");
+    }
+    // Of a quick run, too, and of several scenes together.
+    let quick = format!("{packed}n = 5\nquick = {{ n = [{whole}], seed = [{whole}] }}\n");
+    assert!(plan("\"nbs\"", &quick).unwrap_err().contains("4000000 scenes"));
+    let half = format!("{packed}n = [{whole}]\nseed = [{}]\n", "1, 2, 3, 4, 5, 6, 7");
+    let many = (1..=8).map(|dim| half.replace("\nn =", &format!("\nspacing = {dim}.5\nn =")));
+    let refused = plan("\"nbs\"", &many.collect::<String>()).unwrap_err();
+    assert!(refused.contains("112000 scenes with those above"), "{refused}");
+    // Cells, and the text itself.
+    let some =
+        format!("{packed}n = [{whole}]\nseed = [{}]\n", &whole[..whole.find(", 41,").unwrap()]);
+    let all = format!("threads = [1, 2, 3, 4, 5, 6, 7, 8]\n{some}");
+    let refused = plan("\"@all\"", &all).unwrap_err();
+    assert!(refused.contains("cells, and an experiment has at most 1000000"), "{refused}");
+    let tables = format!("{packed}n = 10\n").repeat(200_000);
+    let refused = plan("\"nbs\"", &tables).unwrap_err();
+    assert!(refused.contains("200000 [[scene]] tables"), "{refused}");
+    assert_eq!(plan("\"nbs\"", &format!("{packed}n = [{whole}]\n")), Ok(()));
+}
+
+#[test]
+fn a_runner_is_no_control_whatever_its_name() {
+    let runner = "[[runner]]\nname = \"x-twin\"\ncommand = [\"x\"]\n";
+    let text = format!("{HEAD}[[scene]]\nname = \"packed\"\nn = 10\n{runner}");
+    let entrants = parse(&text, Path::new(".")).unwrap().planned.entrants;
+    let roles: Vec<(&str, &Role)> = entrants.iter().map(|it| (&*it.name, &it.role)).collect();
+    assert_eq!(roles, [("nbs", &Role::Detector), ("x-twin", &Role::Runner)]);
+}
+
+/// A grading curve is a file, too, unless its points are written out.
+#[test]
+fn files_are_taken_from_the_folder_of_the_experiment() {
+    let text = format!(
+        "{HEAD}[[scene]]\nname = 'loose'\nn = 10\nsizes = 'grading'\ngrading = ['sand.csv', '1 0, 2 \
+         100']\n"
+    );
+    let planned = parse(&text, Path::new("/home/a")).unwrap().planned;
+    let curves: Vec<String> =
+        planned.scenes.iter().map(|id| id.params["grading"].to_string()).collect();
+    assert_eq!(curves, ["/home/a/sand.csv", "1 0, 2 100"]);
+}
+
+/// The committed records have all that their experiments plan, but for what was not installed.
+#[test]
+fn the_committed_records_are_whole() {
+    let mut seen = 0;
+    for folder in crate::committed::committed() {
+        let Ok(record) = contactbench_record::record::row::read(&folder.join("samples.jsonl"))
+        else {
+            continue;
+        };
+        let cells = cells::cells(&record.rows);
+        for copy in std::fs::read_dir(folder.join("experiments")).unwrap() {
+            let experiment = crate::plan::read(&copy.unwrap().path()).unwrap();
+            let own: Vec<&Cell> =
+                cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
+            let summary = Coverage::new(&experiment, &own, &Scope::default()).summary();
+            let installed = summary.missing.keys().all(|why| *why == Why::Unavailable);
+            let budget = summary.short.keys().all(|why| *why == Why::Budget);
+            assert!(installed && budget, "{}: {summary:?}", folder.display());
+            // Plans and answers count the same scenes.
+            let scenes = every::count(own.iter().copied());
+            assert_eq!(summary.scenes[1], scenes, "{}: {}", folder.display(), experiment.name);
+            seen += 1;
+        }
+    }
+    assert!(seen >= 6, "{seen} experiments");
+}

@@ -1,0 +1,294 @@
+//! The race: who is slower by far drops out early, the others run blocks until the time is over.
+//!
+//! 1. A probe of each contender, one process at a time, in half of the time: the scene is loaded,
+//!    one sample is taken, its answer is judged. It may take `PATIENCE` times as long as the
+//!    fastest so far. Who takes over `HOPELESS` times the time of the fastest is out; of the others
+//!    the memory is measured.
+//! 2. Blocks: a sample of each in random order, and of the fastest once more as its own twin, every
+//!    one in a fresh process and all of a block on the same processor. Who takes over `FAR` times
+//!    the time of the fastest in each of the first two is out, and so are after `FEWEST` blocks
+//!    those whose interval is above `BEHIND` times the fastest. Two always remain, so that the
+//!    margin between them is measured.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use crate::recommend::standing::{
+    Contender, HOPELESS, Race, Standing, drop_behind, drop_far, drop_hopeless,
+};
+use crate::run::client::{Client, Failure, Start};
+use crate::run::contender;
+use crate::run::judge::Judge;
+use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
+use crate::run::processors;
+use crate::run::protocol::{Reply, Request};
+use crate::run::trajectory::Trajectory;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_io::Given;
+use contactbench_record::record::row::Outcome;
+use contactbench_record::stats::interval::{Interval, ratio};
+
+/// A probe may take so many times as long as the fastest one.
+const PATIENCE: u32 = 20;
+/// So many blocks show who is far behind: one may be disturbed.
+const FIRST_BLOCKS: u32 = 2;
+/// Fewer blocks tell nothing with 95%.
+const FEWEST: u32 = 6;
+/// More blocks make intervals hardly narrower.
+const MOST: u32 = 51;
+/// Blocks go on until there are [`FEWEST`] of them, but not beyond so many times the time asked
+/// for.
+const BEYOND: f64 = 1.5;
+/// A probe is given at least so long: a process must start.
+const SHORTEST_PROBE: Duration = Duration::from_millis(100);
+/// What is asked.
+pub struct Question<'a> {
+    /// The scene.
+    pub given: &'a Given,
+    /// Scenes that detectors are given before, as some hard cases want it.
+    pub history: &'a [Given],
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
+    /// For detectors that can use several.
+    pub threads: usize,
+    /// For a detector's arrays, in bytes.
+    pub memory_limit: u64,
+    /// For the race.
+    pub time: Duration,
+    /// This program and its first arguments, to be started as runner.
+    pub program: Vec<String>,
+}
+
+/// Runs the race. `note` hears what is being done.
+pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Race> {
+    let folder = tempfile::tempdir()
+        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    note("finding the true pairs");
+    let mut judge = Judge::new(question.given, question.memory_limit)?;
+    let arithmetic = question.arithmetic;
+    if let Some(reason) = judge.hopeless(arithmetic)? {
+        bail!("{reason}");
+    }
+    let Some(contacts) = judge.contacts(arithmetic)? else {
+        bail!(
+            "in {} arithmetic no answer could be checked: {}; choose another with --arithmetic",
+            arithmetic.name(),
+            judge.why_none(arithmetic)?
+        );
+    };
+    let scenes = question.history.iter().chain([question.given]).enumerate();
+    let loads = scenes
+        .map(|(k, given)| {
+            Trajectory::write_at_rest(&folder.path().join(format!("scene-{k}.npy")), given)
+        })
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let mut entries: Vec<_> =
+        TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
+    // The others need not be waited for.
+    entries.sort_by_key(|entry| entry.speed);
+    let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
+    let mut ground = Ground {
+        question,
+        judge,
+        loads,
+        folder: folder.path(),
+        room: contender::room(question.given.scene.len() as u64, contacts),
+        started: Instant::now(),
+    };
+    let mut standings = ground.probe_all(contenders.collect(), note)?;
+    let (blocks, twin) = ground.blocks(&mut standings, note)?;
+    let place = |name: &str| TABLE.iter().position(|entry| entry.name == name);
+    standings.sort_by_key(|standing| place(standing.who.name));
+    Ok(Race { standings, contacts, blocks, twin })
+}
+
+/// What the race is run on.
+struct Ground<'a> {
+    question: &'a Question<'a>,
+    judge: Judge<'a>,
+    /// What is loaded, one after the other.
+    loads: Vec<Trajectory>,
+    /// For pairs.
+    folder: &'a Path,
+    /// Bytes for the scene and its pairs.
+    room: u64,
+    started: Instant,
+}
+
+impl Ground<'_> {
+    /// What is left of this share of the time.
+    fn left(&self, share: f64) -> Duration {
+        self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
+    }
+
+    fn probe_all(
+        &mut self,
+        contenders: Vec<Contender>,
+        note: &mut dyn FnMut(&str),
+    ) -> anyhow::Result<Vec<Standing>> {
+        let mut standings: Vec<Standing> = Vec::new();
+        // The wall time of the fastest probe.
+        let mut shortest: Option<Duration> = None;
+        for who in contenders {
+            note(&format!("probing {}", who.name));
+            let mut standing = self.entered(who);
+            // The first may take all of the time, the others what the probes have left.
+            let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
+            if left.is_zero() {
+                let reason = "not tried: the time was over (--seconds)".into();
+                standing.fail(Failure { outcome: Outcome::Timeout, reason });
+                standings.push(standing);
+                continue;
+            }
+            let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left));
+            let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
+            if let Some(took) = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)? {
+                shortest = Some(shortest.map_or(took, |shortest| shortest.min(took)));
+            }
+            standings.push(standing);
+        }
+        drop_hopeless(&mut standings);
+        Ok(standings)
+    }
+
+    fn entered(&self, who: Contender) -> Standing {
+        let Question { ref program, arithmetic, memory_limit: limit, time, .. } = *self.question;
+        let start = Start {
+            command: contender::own(program, who.name, arithmetic, who.threads, limit),
+            install: String::new(),
+            time_limit: time.max(SHORTEST_PROBE),
+            memory_limit: contender::address_space(limit, who.threads).saturating_add(self.room),
+            processor: None,
+        };
+        Standing::new(who, start)
+    }
+
+    /// Starts, loads, takes a first sample, and measures the memory unless others are far faster;
+    /// how long that took. None: it is out.
+    fn probe(
+        &mut self,
+        standing: &mut Standing,
+        patience: Duration,
+        best: Option<u64>,
+    ) -> anyhow::Result<Option<Duration>> {
+        let started = Instant::now();
+        standing.start.time_limit = patience;
+        let Some((time, mut client)) = self.sample(standing, None)? else {
+            if standing.outcome == Outcome::Timeout {
+                standing.reason = match best {
+                    None => format!(
+                        "not ready after {:.1} s: give more time with --seconds",
+                        patience.as_secs_f64()
+                    ),
+                    Some(_) => {
+                        format!("not ready after {:.1} s, and others are", patience.as_secs_f64())
+                    }
+                };
+            }
+            return Ok(None);
+        };
+        let took = started.elapsed();
+        // From now on it has shown how long it takes.
+        standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
+        client.allow(standing.start.time_limit);
+        standing.probe_ns = Some(time);
+        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
+        if !hopeless {
+            match client.ask(&Request::Memory) {
+                Ok(Reply::Memory(memory)) => {
+                    standing.peak_bytes = Some(memory.peak_bytes);
+                    standing.formula_bytes = memory.formula_bytes;
+                }
+                // It is measured without.
+                Ok(_) => {}
+                Err(failure) => standing.fail(failure),
+            }
+        }
+        Ok(Some(took).filter(|_| standing.racing))
+    }
+
+    /// Nanoseconds of a detection in a fresh process, whose answer is judged; and the process.
+    /// None: it is out.
+    fn sample(
+        &mut self,
+        standing: &mut Standing,
+        processor: Option<usize>,
+    ) -> anyhow::Result<Option<(u64, Client)>> {
+        let start = Start { processor, ..standing.start.clone() };
+        let answer = Client::start(&start).and_then(|mut client| {
+            client.allow(start.time_limit);
+            load_all(&mut client, &self.loads)?;
+            Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client))
+        });
+        let (sample, mut client) = match answer {
+            Ok(answer) => answer,
+            Err(failure) => {
+                standing.fail(failure);
+                return Ok(None);
+            }
+        };
+        let path = self.folder.join("pairs.npy");
+        let box_dim = self.loads.last().and_then(Trajectory::box_dim);
+        let fetch = || client.pairs(&path, box_dim, None);
+        let answer = (sample.found.contacts, &*sample.found.digest);
+        let judged =
+            self.judge.judge(standing.who.name, self.question.arithmetic, answer, fetch)?;
+        standing.errors = judged.errors;
+        if judged.outcome.is_good() {
+            standing.outcome = judged.outcome;
+            return Ok(Some((sample.time_ns, client)));
+        }
+        standing.fail(Failure { outcome: judged.outcome, reason: judged.reason });
+        Ok(None)
+    }
+
+    /// Samples of all that are left and of a twin, until the time is over; the number of blocks,
+    /// and what the twin says.
+    fn blocks(
+        &mut self,
+        standings: &mut [Standing],
+        note: &mut dyn FnMut(&str),
+    ) -> anyhow::Result<(u32, Option<Interval>)> {
+        let racing = standings.iter().filter(|standing| standing.racing);
+        let original = racing.min_by_key(|standing| standing.probe_ns);
+        // With the limits that its original has since the probe.
+        let mut twin = original.map(|original| Standing {
+            start: original.start.clone(),
+            ..self.entered(original.who)
+        });
+        let mut done = 0;
+        for block in 1..=MOST {
+            let share = if block <= FEWEST { BEYOND } else { 1.0 };
+            if block > 1 && self.left(share).is_zero() {
+                break;
+            }
+            let mut order: Vec<&mut Standing> =
+                standings.iter_mut().chain(&mut twin).filter(|standing| standing.racing).collect();
+            note(&format!("block {block}: {} racing", order.len().saturating_sub(1)));
+            order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
+            for standing in order {
+                let processor = processors::in_block(block).filter(|_| standing.who.threads == 1);
+                if let Some((time, _)) = self.sample(standing, processor)? {
+                    standing.times.insert(block.into(), time);
+                }
+            }
+            done = block;
+            match block {
+                FIRST_BLOCKS => drop_far(standings),
+                FEWEST.. => drop_behind(standings),
+                _ => {}
+            }
+        }
+        let of = |twin: Standing| {
+            let original = standings.iter().find(|it| it.who.name == twin.who.name)?;
+            ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
+        };
+        Ok((done, twin.and_then(of)))
+    }
+}

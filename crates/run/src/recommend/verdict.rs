@@ -1,0 +1,72 @@
+//! From a race to a recommendation: the fastest, or, of those that cannot be told apart from it and
+//! are not much slower by their medians either, the leanest.
+
+use crate::recommend::standing::{Race, Standing, fastest};
+use contactbench_record::findings::noise::Noise;
+use contactbench_record::stats::interval::{Interval, interval, ratio};
+
+/// Who cannot be told apart from the fastest only because the machine is noisy may be much slower:
+/// a lower memory is worth at most so many times the shortest median.
+const LEANER: f64 = 1.2;
+
+/// The recommendation.
+pub struct Verdict {
+    /// The one to use, by its place in the race.
+    pub choice: usize,
+    /// The fastest of those that take longer for sure, and the ratio of its time to that of the
+    /// choice.
+    pub next: Option<(usize, Interval)>,
+    /// Those that cannot be told apart from the fastest, without the choice; and the ratios of
+    /// their times to that of the choice.
+    pub tied: Vec<(usize, Option<Interval>)>,
+    /// Is the choice the one with the shortest median?
+    pub is_fastest: bool,
+    /// What decides nothing: times of the same code differ by this factor. None without a twin.
+    pub floor: Option<f64>,
+}
+
+impl Verdict {
+    /// Reads a race; none if nobody has a time.
+    pub fn new(race: &Race) -> Option<Verdict> {
+        let standings = &race.standings;
+        let best = fastest(standings)?;
+        let against = |k: usize, base: usize| ratio(&standings[k].times, &standings[base].times);
+        let others: Vec<usize> = (0..standings.len())
+            .filter(|&k| {
+                k != best && standings[k].outcome.is_good() && !standings[k].times.is_empty()
+            })
+            .collect();
+        let noise = Noise::of_twin(race.twin);
+        let sure = |ratio: Interval| ratio.median > 1.0 && noise.decides(&ratio, 0);
+        let slower = |k: &usize| against(*k, best).is_some_and(sure);
+        let (behind, mut near): (Vec<usize>, Vec<usize>) = others.into_iter().partition(slower);
+        near.push(best);
+        let beside = |k: usize| k == best || against(k, best).is_some_and(|r| r.median <= LEANER);
+        let choice = near
+            .iter()
+            .copied()
+            .filter(|&k| beside(k))
+            .min_by_key(|&k| (standings[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
+        let next = behind
+            .into_iter()
+            .filter_map(|k| Some((k, against(k, choice)?)))
+            .filter(|(_, ratio)| sure(*ratio));
+        let next = next.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
+        let tied =
+            near.into_iter().filter(|&k| k != choice).map(|k| (k, against(k, choice))).collect();
+        let floor = race.twin.map(|_| noise.floor);
+        Some(Verdict { choice, next, tied, is_fastest: choice == best, floor })
+    }
+}
+
+/// Nanoseconds per particle.
+pub fn per_particle(standing: &Standing, n: usize) -> Option<Interval> {
+    let times: Vec<f64> =
+        standing.times.values().map(|&time| time as f64 / n.max(1) as f64).collect();
+    interval(&times)
+}
+
+/// Bytes per particle.
+pub fn bytes_per_particle(standing: &Standing, n: usize) -> Option<f64> {
+    standing.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
+}

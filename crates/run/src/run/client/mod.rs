@@ -1,0 +1,442 @@
+//! The harness's end of a conversation with a runner: a process, requests with a time limit, a
+//! memory limit, and a reason for every failure.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::run::client::output::Line;
+use crate::run::possible::{self, Asked};
+use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
+use crate::run::trajectory::Trajectory;
+use crate::run::{family, interrupt, processors};
+use contactbench_core::periodic::Contacts;
+use contactbench_io::exchange;
+use contactbench_record::record::row::Outcome;
+use contactbench_terms::text;
+
+/// How to start a runner, and what it may take.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Program and arguments.
+    pub command: Vec<String>,
+    /// What to do if it is not there.
+    pub install: String,
+    /// For one request.
+    pub time_limit: Duration,
+    /// Address space in bytes.
+    pub memory_limit: u64,
+    /// The processor that it is kept on, if any.
+    pub processor: Option<usize>,
+}
+
+impl Start {
+    /// What to do if the program is not there, to be put after the reason.
+    fn hint(&self) -> String {
+        if self.install.is_empty() { String::new() } else { format!("; {}", self.install) }
+    }
+}
+
+/// A request that failed: how, and why in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Not `ok`.
+    pub outcome: Outcome,
+    /// The reason.
+    pub reason: String,
+}
+
+/// A runner at work. Dropping it ends the process.
+pub struct Client {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: Receiver<Line>,
+    errors: Arc<Mutex<String>>,
+    time_limit: Duration,
+    memory_limit: u64,
+    /// Samples since the last scene was loaded.
+    samples: u32,
+    /// Frames of the trajectory loaded last.
+    frames: usize,
+    /// The most pairs that its answer can be from, if that is known.
+    most_listed: Option<u64>,
+    /// That trajectory, where the runner gets its frames one by one.
+    by_frame: Option<Trajectory>,
+    /// How long the last answer took.
+    waited: Duration,
+    /// What the runner said in its first line.
+    pub hello: Hello,
+}
+
+/// The first line of a runner.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hello {
+    /// The version of the protocol that it speaks.
+    pub protocol: u32,
+    /// Its own name.
+    pub detector: String,
+    /// The arithmetic in which its answers are right.
+    pub arithmetic: String,
+    /// Its version, or that of the library behind it; may be empty.
+    pub version: String,
+    /// What else it says of its program; may be empty.
+    pub build: BTreeMap<String, String>,
+    /// It takes scenes at rest alone.
+    pub at_rest: bool,
+}
+
+/// How the reason begins where a line is no reply.
+pub const NO_REPLY: &str = "the runner's answer is not a reply";
+
+/// So often a wait looks whether it was interrupted.
+const LOOK: Duration = Duration::from_millis(100);
+/// So long a runner may take to leave when it is told to, and when it is sent SIGTERM: what has
+/// started processes elsewhere needs the time to end them.
+const TO_LEAVE: Duration = Duration::from_millis(100);
+#[cfg(unix)]
+const TO_CLEAN_UP: Duration = Duration::from_millis(500);
+
+impl Client {
+    /// Starts a runner and waits for its first line. Whatever goes wrong, it is unavailable.
+    pub fn start(start: &Start) -> Result<Client, Failure> {
+        let mut runner = Client::spawn(start)?;
+        // Starting is not detecting: an interpreter may take a while to load its libraries.
+        match runner.greet(start.time_limit.max(Duration::from_secs(30))) {
+            Ok(()) => Ok(runner),
+            Err(Failure { reason, outcome: Outcome::Unavailable | Outcome::Wrong }) => {
+                Err(Failure { outcome: Outcome::Unavailable, reason })
+            }
+            Err(Failure { reason, .. }) => Err(Failure {
+                outcome: Outcome::Unavailable,
+                reason: format!("{reason}{}", start.hint()),
+            }),
+        }
+    }
+
+    /// Starts a process, which is to say hello: see [`Client::greet`].
+    pub fn spawn(start: &Start) -> Result<Client, Failure> {
+        let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
+        let [program, arguments @ ..] = &start.command[..] else {
+            return Err(unavailable("the runner's command is empty".into()));
+        };
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // When the harness ends, runners see the end of their input.
+        let mut child = family::start(&mut command)
+            .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
+        limit_memory(&child, start.memory_limit);
+        processors::keep(child.id(), start.processor);
+        let lines = output::lines(child.stdout.take());
+        let errors = output::errors(child.stderr.take());
+        let input = child.stdin.take();
+        Ok(Client {
+            child,
+            input,
+            lines,
+            errors,
+            time_limit: start.time_limit,
+            memory_limit: start.memory_limit,
+            samples: 0,
+            frames: 1,
+            most_listed: None,
+            by_frame: None,
+            waited: Duration::ZERO,
+            hello: Hello::default(),
+        })
+    }
+
+    /// Waits for the first line. One that is not hello, or hello in a version that is not spoken
+    /// here, is `wrong`.
+    pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
+        let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
+        match self.receive(limit)? {
+            Reply::Hello { protocol, detector, arithmetic, version, build, at_rest } => {
+                if !(OLDEST..=VERSION).contains(&protocol) {
+                    return Err(broken(format!(
+                        "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
+                    )));
+                }
+                let at_rest = at_rest || protocol == 1;
+                self.hello = Hello { protocol, detector, arithmetic, version, build, at_rest };
+                Ok(())
+            }
+            other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
+        }
+    }
+
+    /// The number of its process.
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// From now on, a request may take so long.
+    pub fn allow(&mut self, time_limit: Duration) {
+        self.time_limit = time_limit;
+    }
+
+    /// The end of what the runner has said on its standard error so far.
+    pub fn errors(&self) -> String {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Sends a request and waits for the answer. After a failure other than a refusal the runner is
+    /// of no more use. One that takes scenes at rest alone is given a trajectory frame by frame.
+    pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
+        if let Request::Load(trajectory) = request {
+            let several = self.hello.at_rest && trajectory.frames.len() > 1;
+            self.by_frame = several.then(|| trajectory.clone());
+            if several {
+                return Ok(Reply::Loaded);
+            }
+        }
+        match self.by_frame.take() {
+            Some(trajectory) => {
+                let answer = by_frame::ask(self, &trajectory, request);
+                self.by_frame = Some(trajectory);
+                answer
+            }
+            None => self.ask_one(request),
+        }
+    }
+
+    fn ask_one(&mut self, request: &Request) -> Result<Reply, Failure> {
+        let message = self.message(request)?;
+        let reply = self.exchange(&message)?;
+        if let Some(what) = self.impossible(request, &reply) {
+            let reason = format!("the runner breaks the protocol: {what}");
+            return Err(Failure { outcome: Outcome::Crashed, reason });
+        }
+        match reply {
+            // Where the system holds nobody to the limit, the answer is.
+            Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
+                let (taken, limit) = (memory.peak_bytes, self.memory_limit);
+                let reason = format!("it took {taken} bytes, and may take {limit}");
+                Err(Failure { outcome: Outcome::OutOfMemory, reason })
+            }
+            Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
+            Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
+            reply => Ok(reply),
+        }
+    }
+
+    /// A request in the version that the runner speaks.
+    pub fn message(&self, request: &Request) -> Result<Value, Failure> {
+        request
+            .message(self.hello.protocol)
+            .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })
+    }
+
+    /// What cannot be in the reply that has just come to this request.
+    pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
+        let min_ns = match request {
+            // The number of detections is found at the first sample, and kept: others may be
+            // shorter.
+            Request::Sample { min_ns } if self.samples == 1 => *min_ns,
+            _ => 0,
+        };
+        let waited_ns = self.waited.as_nanos() as u64;
+        let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
+        let Client { frames, most_listed, .. } = *self;
+        let asked = Asked { min_ns, frames, waited_ns, memory_limit, most_listed };
+        possible::check(reply, &asked).err()
+    }
+
+    /// Sends a message and waits for the answer, whatever it says.
+    pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
+        match message["request"].as_str() {
+            Some("load") => {
+                self.samples = 0;
+                self.frames = message["frames"].as_array().map_or(1, Vec::len);
+                let open = message["box"].is_null() && message["boxes"].is_null();
+                let n = message["n"].as_u64().filter(|_| open);
+                self.most_listed = n.map(|n| n.saturating_mul(n));
+            }
+            Some("sample") => self.samples += 1,
+            _ => {}
+        }
+        let started = Instant::now();
+        let line = format!("{message}\n");
+        let sent = self
+            .input
+            .as_mut()
+            .map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+        if !matches!(sent, Some(Ok(()))) {
+            return Err(self.post_mortem());
+        }
+        let reply = self.receive(self.time_limit);
+        self.waited = started.elapsed();
+        reply
+    }
+
+    /// The contacts of a frame, or of the last, by way of a file; in a box of so many dimensions,
+    /// if there is one. `Err` says why they cannot be had.
+    pub fn pairs(
+        &mut self,
+        path: &Path,
+        box_dim: Option<usize>,
+        frame: Option<u64>,
+    ) -> Result<Contacts, String> {
+        // What another runner wrote there is not this one's answer; mostly there is nothing to
+        // remove.
+        let _ = std::fs::remove_file(path);
+        self.ask(&Request::Pairs { path: path.to_path_buf(), frame })
+            .map_err(|failure| failure.reason)?;
+        exchange::read_contacts(path, box_dim).map_err(|e| e.to_string())
+    }
+
+    fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
+        match self.wait(limit) {
+            Ok(line) => {
+                let line = line.map_err(|what| format!(" ({what}"));
+                let reply = line.and_then(|line| {
+                    let shown = || output::shown(line.as_bytes());
+                    serde_json::from_str(&line).map(Reply::cleaned).map_err(|e| {
+                        match line.trim_start().starts_with('{') {
+                            true => format!(" ({e}): {}", shown()),
+                            false => format!(
+                                ": it printed '{}'; a reply is one line of JSON, as \
+                                in docs/PROTOCOL.md, and other words go to standard error",
+                                shown()
+                            ),
+                        }
+                    })
+                });
+                match reply {
+                    Ok(Reply::Unavailable { reason }) => {
+                        Err(Failure { outcome: Outcome::Unavailable, reason })
+                    }
+                    Ok(reply) => Ok(reply),
+                    Err(what) => {
+                        self.kill();
+                        let reason = format!("{NO_REPLY}{}", text::line(&what));
+                        Err(Failure { outcome: Outcome::Crashed, reason })
+                    }
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
+            Err(RecvTimeoutError::Timeout) => {
+                self.kill();
+                Err(Failure {
+                    outcome: Outcome::Timeout,
+                    reason: format!("no answer within {} s", limit.as_secs_f64()),
+                })
+            }
+        }
+    }
+
+    /// Waits for a line, with a look at the signals now and then. The failure of an interrupted
+    /// wait is never written: see [`interrupt::check`].
+    fn wait(&mut self, limit: Duration) -> Result<Line, RecvTimeoutError> {
+        let started = Instant::now();
+        loop {
+            let left = limit.saturating_sub(started.elapsed());
+            match self.lines.recv_timeout(left.min(LOOK)) {
+                Err(RecvTimeoutError::Timeout) if left > LOOK && !interrupt::requested() => {}
+                answer => return answer,
+            }
+        }
+    }
+
+    /// The runner is gone: why?
+    fn post_mortem(&mut self) -> Failure {
+        self.input = None;
+        // It closed its output, so it is ending or ended; one that lingers for a second is ended
+        // here. At least one pause lets its last words arrive.
+        let mut ended = None;
+        for _ in 0..50 {
+            std::thread::sleep(Duration::from_millis(20));
+            ended = family::reap(&mut self.child);
+            if ended.is_some() {
+                break;
+            }
+        }
+        let status = ended.map_or_else(
+            || "it closed its output without answering".into(),
+            |status| status.to_string(),
+        );
+        self.kill();
+        let errors = self.errors();
+        // The words of Rust's allocation failure, ours, C++'s and Python's. A backtrace may follow
+        // them.
+        let starved = |line: &&str| {
+            ["memory allocation of", "could not be had", "bad_alloc", "MemoryError"]
+                .iter()
+                .any(|words| line.contains(words))
+        };
+        let (outcome, last) = match errors.lines().rfind(starved) {
+            Some(line) => (Outcome::OutOfMemory, line),
+            None => (
+                Outcome::Crashed,
+                errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default(),
+            ),
+        };
+        Failure {
+            outcome,
+            reason: if last.is_empty() {
+                status
+            } else {
+                format!("{status}: {}", text::line(last))
+            },
+        }
+    }
+
+    /// Waits until the process has ended, but not longer than `limit`.
+    fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        let started = Instant::now();
+        loop {
+            let ended = family::reap(&mut self.child);
+            if ended.is_some() || started.elapsed() >= limit {
+                return ended;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Ends the process, and what it has started: SIGTERM, some time, SIGKILL.
+    fn kill(&mut self) {
+        #[cfg(unix)]
+        if family::reap(&mut self.child).is_none() {
+            family::signal(self.child.id(), rustix::process::Signal::TERM);
+            self.ends_within(TO_CLEAN_UP);
+        }
+        family::end(&mut self.child);
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        if let Some(mut input) = self.input.take() {
+            let told = input.write_all(b"{\"request\":\"quit\"}\n").is_ok();
+            drop(input);
+            if told {
+                self.ends_within(TO_LEAVE);
+            }
+        }
+        self.kill();
+    }
+}
+
+/// Limits the address space of a process that has just been started (Linux; elsewhere detectors
+/// still refuse by their own sums).
+fn limit_memory(child: &Child, bytes: u64) {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{Pid, Resource, Rlimit, prlimit};
+        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+        // If the process has ended already, the first answer that does not come will say so.
+        let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = (child, bytes);
+}
+
+mod by_frame;
+mod output;
+#[cfg(all(test, unix))]
+mod tests;

@@ -1,0 +1,294 @@
+//! Who takes part in an experiment: every detector in every arithmetic, and the runners in other
+//! languages.
+
+use std::path::Path;
+use std::time::Duration;
+
+use crate::plan::{self, THREADS, detectors, memory_limit, says_threads};
+use crate::run::client::{Client, Failure, Start};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::scene::AnyScene;
+use contactbench_core::track::{self, TrackerSpec};
+use contactbench_record::experiment::{Entrant, Experiment, ExternalRunner};
+use contactbench_record::record::id::{CellId, split_contender};
+use contactbench_record::record::role::Role;
+use contactbench_record::record::row::Row;
+use contactbench_scenes::spec::Spec;
+use contactbench_scenes::stats::Stats;
+
+/// Address space for a runner beside a detector's arrays and the scene: the program, its stacks,
+/// its libraries.
+const PROGRAM_BYTES: u64 = 1 << 30;
+/// The same for each further thread: its stack, and the address space that the system's allocator
+/// sets apart for it.
+const THREAD_BYTES: u64 = 128 << 20;
+
+/// A detector with an arithmetic, as a runner.
+#[derive(Clone)]
+pub struct Contender {
+    pub name: String,
+    /// `None`: the runner says.
+    pub arithmetic: Option<Arithmetic>,
+    pub role: Role,
+    /// A tracker whose rule lets contacts be missed.
+    pub may_miss: bool,
+    pub threads: usize,
+    pub start: Start,
+    /// How a copy with one thread is started, where the ceiling of several threads is to be
+    /// measured.
+    pub copy: Option<Start>,
+    /// Why it cannot be started at all.
+    pub missing: Option<String>,
+    /// Builds of one detector are timed side by side: the number of the detector.
+    pub duet: Option<usize>,
+}
+
+/// What stands behind the name of a detector of the build that is compared with this one.
+pub(crate) const BASE: &str = "@base";
+/// The same of a control that is the same code once more.
+const TWIN: &str = "-twin";
+
+/// The command that starts this program, whose name may be followed by arguments of its own, as a
+/// runner of one of its detectors; `limit` is in bytes.
+pub fn own(
+    program: &[String],
+    detector: &str,
+    arithmetic: Arithmetic,
+    threads: usize,
+    limit: u64,
+) -> Vec<String> {
+    let mut command = program.to_vec();
+    command.extend(["runner".into(), "--detector".into(), detector.to_string()]);
+    command.extend([
+        "--arithmetic".into(),
+        arithmetic.name().into(),
+        "--threads".into(),
+        threads.to_string(),
+    ]);
+    command.extend(["--memory-limit".into(), limit.to_string()]);
+    command
+}
+
+/// An error if a program does not answer as a build of this one does.
+pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
+    let limit = 1 << 28;
+    let start = Start {
+        command: own(&[program.display().to_string()], "nothing", Arithmetic::default(), 1, limit),
+        install: String::new(),
+        time_limit: Duration::from_secs(10),
+        memory_limit: address_space(limit, 1),
+        processor: None,
+    };
+    Client::start(&start).map(drop)
+}
+
+/// The address space of a runner whose detector may take `limit` bytes, without its scene and
+/// pairs.
+pub(crate) fn address_space(limit: u64, threads: usize) -> u64 {
+    limit.saturating_add(PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES)
+}
+
+/// Bytes for a scene and its list of pairs: the scene (twice while it is read); the list (up to
+/// twice its size, and twice while it grows), with some to spare.
+pub fn room(n: u64, contacts: u64) -> u64 {
+    n * (2 * 32 + 128) + contacts * 4 * 8
+}
+
+/// The contenders of an experiment, by arithmetic.
+///
+/// With another build of this program each detector takes part three times: as it is, of that
+/// build, and as its own twin, which shows what equal code differs by. Without, there is at least
+/// one twin wherever times are taken.
+pub fn contenders(
+    experiment: &Experiment,
+    program: &Path,
+    against: Option<&Path>,
+) -> Vec<Contender> {
+    let asked = asked(experiment, program, against.is_some());
+    let timed = experiment.blocks > 0;
+    if let Some(base) = against {
+        let entries = asked.into_iter().enumerate().map(|(k, one)| match one.missing {
+            None => one.trio(k, base).to_vec(),
+            // Its rows say why.
+            Some(_) => vec![one],
+        });
+        return entries.flatten().collect();
+    }
+    let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
+    let originals = asked.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
+    // The first of those with the fewest threads: it is kept on a processor if that is one.
+    let original = originals.min_by_key(|one| one.threads);
+    let twin = original.filter(|_| timed && !named).map(Contender::twin);
+    asked.into_iter().chain(twin).collect()
+}
+
+/// Those that the experiment names; only those of which another build may have something to say,
+/// if there is one.
+fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
+    let limit = memory_limit(experiment);
+    let start = |command: Vec<String>, install: &str, threads: usize| Start {
+        command,
+        install: install.to_string(),
+        time_limit: Duration::from_secs_f64(experiment.time_limit_s),
+        memory_limit: address_space(limit, threads),
+        processor: None,
+    };
+    let path = [path.display().to_string()];
+    let of_detector = |entrant: &Entrant, arithmetic| {
+        // The names were checked when the experiment was read: what cannot be parsed is a peer that
+        // was not compiled.
+        let Entrant { name, threads, .. } = entrant;
+        let spec = track::parse(name);
+        let with = |threads| {
+            let mut start = start(own(&path, name, arithmetic, threads, limit), "", threads);
+            // A tracker may take the limit for its lists beside its detector's arrays.
+            if detectors::is_tracker(name) {
+                start.memory_limit = start.memory_limit.saturating_add(limit);
+            }
+            start
+        };
+        Contender {
+            may_miss: spec.as_ref().is_ok_and(TrackerSpec::may_miss),
+            missing: spec.err().map(|reason| reason.to_string()),
+            copy: (experiment.ceiling && *threads > 1).then(|| with(1)),
+            ..Contender::new(entrant, with(*threads))
+        }
+    };
+    let of_runner = |entrant: &Entrant, runner: &ExternalRunner| {
+        let with = |threads: usize| {
+            let word = |word: &String| word.replace(THREADS, &threads.to_string());
+            start(runner.command.iter().map(word).collect(), &runner.install, threads)
+        };
+        let copied = experiment.ceiling && says_threads(runner) && entrant.threads > 1;
+        Contender {
+            copy: copied.then(|| with(1)),
+            ..Contender::new(entrant, with(entrant.threads))
+        }
+    };
+    let contender = |entrant: &Entrant| match entrant.arithmetic {
+        Some(arithmetic) => Some(of_detector(entrant, arithmetic)),
+        None => {
+            let runner = experiment.runners.iter().find(|runner| runner.name == entrant.name)?;
+            Some(of_runner(entrant, runner))
+        }
+    };
+    let entrants = experiment.planned.entrants.iter();
+    entrants.filter(|entrant| !beside || entrant.is_of_builds()).filter_map(contender).collect()
+}
+
+/// A contender's name with something behind the detector's: `nbs-twin`.
+fn suffixed(spec: &str, suffix: &str) -> String {
+    let (name, rest) = spec.split_at(spec.find([':', '(']).unwrap_or(spec.len()));
+    format!("{name}{suffix}{rest}")
+}
+
+impl Contender {
+    fn new(entrant: &Entrant, start: Start) -> Contender {
+        let Entrant { name, role, arithmetic, threads } = entrant.clone();
+        Contender {
+            name,
+            arithmetic,
+            role,
+            may_miss: false,
+            threads,
+            start,
+            copy: None,
+            missing: None,
+            duet: None,
+        }
+    }
+
+    /// The same once more.
+    fn twin(&self) -> Contender {
+        let name = suffixed(&self.name, TWIN);
+        let role = Role::Twin(split_contender(&self.name).0);
+        Contender { name, role, copy: None, ..self.clone() }
+    }
+
+    /// Itself, the same of another build, and its twin.
+    fn trio(self, number: usize, base: &Path) -> [Contender; 3] {
+        let this = Contender { duet: Some(number), copy: None, ..self };
+        let mut other = Contender {
+            name: suffixed(&this.name, BASE),
+            role: Role::Base(split_contender(&this.name).0),
+            ..this.clone()
+        };
+        if let Some(program) = other.start.command.first_mut() {
+            *program = base.display().to_string();
+        }
+        let twin = this.twin();
+        [this, other, twin]
+    }
+
+    /// With memory for a scene and its list of pairs beside the detector's own.
+    pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
+        for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
+            start.memory_limit += room(scene.len() as u64, contacts);
+        }
+        self
+    }
+
+    /// A row of this contender without a measurement; without a scene, too, where there is none.
+    pub fn blank(
+        &self,
+        experiment: &Experiment,
+        spec: &Spec,
+        scene: Option<&AnyScene<'_>>,
+        stats: &Stats,
+    ) -> Row {
+        let id = plan::id(experiment, spec);
+        let id = CellId {
+            dim: scene.map_or(id.dim, |scene| scene.dim() as u32),
+            n: scene.map_or(id.n, |scene| scene.len() as u64),
+            arithmetic: self.arithmetic.unwrap_or_default().name().into(),
+            ..id
+        };
+        Row {
+            id: id.with_contender(&self.name).with_threads(self.threads as u32),
+            role: self.role.clone(),
+            stats: stats.clone(),
+            ..Row::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(lists: &str) -> Experiment {
+        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
+        let scene = "\n[[scene]]\nname = \"packed\"\nn = 50\n";
+        plan::parse(&format!("{head}{lists}{scene}"), Path::new(".")).unwrap()
+    }
+
+    #[test]
+    fn wherever_times_are_taken_there_is_a_twin() {
+        let twins = |lists: &str| -> Vec<(String, usize)> {
+            let all = contenders(&asked(lists), Path::new("contactbench"), None);
+            let twins = all.into_iter().filter(|one| one.role.twin_of().is_some());
+            twins.map(|one| (one.name, one.threads)).collect()
+        };
+        let several = "detectors = [\"streamed-nbs\", \"nbs\"]\n";
+        for (lists, name, threads) in [
+            (format!("{several}threads = [1, 2]"), "streamed-nbs-twin", 1),
+            (format!("{several}threads = [2]"), "nbs-twin", 1),
+            ("detectors = [\"streamed-nbs\"]\nthreads = [2]".into(), "streamed-nbs-twin", 2),
+        ] {
+            assert_eq!(twins(&lists), [(name.to_string(), threads)], "{lists}");
+        }
+        assert!(twins(&format!("{several}blocks = 0")).is_empty());
+    }
+
+    #[test]
+    fn beside_another_build_are_detectors_and_libraries() {
+        let experiment = asked("detectors = [\"nothing\", \"nbs\", \"kiddo\"]");
+        let program = Path::new("contactbench");
+        let all = contenders(&experiment, program, Some(Path::new("base")));
+        let names: Vec<&str> = all.iter().map(|one| &*one.name).collect();
+        let library = cfg!(feature = "peers");
+        assert_eq!(names[..3], ["nbs", "nbs@base", "nbs-twin"]);
+        assert_eq!(names[3..].len(), if library { 3 } else { 1 });
+        assert_eq!(all[3].missing.is_none(), library);
+    }
+}

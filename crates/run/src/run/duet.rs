@@ -1,0 +1,148 @@
+//! Builds of one detector, timed side by side: the same detector of this build, of another one, and
+//! of this one again.
+//!
+//! In each block all are started afresh on the same processor and take turns, round after round:
+//! they meet the same state of the machine, from millisecond to millisecond. The ratio of a block
+//! is the median over its rounds, and blocks average over where processes happen to lie in memory.
+
+use std::time::{Duration, Instant};
+
+use crate::run::client::{Client, Failure};
+use crate::run::judge::Judge;
+use crate::run::passes::{Running, sample};
+use crate::run::protocol::Sample;
+use crate::run::stage::Stage;
+use contactbench_record::record::row::{Outcome, Pass, Row};
+
+/// A turn is at least this long.
+const TURN_NS: u64 = 500_000;
+/// Rounds of a block: at least as many, and at most; between them, as many as end in time.
+const FEWEST_ROUNDS: usize = 4;
+const MOST_ROUNDS: usize = 30;
+const LONGEST: Duration = Duration::from_millis(200);
+
+/// Those that are timed side by side, together; the others each alone. In the order of their first.
+pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
+    let mut entries: Vec<Vec<Running>> = Vec::new();
+    for one in running {
+        let number = one.contender.duet;
+        match entries.iter_mut().find(|entry| number.is_some() && entry[0].contender.duet == number)
+        {
+            Some(entry) => entry.push(one),
+            None => entries.push(vec![one]),
+        }
+    }
+    entries
+}
+
+/// One at work in a block.
+struct Player {
+    running: Running,
+    client: Client,
+    row: Row,
+    turns: Vec<Sample>,
+}
+
+impl Stage<'_, '_> {
+    /// A block of those that take turns; gives those that are still in the race.
+    pub fn side_by_side(
+        &mut self,
+        entry: Vec<Running>,
+        block: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<Vec<Running>> {
+        let blank = |one: &Running| Row { pass: Pass::Time, block, ..one.blank.clone() };
+        // A block that was begun before a kill is begun again.
+        if entry.iter().all(|one| self.index.has(&blank(one))) {
+            return Ok(entry);
+        }
+        let mut players = Vec::new();
+        for running in entry {
+            let row = blank(&running);
+            match running.fresh(running.processor(block)) {
+                Ok(client) => players.push(Player { running, client, row, turns: Vec::new() }),
+                Err(failure) => self.fail(&row, failure, Pass::Time.rest())?,
+            }
+        }
+        // Who begins in this block; in every second round the last is first.
+        let all = players.len().max(1);
+        players.rotate_left(block as usize % all);
+        let started = Instant::now();
+        for round in 0..MOST_ROUNDS {
+            if round >= FEWEST_ROUNDS && started.elapsed() > LONGEST {
+                break;
+            }
+            for (player, failure) in take_turns(&mut players) {
+                self.fail(&player.row, failure, Pass::Time.rest())?;
+            }
+            players.reverse();
+        }
+        let mut still = Vec::new();
+        for Player { running, mut client, mut row, turns } in players {
+            let processor = running.processor(block);
+            let Some(sum) = total(&turns) else { continue };
+            running.fill(&mut row, &sum, processor);
+            row.process = self.log.origins.process(&running.contender, &client)?;
+            row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
+            self.judge(&mut row, &running, &mut client, judge, &sum.found)?;
+            let others = others(&turns);
+            if others > 0 && row.outcome != Outcome::Wrong {
+                row.outcome = Outcome::Wrong;
+                row.reason =
+                    format!("{others} of {} turns gave another answer than the last", turns.len());
+                // Those of the last say nothing of the others.
+                (row.errors, row.causes, row.course) = (None, None, None);
+                self.note_wrong(&row);
+            }
+            self.write(&row)?;
+            still.push(running);
+        }
+        Ok(still)
+    }
+}
+
+/// One turn of each, in order; those that failed leave.
+fn take_turns(players: &mut Vec<Player>) -> Vec<(Player, Failure)> {
+    let mut failed = Vec::new();
+    let mut k = 0;
+    while let Some(player) = players.get_mut(k) {
+        match sample(&mut player.client, TURN_NS) {
+            Ok(turn) => {
+                player.turns.push(turn);
+                k += 1;
+            }
+            Err(failure) => failed.push((players.remove(k), failure)),
+        }
+    }
+    failed
+}
+
+/// How many turns gave another answer than the last.
+fn others(turns: &[Sample]) -> usize {
+    let answer = |turn: &Sample| turn.found.whole();
+    let last = turns.last().map(answer);
+    turns.iter().filter(|turn| Some(answer(turn)) != last).count()
+}
+
+/// All turns as one sample, with the answer of the last.
+fn total(turns: &[Sample]) -> Option<Sample> {
+    let (first, last) = (turns.first()?, turns.last()?);
+    let calls: u64 = turns.iter().map(|turn| turn.calls).sum();
+    let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
+    // As the time: the mean over all detections.
+    let mean = |of: &dyn Fn(&Sample) -> Option<u64>| {
+        let all = turns.iter().map(|turn| Some(u128::from(of(turn)?) * u128::from(turn.calls)));
+        let all: u128 = all.sum::<Option<u128>>()?;
+        Some(((all + u128::from(calls / 2)) / u128::from(calls.max(1))) as u64)
+    };
+    let step_ns = (0..last.step_ns.len()).map_while(|k| mean(&|turn| turn.step_ns.get(k).copied()));
+    Some(Sample {
+        time_ns: (elapsed_ns + calls / 2) / calls.max(1),
+        step_ns: step_ns.collect(),
+        building_ns: mean(&|turn| turn.building_ns),
+        first_ns: first.first_ns,
+        calls,
+        elapsed_ns,
+        found: last.found.clone(),
+    })
+}

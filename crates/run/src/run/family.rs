@@ -1,0 +1,231 @@
+//! The runners at work, and what they have started: none of it is left behind.
+//!
+//! A runner is the head of a process group, and the group is ended with it. What leaves the group
+//! (`setsid`, and a parent that ends at once) is found on Linux: this process adopts the orphans
+//! below it, and each runner and all that it starts bear a mark in their environment. An orphan
+//! that bears none is ended when it can only be a runner's: this process had no children before
+//! the first runner, is not the one that all orphans go to, and no other runner is at work.
+
+use std::collections::BTreeMap;
+use std::process::{Child, Command, ExitStatus};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The variable with the mark of a runner: the number of this process, and of the runner in it.
+const MARK: &str = "CONTACTBENCH_RUNNER";
+
+/// The runners at work: the number of their process (and group), and their number here.
+static RUNNERS: Mutex<Runners> = Mutex::new(Runners { at_work: BTreeMap::new(), started: 0 });
+
+struct Runners {
+    at_work: BTreeMap<u32, u32>,
+    started: u32,
+}
+
+fn runners() -> MutexGuard<'static, Runners> {
+    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Starts a runner.
+pub fn start(command: &mut Command) -> std::io::Result<Child> {
+    // While it is held nobody takes the new process for an orphan.
+    let mut runners = runners();
+    runners.started += 1;
+    // Where the stack begins depends on the size of the environment: another in each process, so
+    // that none is measured in the same unlucky place again and again.
+    let padding = runners.started.wrapping_mul(271) % 4096;
+    command.env("CONTACTBENCH_PADDING", "x".repeat(padding as usize));
+    command.env(MARK, format!("{}.{}", std::process::id(), runners.started));
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(target_os = "linux")]
+    orphans::adopt();
+    let child = command.spawn()?;
+    let number = runners.started;
+    runners.at_work.insert(child.id(), number);
+    Ok(child)
+}
+
+/// How a runner has ended, if it has. Its number may then mean another process.
+pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
+    let mut runners = runners();
+    let ended = runner.try_wait().ok().flatten()?;
+    runners.at_work.remove(&runner.id());
+    Some(ended)
+}
+
+/// Sends a signal to a runner and its group. Fails only if they have ended already.
+#[cfg(unix)]
+pub fn signal(runner: u32, signal: rustix::process::Signal) {
+    if let Some(group) = i32::try_from(runner).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process_group(group, signal);
+    }
+}
+
+/// Ends a runner's group, and what has left it.
+pub fn end(runner: &mut Child) {
+    #[cfg(unix)]
+    signal(runner.id(), rustix::process::Signal::KILL);
+    runners().at_work.remove(&runner.id());
+    // Either may fail only because the process has ended already.
+    let _ = runner.kill();
+    let _ = runner.wait();
+    #[cfg(target_os = "linux")]
+    orphans::end();
+}
+
+/// Ends all runners at once, at the end of the program.
+#[cfg(unix)]
+pub(crate) fn end_all() {
+    let mut runners = runners();
+    for &runner in runners.at_work.keys() {
+        signal(runner, rustix::process::Signal::KILL);
+    }
+    runners.at_work.clear();
+    drop(runners);
+    #[cfg(target_os = "linux")]
+    orphans::end();
+}
+
+#[cfg(target_os = "linux")]
+mod orphans {
+    use std::collections::BTreeSet;
+    use std::sync::{Mutex, OnceLock, PoisonError};
+    use std::time::Duration;
+
+    use rustix::process::{Pid, Signal, WaitOptions};
+
+    use super::{MARK, Runners, runners};
+
+    /// So often orphans are looked for: some start others while they are ended.
+    const ROUNDS: u32 = 200;
+    const PAUSE: Duration = Duration::from_millis(5);
+
+    /// Is everything below this process of its runners?
+    static ALONE: OnceLock<bool> = OnceLock::new();
+    /// Orphans that outlive a SIGKILL: nobody waits for them twice.
+    static STUCK: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
+
+    /// From now on orphans below this process are its children.
+    pub fn adopt() {
+        ALONE.get_or_init(|| {
+            // Where the system cannot, groups are ended as elsewhere.
+            let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
+            // What was started before this program became what it is (by a shell that ended with
+            // `exec`) is none of its business, nor what that starts. The first process of a
+            // container is given the orphans of everybody.
+            own() != 1 && children().iter().all(|child| child.ended)
+        });
+    }
+
+    /// A process, as `/proc` has it.
+    struct Process {
+        pid: i32,
+        parent: i32,
+        group: i32,
+        ended: bool,
+    }
+
+    fn own() -> i32 {
+        rustix::process::getpid().as_raw_nonzero().get()
+    }
+
+    /// Ends the orphans of runners that are no longer at work.
+    pub fn end() {
+        let mut stuck = STUCK.lock().unwrap_or_else(PoisonError::into_inner);
+        for round in 1..=ROUNDS {
+            // While it is held no runner is started, which would look like an orphan.
+            let runners = runners();
+            let found = found(&runners);
+            stuck.retain(|pid| found.contains(pid));
+            for &pid in &found {
+                if let Some(pid) = Pid::from_raw(pid) {
+                    let _ = rustix::process::kill_process(pid, Signal::KILL);
+                    // Those that are not children are their parents' to wait for.
+                    let _ = rustix::process::waitpid(Some(pid), WaitOptions::NOHANG);
+                }
+            }
+            drop(runners);
+            if found.len() == stuck.len() {
+                return;
+            }
+            if round == ROUNDS {
+                *stuck = found;
+                return;
+            }
+            std::thread::sleep(PAUSE);
+        }
+    }
+
+    /// Orphans that are no runner at work's, and all below them.
+    fn found(runners: &Runners) -> BTreeSet<i32> {
+        let group = rustix::process::getpgrp().as_raw_nonzero().get();
+        // What this program starts for itself is in its own group.
+        let orphan = |process: &Process| {
+            let at_work = runners.at_work.keys().any(|&runner| runner as i32 == process.pid);
+            process.group != group && !at_work
+        };
+        let alone = ALONE.get().is_some_and(|alone| *alone);
+        let nobodys = |process: &Process| match mark(process.pid) {
+            Some(number) => runners.at_work.values().all(|&known| known != number),
+            None => alone && runners.at_work.is_empty(),
+        };
+        let mut found: BTreeSet<i32> = children()
+            .into_iter()
+            .filter(|it| orphan(it) && (it.ended || nobodys(it)))
+            .map(|it| it.pid)
+            .collect();
+        // Mostly there is none, and the other processes of the machine need not be looked at.
+        let all = if found.is_empty() { Vec::new() } else { processes() };
+        loop {
+            let below = all.iter().filter(|it| found.contains(&it.parent)).map(|it| it.pid);
+            let more: Vec<i32> = below.filter(|pid| !found.contains(pid)).collect();
+            if more.is_empty() {
+                return found;
+            }
+            found.extend(more);
+        }
+    }
+
+    /// The children of this process.
+    fn children() -> Vec<Process> {
+        listed().map_or_else(
+            || processes().into_iter().filter(|it| it.parent == own()).collect(),
+            |pids| pids.into_iter().filter_map(process).collect(),
+        )
+    }
+
+    /// The same, as the system lists them by thread; `None` if it does not.
+    fn listed() -> Option<Vec<i32>> {
+        let mut pids = Vec::new();
+        for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {
+            // None, too, where a thread has just ended: another has its children now.
+            let text = std::fs::read_to_string(thread.path().join("children")).ok()?;
+            pids.extend(text.split_whitespace().flat_map(str::parse::<i32>));
+        }
+        Some(pids)
+    }
+
+    /// The number of the runner that a process is of, if it says so.
+    fn mark(pid: i32) -> Option<u32> {
+        let environment = std::fs::read(format!("/proc/{pid}/environ")).ok()?;
+        let head = format!("{MARK}={}.", std::process::id());
+        let variable = environment.split(|&byte| byte == 0);
+        let mark = variable.filter_map(|text| text.strip_prefix(head.as_bytes())).next()?;
+        std::str::from_utf8(mark).ok()?.parse().ok()
+    }
+
+    fn processes() -> Vec<Process> {
+        let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+        numbers.filter_map(process).collect()
+    }
+
+    fn process(pid: i32) -> Option<Process> {
+        let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        // The name of the program, in brackets, may hold anything.
+        let mut fields = text.rsplit_once(')')?.1.split_whitespace();
+        let ended = fields.next()? == "Z";
+        let (parent, group) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
+        Some(Process { pid, parent, group, ended })
+    }
+}

@@ -1,0 +1,191 @@
+//! The judge of a scene at rest, or of one frame, in open space or in a box.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::run::judge::{Judged, Nothing, Unjudged};
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::oracle::{self, Causes, Errors, NoTruth, compare_by};
+use contactbench_core::periodic::{self, Contacts, ImagePair};
+use contactbench_core::scene::AnyScene;
+use contactbench_core::searcher::Loaded;
+use contactbench_core::sink::Digest;
+use contactbench_io::Given;
+
+/// What is true of a scene.
+pub(super) struct AtRest<'a> {
+    scene: &'a AnyScene<'static>,
+    /// The scene in its box, if it has one.
+    boxed: Option<Rc<Loaded<'static>>>,
+    /// For a list of contacts, in bytes.
+    memory_limit: u64,
+    known: HashMap<Arithmetic, Result<Truths, Nothing>>,
+}
+
+/// What is true in one arithmetic. Arithmetics that store the scene alike share.
+#[derive(Clone)]
+pub(super) struct Truths {
+    /// As the arithmetic stores it; in a box as given.
+    pub stored: Rc<Loaded<'static>>,
+    /// By the arithmetic's own contact test.
+    pub own: Rc<Truth>,
+    /// By exact decisions on particles and images as they are stored; `None` where they cannot be
+    /// found in a box.
+    exact: Option<Rc<Truth>>,
+}
+
+/// The contacts, sorted, and their fingerprint.
+pub(super) struct Truth {
+    pub contacts: Contacts,
+    pub digest: Digest,
+}
+
+impl From<oracle::Truth> for Truth {
+    fn from(truth: oracle::Truth) -> Truth {
+        let contacts = Contacts { plain: truth.pairs, ..Contacts::default() };
+        Truth { contacts, digest: truth.digest }
+    }
+}
+
+impl From<periodic::Truth> for Truth {
+    fn from(truth: periodic::Truth) -> Truth {
+        Truth { contacts: truth.pairs.into_iter().collect(), digest: truth.digest }
+    }
+}
+
+impl<'a> AtRest<'a> {
+    /// Knows nothing yet. A list of contacts may take `memory_limit` bytes.
+    ///
+    /// # Errors
+    /// A box that does not suit the scene.
+    pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<AtRest<'a>> {
+        let boxed = given.periodic()?.map(|periodic| Rc::new(Loaded::InBox(periodic)));
+        Ok(AtRest { scene: &given.scene, boxed, memory_limit, known: HashMap::new() })
+    }
+
+    /// Judges an answer; `fetch` gives its contacts, and is not called for a right one.
+    pub fn judge(
+        &mut self,
+        arithmetic: Arithmetic,
+        said: Digest,
+        fetch: impl FnOnce() -> Result<Contacts, String>,
+    ) -> Result<Judged, Unjudged> {
+        let truths = self.known(arithmetic)?;
+        let fetched;
+        let contacts = if said == truths.own.digest {
+            &truths.own.contacts
+        } else {
+            match fetch() {
+                Ok(mut contacts) => {
+                    contacts.sort();
+                    fetched = contacts;
+                }
+                Err(why) => return Ok(Judged::unseen(&why)),
+            }
+            &fetched
+        };
+        let own = compare(contacts, &truths.own, &truths.stored);
+        let mut judged = Judged::by(&own, arithmetic);
+        let given = match self.known(Arithmetic::Exact) {
+            Ok(given) => given,
+            Err(Unjudged::Nothing(_)) => return Ok(judged),
+            Err(defect) => return Err(defect),
+        };
+        judged.errors = Some(compare(contacts, &given.own, &given.stored));
+        judged.causes = truths.exact.map(|exact| Causes {
+            representation: compare(&exact.contacts, &given.own, &given.stored),
+            predicate: compare(&truths.own.contacts, &exact, &truths.stored),
+            search: own,
+            stored: compare(contacts, &exact, &truths.stored),
+        });
+        Ok(judged)
+    }
+
+    /// What is true in an arithmetic.
+    pub fn known(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
+        if let Some(known) = self.known.get(&arithmetic) {
+            return known.clone().map_err(Unjudged::Nothing);
+        }
+        let found = match self.find(arithmetic) {
+            Ok(truths) => Ok(truths),
+            Err(Unjudged::Nothing(nothing)) => Err(nothing),
+            Err(defect) => return Err(defect),
+        };
+        self.known.insert(arithmetic, found.clone());
+        found.map_err(Unjudged::Nothing)
+    }
+
+    fn find(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
+        let stored = match (&self.boxed, arithmetic) {
+            (Some(boxed), _) => boxed.clone(),
+            (None, Arithmetic::Textbook) => return self.known(Arithmetic::F64),
+            // It stores the scene as exact arithmetic does.
+            (None, Arithmetic::F64) => self.known(Arithmetic::Exact)?.stored,
+            (None, _) => {
+                let stored = self.scene.stored(arithmetic).map_err(NoTruth::from)?;
+                Rc::new(Loaded::Open(stored))
+            }
+        };
+        let limit = self.memory_limit;
+        let (own, exact) = match &*stored {
+            Loaded::Open(scene) => {
+                let truth = |test| oracle::truth_as_stored(scene, test, limit).map(Truth::from);
+                let exact = match arithmetic {
+                    Arithmetic::F64 => self.known(Arithmetic::Exact)?.own,
+                    _ => self.share(truth(Test::Exact)?),
+                };
+                let own = match arithmetic.test() {
+                    Test::Exact => exact.clone(),
+                    test => match truth(test)? {
+                        same if same.digest == exact.digest => exact.clone(),
+                        own => self.share(own),
+                    },
+                };
+                (own, Some(exact))
+            }
+            Loaded::InBox(periodic) => {
+                let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
+                let exact = match arithmetic {
+                    // It stores no images.
+                    Arithmetic::Exact => Some(own.clone()),
+                    _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
+                        Ok(exact) => Some(self.share(exact.into())),
+                        Err(reason) => match Unjudged::from(reason) {
+                            Unjudged::Nothing(_) => None,
+                            defect => return Err(defect),
+                        },
+                    },
+                };
+                (own, exact)
+            }
+        };
+        Ok(Truths { stored, own, exact })
+    }
+
+    /// Lists that are the same are kept once.
+    fn share(&self, found: Truth) -> Rc<Truth> {
+        let known = self.known.values().flatten();
+        let mut known = known.flat_map(|truths| truths.exact.iter().chain([&truths.own]));
+        let same = known.find(|known| known.digest == found.digest).cloned();
+        same.unwrap_or_else(|| Rc::new(found))
+    }
+}
+
+/// Most answers are right: their contacts need not be compared.
+fn compare(reported: &Contacts, truth: &Truth, scene: &Loaded<'_>) -> Errors {
+    if reported.digest() == truth.digest {
+        return Errors::default();
+    }
+    let (plain, shifted) = (&truth.contacts.plain, &truth.contacts.shifted);
+    match scene {
+        Loaded::Open(scene) => oracle::compare(&reported.plain, plain, scene),
+        Loaded::InBox(periodic) => {
+            let depth = |pair| periodic::depth(periodic, pair);
+            let own = |[i, j]: [u32; 2]| i == j;
+            let unshifted = |[i, j]: [u32; 2]| depth(ImagePair::new(i, j, [0; 3]));
+            let mut errors = compare_by(&reported.plain, plain, own, unshifted);
+            errors.add(&compare_by(&reported.shifted, shifted, |_| false, depth));
+            errors
+        }
+    }
+}

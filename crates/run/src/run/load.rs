@@ -1,0 +1,157 @@
+//! What else the machine did: processor time of other processes, and time that the host gave to
+//! other machines.
+//!
+//! The load average counts the run's own processes, and remembers the minute before; so what is
+//! asked is time. All that the cores had, less what they idled, what was stolen, and what the
+//! harness and the runners used, went to others. It is taken over the blocks of a scene: they last
+//! seconds, and the clocks of the system tick a hundred times in each, too coarse for a sample of
+//! two milliseconds.
+
+use std::time::{Instant, SystemTime};
+
+use contactbench_core::sink::splitmix64;
+use contactbench_record::record::ledger::Span;
+
+/// A span that has begun.
+pub(crate) struct Watch {
+    id: String,
+    began: Instant,
+    before: Times,
+    load: Option<f64>,
+}
+
+/// Seconds since the machine and the harness were started, over all cores.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Times {
+    cores: u64,
+    idle: f64,
+    stolen: f64,
+    own: f64,
+}
+
+impl Watch {
+    /// None where the system does not say what is asked: anywhere but on Linux.
+    pub fn start() -> Option<Watch> {
+        let before = now()?;
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let random = splitmix64(since.as_nanos() as u64 ^ u64::from(std::process::id()) << 32);
+        let id = format!("{:08x}", random >> 32);
+        Some(Watch { id, began: Instant::now(), before, load: load() })
+    }
+
+    /// What rows are to say.
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// The span, which ends now; none if the system does not say any more.
+    pub fn end(self, scene: String) -> Option<Span> {
+        let seconds = self.began.elapsed().as_secs_f64();
+        let span = between(self.before, now()?, seconds);
+        Some(Span { id: self.id, scene, load_before: self.load, load_after: load(), ..span })
+    }
+}
+
+fn between(before: Times, after: Times, seconds: f64) -> Span {
+    let of = |which: fn(&Times) -> f64| (which(&after) - which(&before)).max(0.0);
+    let (idle, stolen_s, own_s) = (of(|it| it.idle), of(|it| it.stolen), of(|it| it.own));
+    let others = after.cores as f64 * seconds - idle - stolen_s - own_s;
+    let round = |seconds: f64| (seconds * 1e3).round() / 1e3;
+    Span {
+        seconds: round(seconds),
+        cores: after.cores,
+        own_s: round(own_s),
+        others_s: round(others.max(0.0)),
+        stolen_s: round(stolen_s),
+        ..Span::default()
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn now() -> Option<Times> {
+    let read = |path| std::fs::read_to_string(path).ok();
+    let tick = 1.0 / rustix::param::clock_ticks_per_second() as f64;
+    times(&read("/proc/stat")?, &read("/proc/self/stat")?, tick)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn now() -> Option<Times> {
+    None
+}
+
+/// The load average of the last minute.
+fn load() -> Option<f64> {
+    std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
+}
+
+/// Reads `/proc/stat` and `/proc/self/stat`, which count in ticks of so many seconds.
+#[cfg(any(target_os = "linux", test))]
+fn times(all: &str, own: &str, tick: f64) -> Option<Times> {
+    let number = |text: &str| text.parse::<u64>().ok();
+    let line = all.lines().find_map(|line| line.strip_prefix("cpu "))?;
+    // user nice system idle iowait irq softirq steal
+    let all_cores: Vec<u64> = line.split_whitespace().map_while(number).collect();
+    let core = |line: &&str| line.starts_with("cpu") && !line.starts_with("cpu ");
+    let cores = all.lines().filter(core).count() as u64;
+    // The name of the program, in parentheses, may hold anything. Behind it: state, ten numbers,
+    // then user and system time, of its own and of children that have ended.
+    let fields: Vec<&str> = own.rsplit_once(')')?.1.split_whitespace().collect();
+    let used: Vec<u64> = fields.get(11..15)?.iter().map_while(|text| number(text)).collect();
+    let seconds = |ticks: &[u64]| ticks.iter().sum::<u64>() as f64 * tick;
+    Some(Times {
+        cores,
+        idle: seconds(all_cores.get(3..5)?),
+        stolen: seconds(all_cores.get(7..8)?),
+        own: seconds(&used),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STAT: &str = "cpu  100 7 30 1000 50 1 2 40 9 9\ncpu0 50 7 30 500 50 1 2 40 9 9\n\
+                        cpu1 50 0 0 500 0 0 0 0 0 0\nintr 5\n";
+    const SELF: &str = "7 (a ) b) S 1 7 7 0 -1 4194560 1 2 3 4 11 5 20 4 20 0 1 0 99";
+
+    #[test]
+    fn what_the_system_says_is_read() {
+        let found = times(STAT, SELF, 0.01).unwrap();
+        assert_eq!(found, Times { cores: 2, idle: 10.5, stolen: 0.4, own: 0.4 });
+        for (all, own) in [("", SELF), (STAT, ""), (STAT, "7 (a) S 1"), ("cpu  1 2\n", SELF)] {
+            assert_eq!(times(all, own, 0.01), None);
+        }
+    }
+
+    #[test]
+    fn what_is_left_went_to_others() {
+        let before = Times { cores: 2, idle: 10.0, stolen: 1.0, own: 5.0 };
+        let after = Times { cores: 2, idle: 11.0, stolen: 1.5, own: 13.0 };
+        let span = between(before, after, 10.0);
+        assert_eq!((span.own_s, span.stolen_s, span.others_s), (8.0, 0.5, 10.5));
+        // Clocks that do not quite agree, or start again.
+        let span = between(after, before, 0.1);
+        assert_eq!((span.own_s, span.stolen_s, span.others_s), (0.0, 0.0, 0.2));
+        assert_eq!(between(before, after, 1.0).others_s, 0.0);
+    }
+
+    /// The work of this process and of its children is not that of others; here others may be at
+    /// work as well, so only what is certain is asked.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn own_work_is_own() {
+        let watch = Watch::start().unwrap();
+        let spin = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done";
+        let ended = std::process::Command::new("sh").args(["-c", spin]).status().unwrap();
+        assert!(ended.success());
+        let began = Instant::now();
+        while began.elapsed().as_secs_f64() < 0.2 {
+            std::hint::black_box(0);
+        }
+        let span = watch.end("s".into()).unwrap();
+        assert!(span.own_s > 0.05 && span.seconds > 0.2 && span.cores > 0, "{span:?}");
+        let had = span.cores as f64 * span.seconds + 0.1;
+        assert!(span.own_s + span.others_s + span.stolen_s <= had, "{span:?}");
+        assert!(span.load_before.is_some() && span.load_after.is_some());
+    }
+}

@@ -1,0 +1,26 @@
+//! Running experiments: every contender in a process of its own, its answers judged, its rows
+//! appended to the record.
+
+pub mod alloc;
+pub mod client;
+pub mod contender;
+mod copies;
+pub mod disk;
+mod duet;
+mod family;
+pub mod interrupt;
+pub mod job;
+pub mod judge;
+pub mod load;
+pub mod origins;
+pub mod passes;
+pub mod plan;
+pub mod possible;
+pub mod processors;
+pub mod protocol;
+mod pulse;
+pub mod server;
+pub mod session;
+pub mod stage;
+pub mod trajectory;
+mod walk;

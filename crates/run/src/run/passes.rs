@@ -1,0 +1,355 @@
+//! What is measured of one contender on one scene: its runner loads the scene, counts, measures the
+//! memory, and gives timed samples; every answer is judged before its row is written.
+//!
+//! Each timed sample is of a process of its own. Where a process lies in memory is worth up to a
+//! fifth of its time in one case of ten, and stays as it is while the process lives: blocks within
+//! one process would repeat one draw of that, and call equal code different.
+
+use std::rc::Rc;
+use std::time::SystemTime;
+
+use crate::run::client::{Client, Failure, Hello, Start};
+use crate::run::contender::Contender;
+use crate::run::interrupt;
+use crate::run::judge::{self, Judge, Said};
+use crate::run::plan::describe;
+use crate::run::processors;
+use crate::run::protocol::{self, Found, Reply, Request, Sample, Steps};
+use crate::run::pulse::pulse;
+use crate::run::stage::Stage;
+use crate::run::trajectory::Trajectory;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::sink::Digest;
+use contactbench_record::record::role::Role;
+use contactbench_record::record::row::{self, Outcome, Pass, Row};
+
+/// Samples are at least this long, or the clock would be measured.
+pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
+
+/// A contender that is in the race on a scene.
+pub(crate) struct Running {
+    pub contender: Contender,
+    pub arithmetic: Arithmetic,
+    /// What its first process said in its first line.
+    pub hello: Hello,
+    pub blank: Row,
+    /// The scene, and those before it.
+    pub loads: Rc<[Trajectory]>,
+    /// How its copies are started, each with one thread; none if the ceiling is not asked for.
+    pub copy: Option<Start>,
+}
+
+impl Running {
+    /// Where its process of this block works: with several threads wherever the system likes.
+    pub fn processor(&self, block: u32) -> Option<usize> {
+        processors::in_block(block).filter(|_| self.contender.threads == 1)
+    }
+
+    /// A process of its own, with the scene.
+    pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
+        fresh(&self.contender.start, &self.hello, &self.loads, processor)
+    }
+
+    /// What a sample says, on this processor.
+    pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
+        row.time_ns = Some(sample.time_ns);
+        // With a history the process has detected before.
+        row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
+        row.calls = Some(sample.calls);
+        row.elapsed_ns = Some(sample.elapsed_ns);
+        say(row, &sample.found);
+        if !sample.found.steps.is_empty() {
+            let mut each = sample.step_ns.clone();
+            each.sort_unstable();
+            row.median_step_ns = each.get(each.len() / 2).copied();
+            row.worst_step_ns = each.last().copied();
+            row.building_ns = sample.building_ns;
+        }
+        row.processor = processor.map(|processor| processor as u32);
+    }
+}
+
+/// Gives a runner several scenes to load, one after the other, as hard cases with a history want
+/// it. They are other particles each time, and so trajectories of their own. What a detector makes
+/// of those before the last is not judged; only, they are to leave their traces.
+pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), Failure> {
+    let Some((last, history)) = loads.split_last() else { return Ok(()) };
+    for trajectory in history {
+        let request = Request::Sample { min_ns: 1 };
+        match load(client, trajectory).and_then(|()| client.ask(&request)) {
+            Err(failure) if failure.outcome != Outcome::Refused => return Err(failure),
+            _ => {}
+        }
+    }
+    load(client, last)
+}
+
+/// A runner in a process of its own, with the scene; on this processor, if one is given.
+pub fn fresh(
+    start: &Start,
+    hello: &Hello,
+    loads: &[Trajectory],
+    processor: Option<usize>,
+) -> Result<Client, Failure> {
+    let start = &Start { processor, ..start.clone() };
+    // What started before and does not now gets a second chance: the system may be short of
+    // something for a moment.
+    let mut client = Client::start(start).or_else(|_| Client::start(start))?;
+    if client.hello != *hello {
+        let reason = "the runner says another hello than when it was started first".into();
+        return Err(Failure { outcome: Outcome::Crashed, reason });
+    }
+    load_all(&mut client, loads)?;
+    Ok(client)
+}
+
+/// Asks for a sample of at least so many nanoseconds.
+pub fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
+    let request = Request::Sample { min_ns };
+    match client.ask(&request)? {
+        Reply::Sample(sample) => Ok(*sample),
+        other => Err(astray(&request, &other)),
+    }
+}
+
+fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
+    let request = Request::Load(trajectory.clone());
+    match client.ask(&request)? {
+        Reply::Loaded => Ok(()),
+        other => Err(astray(&request, &other)),
+    }
+}
+
+/// An answer that does not belong to the request.
+pub fn astray(request: &Request, reply: &Reply) -> Failure {
+    // The variant's name alone: what else there is holds paths that differ from run to run.
+    let word = |text: String| text.split([' ', '(']).next().unwrap_or_default().to_string();
+    let reason = format!(
+        "the runner answered {} with {}",
+        word(format!("{request:?}")),
+        word(format!("{reply:?}"))
+    );
+    Failure { outcome: Outcome::Crashed, reason }
+}
+
+impl Stage<'_, '_> {
+    /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out;
+    /// its rows say why.
+    pub fn enter(
+        &mut self,
+        contender: Contender,
+        mut blank: Row,
+        loads: &Rc<[Trajectory]>,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<Option<Running>> {
+        if self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        let (mut client, arithmetic) = match start(&contender) {
+            Ok(started) => started,
+            Err(failure) => {
+                self.fail(&blank, failure, &Pass::ALL)?;
+                return Ok(None);
+            }
+        };
+        // An external runner has just said which arithmetic its rows bear.
+        blank.id.arithmetic = arithmetic.name().into();
+        blank.process = self.log.origins.process(&contender, &client)?;
+        if self.give_up(&blank)? || self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        if let Err(failure) = load_all(&mut client, loads) {
+            self.fail(&blank, failure, &Pass::ALL)?;
+            return Ok(None);
+        }
+        let (hello, loads) = (client.hello.clone(), loads.clone());
+        let mut running = Running { contender, arithmetic, hello, blank, loads, copy: None };
+        for pass in [Pass::Count, Pass::Memory] {
+            let mut row = Row { pass, ..running.blank.clone() };
+            if self.index.has(&row) {
+                continue;
+            }
+            let found = match measure(&mut client, &mut row) {
+                Ok(found) => found,
+                Err(failure) => {
+                    self.fail(&running.blank, failure, pass.rest())?;
+                    return Ok(None);
+                }
+            };
+            if let Some(found) = found {
+                self.judge(&mut row, &running, &mut client, judge, &found)?;
+            }
+            self.write(&row)?;
+        }
+        running.copy = self.copy(&running)?;
+        Ok(Some(running))
+    }
+
+    /// One timed sample, of a process of its own. False if the contender is out.
+    pub fn sample(
+        &mut self,
+        running: &Running,
+        mut row: Row,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<bool> {
+        let processor = running.processor(row.block);
+        // Before there is a process: it would find its caches empty.
+        let before = pulse(processor);
+        let answer = running.fresh(processor).and_then(|mut client| {
+            row.began_ms = since_1970();
+            let sample = sample(&mut client, SHORTEST_SAMPLE_NS)?;
+            row.pulse_ns = before.max(pulse(processor));
+            Ok((sample, client))
+        });
+        let (sample, mut client) = match answer {
+            Ok(answer) => answer,
+            Err(failure) => {
+                row.began_ms = None;
+                self.fail(&row, failure, Pass::Time.rest())?;
+                return Ok(false);
+            }
+        };
+        row.process = self.log.origins.process(&running.contender, &client)?;
+        running.fill(&mut row, &sample, processor);
+        self.judge(&mut row, running, &mut client, judge, &sample.found)?;
+        self.write(&row)?;
+        Ok(true)
+    }
+
+    /// Judges a row's answer before the row is written; of a trajectory of several frames, the
+    /// answers to all of them.
+    pub fn judge(
+        &mut self,
+        row: &mut Row,
+        running: &Running,
+        client: &mut Client,
+        judge: &mut Judge<'_>,
+        found: &Found,
+    ) -> anyhow::Result<()> {
+        let Running { contender, arithmetic, loads, .. } = running;
+        if contender.role == Role::Nothing {
+            row.outcome = Outcome::Control;
+            row.reason = "control: reports nothing by design".into();
+            return Ok(());
+        }
+        let Contender { name, may_miss, .. } = contender;
+        let (path, (contacts, digest)) = (self.folder.join("pairs.npy"), found.whole());
+        let box_dim = loads.last().and_then(Trajectory::box_dim);
+        let judged = if judge.is_moving() {
+            let sum = protocol::digest(contacts, &digest).map_or(0, |digest| digest.sum);
+            let (arithmetic, may_miss, steps) = (*arithmetic, *may_miss, &found.steps);
+            let said = Said { arithmetic, may_miss, steps };
+            let fetch = |frame: u64| client.pairs(&path, box_dim, Some(frame));
+            let (judged, course) =
+                judge.judge_course(name, said, Digest { contacts, sum }, fetch)?;
+            row.course = judged.errors.is_some().then(|| recorded(&course, steps));
+            judged
+        } else {
+            let fetch = || client.pairs(&path, box_dim, None);
+            judge.judge(name, *arithmetic, (contacts, &digest), fetch)?
+        };
+        interrupt::check()?;
+        row.outcome = judged.outcome;
+        row.reason = judged.reason;
+        row.errors = judged.errors;
+        row.causes = judged.causes;
+        if row.outcome == Outcome::Refused {
+            // No time without an answer that is known to be right.
+            (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
+        }
+        if row.outcome == Outcome::Wrong {
+            self.note_wrong(row);
+        }
+        Ok(())
+    }
+
+    /// Prints the first wrong answer of each detector at once; the report counts all of them.
+    pub fn note_wrong(&mut self, row: &Row) {
+        self.note_first("WRONG", row, &row.reason);
+    }
+
+    /// Prints what happened to a detector, the first time that it happens to it in a run.
+    pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
+        let head = format!("{what}: {}", row.id.contender());
+        if self.log.noted.insert(head.clone()) {
+            let scene = describe(self.experiment, self.spec);
+            let text = format!("{head} ({}) on {scene}: {reason}", row.id.arithmetic);
+            self.log.progress.note(&text);
+        }
+    }
+}
+
+fn since_1970() -> Option<u64> {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    u64::try_from(since.as_millis()).ok()
+}
+
+/// Starts the runner of a contender. The arithmetic is the contender's, or the one that the runner
+/// says.
+fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
+    let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
+    if let Some(reason) = &contender.missing {
+        return Err(unavailable(reason.clone()));
+    }
+    let client = Client::start(&contender.start)?;
+    let said = || {
+        let name = &client.hello.arithmetic;
+        let found = Arithmetic::ALL.into_iter().find(|arithmetic| arithmetic.name() == name);
+        found.ok_or_else(|| {
+            let names = Arithmetic::names();
+            unavailable(format!("the runner says arithmetic '{name}'; it must be one of {names}"))
+        })
+    };
+    let arithmetic = contender.arithmetic.map_or_else(said, Ok)?;
+    Ok((client, arithmetic))
+}
+
+/// What a row says of the frames.
+fn recorded(course: &judge::Course, steps: &Steps) -> row::Course {
+    let judge::Course { builds, late } = course;
+    row::Course {
+        builds: builds.built,
+        dangerous: builds.dangerous,
+        dangerous_rightly: builds.rightly,
+        missing_builds: builds.missing,
+        listed: steps.listed.iter().fold(0, |all, &listed| all.saturating_add(listed)),
+        first_wrong: late.first,
+        wrong_frames: late.frames,
+        worst_missed: late.worst,
+        never: late.never,
+        latest: late.latest,
+        deepest_late: late.deepest,
+    }
+}
+
+/// What was found, in a row.
+pub fn say(row: &mut Row, found: &Found) {
+    let (contacts, digest) = found.whole();
+    (row.contacts, row.digest) = (Some(contacts), Some(digest));
+}
+
+/// Counts, or measures the memory, as the row's pass says. `None` if the runner does not.
+fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
+    let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
+    let found = match (client.ask(&request)?, row.pass) {
+        (Reply::Count(counted), Pass::Count) => {
+            row.counts = counted.counts;
+            counted.found
+        }
+        (Reply::Memory(memory), Pass::Memory) => {
+            row.peak_bytes = Some(memory.peak_bytes);
+            row.live_bytes = Some(memory.live_bytes);
+            row.allocations = Some(memory.allocations);
+            row.warm_allocations = memory.warm_allocations;
+            row.formula_bytes = memory.formula_bytes;
+            memory.found
+        }
+        (Reply::Unsupported, _) => {
+            row.reason = "the runner does not measure this".into();
+            return Ok(None);
+        }
+        (other, _) => return Err(astray(&request, &other)),
+    };
+    say(row, &found);
+    Ok(Some(found))
+}

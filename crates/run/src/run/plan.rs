@@ -1,0 +1,142 @@
+//! What a run will do, and whether it can: what can be known without measuring is said before
+//! anything is measured.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+
+use crate::plan::specs;
+use crate::run::contender::contenders;
+use crate::run::disk;
+use contactbench_record::experiment::Experiment;
+use contactbench_record::experiment::shard::Shard;
+use contactbench_record::record::row::Row;
+use contactbench_scenes::generate;
+use contactbench_scenes::spec::Spec;
+
+/// Scenes are tried with at most so many particles: some milliseconds.
+const TRIED: u64 = 1000;
+/// Rows have 1.0 to 1.7 kB in the reference runs.
+const ROW_BYTES: u64 = 2000;
+/// For report and figures.
+const REPORT_BYTES: u64 = 8 << 20;
+
+/// What is to be run, and where to.
+pub struct Job<'a> {
+    /// The experiments, in order.
+    pub experiments: &'a [Experiment],
+    /// Small scenes and few blocks.
+    pub quick: bool,
+    /// The program to start as runner: this one.
+    pub program: PathBuf,
+    /// Another build of this program, whose detectors are timed side by side with this one's.
+    pub against: Option<PathBuf>,
+    /// Only a part of the scenes.
+    pub shard: Option<Shard>,
+    /// What the rows call this machine.
+    pub machine: String,
+    /// Rows already in the record.
+    pub done: &'a [Row],
+}
+
+/// The scenes of a job, in the order run.
+pub fn plan<'a>(job: &Job<'a>) -> anyhow::Result<Vec<(&'a Experiment, Spec)>> {
+    let mut scenes = Vec::new();
+    for experiment in job.experiments {
+        let plan = specs(experiment, job.quick)
+            .with_context(|| format!("in experiment {}", experiment.name))?;
+        scenes.extend(plan.into_iter().map(|spec| (experiment, spec)));
+    }
+    if let Some(shard) = job.shard {
+        let sizes: Vec<u64> = scenes.iter().map(|(_, spec)| spec.n).collect();
+        let mut taken = shard.takes(&sizes).into_iter();
+        scenes.retain(|_| taken.next() == Some(true));
+    }
+    for (experiment, spec) in &scenes {
+        can_be_made(spec).with_context(|| {
+            format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
+        })?;
+    }
+    Ok(scenes)
+}
+
+/// A scene of an experiment, for people.
+pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
+    let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
+    let swept = spec
+        .params
+        .iter()
+        .filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter"))
+        .map(|(name, value)| format!(" {name}={value}"));
+    let course = spec.course.iter().map(|course| format!(" {}", course.motion));
+    let swept: String = swept.chain(course).collect();
+    format!("{}: {} {}D{n}{swept}", experiment.name, spec.name, spec.dim)
+}
+
+/// Parameters that leave the range of numbers mostly do so with few particles already; a file is
+/// there, or not.
+fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
+    if generate::table::find(&spec.name)?.own_n {
+        let Some(path) = spec.params.get("path").and_then(|path| path.as_str()) else {
+            return Ok(());
+        };
+        std::fs::File::open(path).with_context(|| format!("cannot read {path}"))?;
+        return Ok(());
+    }
+    let few = Spec { n: spec.n.min(TRIED), ..spec.clone() };
+    few.frames(&few.given()?).map(drop)
+}
+
+/// Is there room for the record in `folder`, and for the scenes among the temporary files?
+pub fn room(
+    job: &Job<'_>,
+    scenes: &[(&Experiment, Spec)],
+    folder: &Path,
+    temporary: &Path,
+) -> anyhow::Result<()> {
+    let rows = |(experiment, _): &(&Experiment, Spec)| -> u64 {
+        let blocks = u64::from(experiment.enough_blocks(job.quick));
+        let passes = |copies: bool| 2 + blocks * if copies { 2 } else { 1 };
+        contenders(experiment, &job.program, job.against.as_deref())
+            .iter()
+            .map(|contender| passes(contender.copy.is_some()))
+            .sum()
+    };
+    let rows = scenes
+        .iter()
+        .map(rows)
+        .fold(0u64, u64::saturating_add)
+        .saturating_sub(job.done.len() as u64);
+    let needed = rows.saturating_mul(ROW_BYTES).saturating_add(REPORT_BYTES);
+    disk::ensure(
+        folder,
+        needed,
+        "the record and the report",
+        "make room, or choose another folder with --out",
+    )?;
+    // Coordinates and radii in f64, of each frame; and the pairs of an answer that is wrong, six
+    // per particle.
+    let bytes = |(_, spec): &(&Experiment, Spec)| {
+        let frames = spec.course.map_or(1, |course| course.frames);
+        let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
+        frame.saturating_mul(frames).saturating_add(spec.n.saturating_mul(6 * 8))
+    };
+    let largest = scenes.iter().map(bytes).max().unwrap_or(0);
+    disk::ensure(
+        temporary,
+        largest,
+        "the largest scene",
+        "make room, or set TMPDIR to a place with more",
+    )
+}
+
+/// The record is of these scenes: the files may have changed since, or what makes them.
+pub(crate) fn same_scene(now: &str, before: Option<&str>) -> anyhow::Result<()> {
+    let before = before.unwrap_or(now);
+    ensure!(
+        before == now,
+        "the scene is not the one in the record (fingerprint {now}, there {before}): its file or \
+         the program has changed since; begin a new record with --out"
+    );
+    Ok(())
+}

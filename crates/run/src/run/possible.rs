@@ -1,0 +1,379 @@
+//! What a reply can say. Numbers that nobody can have measured break the protocol, and what breaks
+//! it is decided here alone: for `run`, `recommend` and `check`.
+
+use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
+use contactbench_core::probe::Op;
+
+/// A sample is not longer than a runner is asked for where it has so many detections: one of them
+/// may take less than the clock can tell.
+pub const MOST_CALLS: u64 = 1 << 20;
+
+/// No machine looks at more pairs than this in a nanosecond.
+const MOST_LISTED_PER_NS: u64 = 1000;
+
+/// What a reply is held to.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Nanoseconds that the sample should last; 0 where the number of detections was found before.
+    pub min_ns: u64,
+    /// Frames of the trajectory.
+    pub frames: usize,
+    /// Nanoseconds from the request to the reply.
+    pub waited_ns: u64,
+    /// Bytes of address space that the runner has, where the system holds it to them.
+    pub memory_limit: Option<u64>,
+    /// Ordered pairs of particles in open space; none in a box, where images are pairs, too.
+    pub most_listed: Option<u64>,
+}
+
+/// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
+pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
+    match reply {
+        Reply::Sample(of) => answers(&of.found, asked).and_then(|()| sample(of, asked)),
+        Reply::Memory(of) => answers(&of.found, asked).and_then(|()| memory(of, asked)),
+        Reply::Count(of) => answers(&of.found, asked).and_then(|()| count(of)),
+        _ => Ok(()),
+    }
+}
+
+fn answers(found: &Found, asked: &Asked) -> Result<(), String> {
+    let (Found { contacts, digest, steps }, frames) = (found, asked.frames);
+    if steps.is_empty() && frames == 1 {
+        return Ok(());
+    }
+    if let Some((name, len)) = steps.unlike(frames) {
+        return Err(format!("{name} has {len} values, and the trajectory {frames} frames"));
+    }
+    if steps.last() != (*contacts, digest.clone()) {
+        return Err("contacts and digest are not those of the last frame".into());
+    }
+    let mut frames = steps.contacts.iter().enumerate();
+    frames.try_for_each(|(k, &contacts)| tracked(steps, k, contacts, asked))
+}
+
+/// What a tracker says of frame `k`, in which it found `contacts`.
+fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), String> {
+    let built = steps.built.get(k);
+    let listed = steps.listed.get(k).copied();
+    Err(if let Some(listed) = listed.filter(|&listed| listed < contacts) {
+        format!(
+            "it says step_listed {listed} in frame {k}, and found {contacts} contacts there: \
+             every contact is a pair that was looked at"
+        )
+    } else if let Some((listed, most)) =
+        listed.zip(asked.most_listed).filter(|(it, most)| it > most)
+    {
+        format!(
+            "it says step_listed {listed} in frame {k}, and its particles have {most} pairs, each \
+             counted from both sides"
+        )
+    } else if listed.unwrap_or(0).div_ceil(MOST_LISTED_PER_NS) > asked.waited_ns {
+        format!(
+            "it says step_listed {} in frame {k}, within {} ns",
+            listed.unwrap_or(0),
+            asked.waited_ns
+        )
+    } else if k == 0 && contacts > 0 && built == Some(&false) {
+        "it says step_built false in frame 0: a pass begins with a reset, and what was found was \
+         built after it"
+            .into()
+    } else if steps.dangerous.get(k) == Some(&true) && built != Some(&true) {
+        format!(
+            "it says step_dangerous true in frame {k}, and not step_built: a build is dangerous, \
+             not a frame without one"
+        )
+    } else {
+        return Ok(());
+    })
+}
+
+/// Contact tests are as many as contacts, in all frames together; 0 where they are not counted.
+fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
+    let tests = counts.get(Op::ContactTest.name()).copied();
+    let each = found.steps.contacts.iter();
+    let all = each.fold(0u64, |all, &one| all.saturating_add(one)).max(found.contacts);
+    match tests.filter(|&tests| tests > 0 && tests < all) {
+        None => Ok(()),
+        Some(tests) => Err(format!(
+            "it says contact_test {tests}, and found {all} contacts: each takes a test; leave the \
+             operation out where it is not counted"
+        )),
+    }
+}
+
+fn sample(sample: &Sample, asked: &Asked) -> Result<(), String> {
+    let &Sample { time_ns, calls, ref step_ns, .. } = sample;
+    let frames = asked.frames as u64;
+    Err(if asked.frames > 1 {
+        let all = step_ns.iter().fold(0u64, |all, &ns| all.saturating_add(ns));
+        let same = all.abs_diff(time_ns.saturating_mul(frames)) <= frames;
+        if step_ns.len() == asked.frames && same && calls.is_multiple_of(frames) {
+            return one(sample, asked);
+        }
+        format!(
+            "it says of {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
+             step_ns, together {all}: step_ns has one number for each frame, time_ns is their \
+             mean, and every frame is looked at equally often",
+            step_ns.len()
+        )
+    } else if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
+        format!(
+            "it says of one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
+             number for each frame"
+        )
+    } else {
+        return one(sample, asked);
+    })
+}
+
+/// Of a sample, whatever its frames.
+fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
+    let &Sample { time_ns, calls, elapsed_ns, building_ns, first_ns, .. } = sample;
+    let Asked { min_ns, waited_ns, .. } = *asked;
+    let first = first_ns.unwrap_or(0);
+    Err(if calls == 0 {
+        "it says calls 0: a sample has at least one detection".into()
+    } else if u128::from(time_ns)
+        .saturating_mul(calls.into())
+        .abs_diff(elapsed_ns.into())
+        .gt(&calls.into())
+    {
+        format!(
+            "it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is \
+             elapsed_ns / calls, rounded"
+        )
+    } else if time_ns == 0 || elapsed_ns == 0 {
+        format!(
+            "it says time_ns {time_ns}, elapsed_ns {elapsed_ns}: every detection takes time, and \
+             is repeated until the clock can tell how much"
+        )
+    } else if building_ns.is_some_and(|building| building > time_ns.saturating_add(1)) {
+        format!(
+            "it says building_ns {} and time_ns {time_ns}, of which that is a part",
+            building_ns.unwrap_or(0)
+        )
+    } else if first_ns == Some(0) {
+        "it says first_ns 0: every detection takes time; leave it out where the clock cannot tell"
+            .into()
+    } else if elapsed_ns.saturating_add(first) > waited_ns {
+        let first = first_ns.map_or(String::new(), |first| format!(" and first_ns {first}"));
+        format!(
+            "it says elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
+             ns: are these nanoseconds?"
+        )
+    // Passes over several frames are few: each reads all of them.
+    } else if elapsed_ns < min_ns / 10 && calls < MOST_CALLS && asked.frames == 1 {
+        format!(
+            "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
+             min_ns are over"
+        )
+    } else {
+        return Ok(());
+    })
+}
+
+/// Whether a frame was answered from what an earlier one left, or from more than its contacts.
+fn keeps_a_list(steps: &Steps) -> bool {
+    let longer = steps.listed.iter().zip(&steps.contacts).any(|(listed, found)| listed > found);
+    longer || steps.built.contains(&false)
+}
+
+fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
+    let &Memory { peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, .. } =
+        memory;
+    if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(&memory.found.steps) {
+        return Err("it says peak_bytes, live_bytes and allocations 0, and keeps a list from \
+                    frame to frame: a list takes memory; answer unsupported where it cannot be \
+                    measured"
+            .into());
+    }
+    if peak_bytes < live_bytes {
+        return Err(format!(
+            "it says peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held are \
+             not fewer than those held at the end"
+        ));
+    }
+    let bytes = [("peak_bytes", Some(peak_bytes)), ("formula_bytes", formula_bytes)];
+    let mut known = bytes.into_iter().filter_map(|(name, bytes)| Some((name, bytes?)));
+    if let Some(limit) = asked.memory_limit
+        && let Some((name, bytes)) = known.find(|&(_, bytes)| bytes > limit)
+    {
+        return Err(format!("it says {name} {bytes}, and has {limit} bytes of address space"));
+    }
+    // No allocator hands out more than one piece in a nanosecond.
+    let pieces = allocations.max(warm_allocations.unwrap_or(0));
+    if pieces > asked.waited_ns {
+        return Err(format!("it says {pieces} allocations within {} ns", asked.waited_ns));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ASKED: Asked = Asked {
+        min_ns: 2_000_000,
+        frames: 1,
+        waited_ns: 1_000_000_000,
+        memory_limit: Some(1 << 30),
+        most_listed: Some(100 * 100),
+    };
+
+    fn sampled(time_ns: u64, calls: u64, elapsed_ns: u64) -> Sample {
+        let (step_ns, first_ns) = (vec![time_ns], Some(1000));
+        Sample { time_ns, calls, elapsed_ns, step_ns, first_ns, ..Sample::default() }
+    }
+
+    fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
+        Reply::Sample(sampled(time_ns, calls, elapsed_ns).into())
+    }
+
+    fn memory(peak_bytes: u64, live_bytes: u64, allocations: u64) -> Reply {
+        let memory = Memory { peak_bytes, live_bytes, allocations, ..Memory::default() };
+        Reply::Memory(memory.into())
+    }
+
+    /// A sample of three frames, of two passes.
+    fn passes(step_ns: &[u64], answered: usize) -> Sample {
+        let mut sample = sampled(2_000_000, 6, 12_000_000);
+        sample.step_ns = step_ns.to_vec();
+        sample.found.steps.contacts.resize(answered, 0);
+        sample.found.steps.digests.resize(answered, String::new());
+        sample
+    }
+
+    fn moving(step_ns: &[u64], answered: usize) -> Reply {
+        Reply::Sample(passes(step_ns, answered).into())
+    }
+
+    #[test]
+    fn every_frame_has_a_time_and_an_answer() {
+        let asked = Asked { frames: 3, ..ASKED };
+        let right = [1_000_000, 4_000_000, 1_000_001];
+        assert_eq!(check(&moving(&right, 3), &asked), Ok(()));
+        for (reply, words) in [
+            (moving(&right, 2), "step_contacts has 2 values, and the trajectory 3 frames"),
+            (moving(&right[1..], 3), "2 numbers in step_ns"),
+            (moving(&[1_000_000; 3], 3), "together 3000000"),
+            (sample(2_000_000, 1, 2_000_000), "step_contacts has 0 values"),
+        ] {
+            let error = check(&reply, &asked).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+        let mut other = passes(&right, 3);
+        other.found.contacts = 7;
+        let error = check(&Reply::Sample(other.into()), &asked).unwrap_err();
+        assert!(error.contains("not those of the last frame"), "{error}");
+        let builder = Sample { building_ns: Some(12_000_000), ..passes(&right, 3) };
+        let error = check(&Reply::Sample(builder.into()), &asked).unwrap_err();
+        assert!(error.contains("building_ns 12000000"), "{error}");
+    }
+
+    /// Steps of three frames with 5 contacts each.
+    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Steps {
+        Steps {
+            contacts: vec![5; 3],
+            digests: vec![String::new(); 3],
+            listed: listed.to_vec(),
+            built: built.to_vec(),
+            dangerous: dangerous.to_vec(),
+        }
+    }
+
+    fn counted(tests: u64, steps: Steps) -> Reply {
+        let counts = [("contact_test".to_string(), tests)].into();
+        let found = Found { contacts: 5, digest: String::new(), steps };
+        Reply::Count(Counted { counts, found }.into())
+    }
+
+    #[test]
+    fn trackers_say_what_can_be() {
+        let asked = Asked { frames: 3, ..ASKED };
+        let once = [true, false, false];
+        for (steps, words) in [
+            (tracked(&[5, 9, 9], &once, &[false; 3]), ""),
+            (tracked(&[5; 3], &[true; 3], &[false, true, false]), ""),
+            (tracked(&[], &[], &[]), ""),
+            (tracked(&[0; 3], &once, &[]), "step_listed 0 in frame 0, and found 5"),
+            (tracked(&[9, 4, 9], &[true; 3], &[]), "step_listed 4 in frame 1"),
+            (tracked(&[9, 9, 1 << 63], &once, &[]), "particles have 10000 pairs"),
+            (tracked(&[9; 3], &[false; 3], &[]), "step_built false in frame 0"),
+            (tracked(&[9; 3], &once, &[false, true, false]), "step_dangerous true in frame 1"),
+            (tracked(&[9; 3], &[], &[false, true, false]), "step_dangerous true in frame 1"),
+        ] {
+            match check(&counted(0, steps), &asked) {
+                Ok(()) => assert_eq!(words, ""),
+                Err(error) => assert!(!words.is_empty() && error.contains(words), "{error}"),
+            }
+        }
+        let boxed = Asked { most_listed: None, ..asked };
+        let steps = || tracked(&[9, 9, 1 << 62], &once, &[]);
+        let error = check(&counted(0, steps()), &boxed).unwrap_err();
+        assert!(error.contains("within 1000000000 ns"), "{error}");
+        // 15 contacts in all.
+        let fair = || tracked(&[9; 3], &once, &[]);
+        assert_eq!(check(&counted(15, fair()), &asked), Ok(()));
+        for tests in [1, 14] {
+            let error = check(&counted(tests, fair()), &asked).unwrap_err();
+            assert!(error.contains("found 15 contacts"), "{error}");
+        }
+        let error = check(&counted(4, Steps::default()), &ASKED).unwrap_err();
+        assert!(error.contains("contact_test 4, and found 5"), "{error}");
+        for (bytes, steps, good) in [
+            (0, fair(), false),
+            (8, fair(), true),
+            // Asks anew in every frame.
+            (0, tracked(&[5; 3], &[true; 3], &[]), true),
+        ] {
+            let found = Found { contacts: 5, digest: String::new(), steps };
+            let memory =
+                Memory { peak_bytes: bytes, live_bytes: bytes, found, ..Memory::default() };
+            let reply = Reply::Memory(memory.into());
+            assert_eq!(check(&reply, &asked).is_ok(), good, "{reply:?}");
+        }
+    }
+
+    #[test]
+    fn what_can_be_is_taken() {
+        for reply in [
+            sample(2_000_000, 1, 2_000_000),
+            sample(2, 1_000_000, 2_300_000),
+            // A detector that does nothing, repeated as often as may be asked.
+            sample(1, MOST_CALLS, MOST_CALLS),
+            // The number of detections is found once: some samples are shorter.
+            sample(400_000, 1, 400_000),
+            memory(0, 0, 0),
+            memory(1 << 30, 1 << 30, 1),
+            Reply::Loaded,
+        ] {
+            assert_eq!(check(&reply, &ASKED), Ok(()), "{reply:?}");
+        }
+        assert_eq!(check(&sample(5, 1, 5), &Asked { min_ns: 0, ..ASKED }), Ok(()));
+        let unlimited = Asked { memory_limit: None, ..ASKED };
+        assert_eq!(check(&memory(1 << 31, 1 << 31, 1), &unlimited), Ok(()));
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        for (reply, words) in [
+            (sample(0, 1, 0), "every detection takes time"),
+            (sample(0, MOST_CALLS, 1000), "every detection takes time"),
+            (sample(5, 0, 5), "calls 0"),
+            (sample(500, 1000, 5_000_000), "elapsed_ns / calls, rounded"),
+            (sample(u64::MAX, u64::MAX, 5_000_000), "elapsed_ns / calls, rounded"),
+            (sample(1_000_000_000_000_000, 1, 1_000_000_000_000_000), "are these nanoseconds?"),
+            (sample(999_999_500, 1, 999_999_500), "and first_ns 1000, but its answer was there"),
+            (sample(10_000, 10, 100_000), "it measured only 100000 ns: repeat the detection"),
+            (memory(5, 9, 1), "the most bytes held are not fewer"),
+            (memory(u64::MAX, 9, 1), "peak_bytes 18446744073709551615, and has 1073741824 bytes"),
+            (memory(9, 9, u64::MAX), "18446744073709551615 allocations within"),
+        ] {
+            let error = check(&reply, &ASKED).unwrap_err();
+            assert!(error.contains(words), "{reply:?}: {error}");
+        }
+        let reply = Sample { first_ns: Some(0), ..sampled(2_000_000, 1, 2_000_000) };
+        let error = check(&Reply::Sample(reply.into()), &ASKED).unwrap_err();
+        assert!(error.contains("first_ns 0"), "{error}");
+    }
+}

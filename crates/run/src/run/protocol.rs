@@ -1,0 +1,378 @@
+//! What harness and runner say to each other: one JSON object per line, over the runner's standard
+//! input and output. A runner in any language can join; docs/PROTOCOL.md is written for those who
+//! write one.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::run::trajectory::Trajectory;
+use contactbench_core::sink::{Digest, splitmix64};
+use contactbench_core::track::Step;
+use contactbench_terms::text::line;
+
+/// The version of the protocol that this program speaks as a runner; a runner names its own in its
+/// first line.
+pub const VERSION: u32 = 4;
+/// The oldest version that the harness speaks to a runner.
+pub const OLDEST: u32 = 1;
+
+/// From the harness.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "request", rename_all = "lowercase")]
+pub enum Request {
+    /// Take a trajectory; forget the one before.
+    Load(Trajectory),
+    /// Reset, then detect in one frame after the other: a pass. As many passes as last `min_ns`
+    /// nanoseconds, at least one. Say how long they took.
+    Sample {
+        /// The shortest sample wanted.
+        min_ns: u64,
+    },
+    /// Reset, and count operations in one pass.
+    Count,
+    /// Measure the memory of one pass with fresh buffers.
+    Memory,
+    /// Reset, go through one pass, and write the pairs of a frame to a file: npy, `<u4`, shape
+    /// (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
+    Pairs {
+        /// Where to.
+        path: PathBuf,
+        /// Which frame, from 0; the last where it is missing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<u64>,
+    },
+    /// Leave.
+    Quit,
+}
+
+impl Request {
+    /// The message for a runner that speaks `version`; or why it cannot be said in that version.
+    pub fn message(&self, version: u32) -> Result<Value, String> {
+        let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
+        if let Request::Load(trajectory) = self {
+            if trajectory.box_dim().is_some() && version < 3 {
+                return Err(format!(
+                    "periodic scenes are skipped, because the runner speaks protocol {version}, \
+                     which has no boxes; that is fine unless its detector takes boxes (protocol 3)"
+                ));
+            }
+            if !trajectory.boxes.is_empty() && version < 4 {
+                return Err(format!(
+                    "the runner speaks protocol {version}, which knows one box for all frames, and \
+                     here each frame has its own; let it speak protocol 4, or take a motion in \
+                     which the box stays"
+                ));
+            }
+        }
+        if let (Request::Load(Trajectory { frames, .. }), 1, Some(fields)) =
+            (self, version, message.as_object_mut())
+        {
+            let [path] = &frames[..] else {
+                return Err(format!(
+                    "the runner speaks protocol 1, which knows scenes at rest; this trajectory has \
+                     {} frames: let the runner speak protocol 3",
+                    frames.len()
+                ));
+            };
+            fields.remove("frames");
+            fields.insert("path".into(), path.to_string_lossy().into());
+        }
+        Ok(message)
+    }
+}
+
+/// From the runner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "reply", rename_all = "lowercase")]
+pub enum Reply {
+    /// The first line, before any request.
+    Hello {
+        /// From [`OLDEST`] to [`VERSION`].
+        protocol: u32,
+        /// The detector's name.
+        detector: String,
+        /// The arithmetic in which its answers are right.
+        #[serde(default = "exact")]
+        arithmetic: String,
+        /// Version of the runner or the library behind it.
+        #[serde(default)]
+        version: String,
+        /// What else tells its program from others: compiler, libraries, instructions.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        build: BTreeMap<String, String>,
+        /// It takes trajectories of one frame alone.
+        #[serde(default, skip_serializing_if = "is_false")]
+        at_rest: bool,
+    },
+    /// The trajectory is there; a scene at rest is in memory.
+    Loaded,
+    /// To `sample`.
+    Sample(Box<Sample>),
+    /// To `count`.
+    Count(Box<Counted>),
+    /// To `memory`.
+    Memory(Box<Memory>),
+    /// To `pairs`.
+    Pairs {
+        /// Pairs written.
+        contacts: u64,
+    },
+    /// The runner cannot do this (count or memory); everything else goes on.
+    Unsupported,
+    /// The detector does not work on this trajectory.
+    Refused {
+        /// One sentence.
+        reason: String,
+    },
+    /// The library behind the runner is not installed.
+    Unavailable {
+        /// One sentence, with the command that installs it.
+        reason: String,
+    },
+    /// The request could not be done.
+    Error {
+        /// One sentence.
+        reason: String,
+    },
+}
+
+impl Reply {
+    /// Without what a terminal or a log would obey: its words reach records, reports and terminals.
+    pub fn cleaned(mut self) -> Reply {
+        let clean = |text: &mut String| *text = line(text).into_owned();
+        match &mut self {
+            Reply::Hello { detector, arithmetic, version, build, .. } => {
+                [detector, arithmetic, version].into_iter().for_each(clean);
+                let fields = std::mem::take(build).into_iter();
+                *build = fields.map(|(k, v)| (line(&k).into(), line(&v).into())).collect();
+            }
+            Reply::Refused { reason } | Reply::Unavailable { reason } | Reply::Error { reason } => {
+                clean(reason);
+            }
+            _ => {}
+        }
+        self
+    }
+}
+
+/// A timed sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Nanoseconds per detection.
+    pub time_ns: u64,
+    /// Detections in the sample.
+    pub calls: u64,
+    /// Nanoseconds of all detections together.
+    pub elapsed_ns: u64,
+    /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
+    #[serde(default)]
+    pub step_ns: Vec<u64>,
+    /// Of `time_ns`, for building lists that are kept; may be missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub building_ns: Option<u64>,
+    /// Nanoseconds of the detection before the clock starts; may be missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_ns: Option<u64>,
+    /// Pairs of the last detection.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// Operations of a pass.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counted {
+    /// Operation name to count.
+    pub counts: BTreeMap<String, u64>,
+    /// Pairs.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// Memory of a pass with fresh buffers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Most bytes held at one time, without the trajectory and the list of pairs.
+    pub peak_bytes: u64,
+    /// Bytes held after the pass.
+    pub live_bytes: u64,
+    /// Allocations.
+    pub allocations: u64,
+    /// Allocations of a second pass.
+    #[serde(default)]
+    pub warm_allocations: Option<u64>,
+    /// Bytes by the declared formula.
+    #[serde(default)]
+    pub formula_bytes: Option<u64>,
+    /// Pairs.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Pairs of the last frame.
+    pub contacts: u64,
+    /// Their fingerprint.
+    pub digest: String,
+    /// Each frame of the pass.
+    #[serde(flatten)]
+    pub steps: Steps,
+}
+
+/// In one frame, which has no steps.
+impl From<Digest> for Found {
+    fn from(digest: Digest) -> Found {
+        Found { contacts: digest.contacts, digest: digest.hex(), steps: Steps::default() }
+    }
+}
+
+impl From<Steps> for Found {
+    fn from(steps: Steps) -> Found {
+        let (contacts, digest) = steps.last();
+        Found { contacts, digest, steps }
+    }
+}
+
+impl Found {
+    /// The contacts of all frames together, and a digest of their digests, in order: a chain as
+    /// that of [`scene_hash`](contactbench_scenes::stats::scene_hash), over their sums. Those of the last
+    /// detection, where there is one frame.
+    pub fn whole(&self) -> (u64, String) {
+        let Found { contacts, digest, steps } = self;
+        // Of one frame it is its own.
+        if steps.digests.len() < 2 {
+            return (*contacts, digest.clone());
+        }
+        let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));
+        let chain = sums.fold(0, |hash, sum| splitmix64(hash ^ sum));
+        let contacts = steps.contacts.iter().fold(0u64, |all, &one| all.saturating_add(one));
+        (contacts, format!("{chain:#018x}"))
+    }
+}
+
+/// What was found in each frame of a pass, and how: lists of as many values. All are empty where
+/// one frame is looked at without a tracker.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Steps {
+    /// Pairs.
+    #[serde(default, rename = "step_contacts", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<u64>,
+    /// Their fingerprints.
+    #[serde(default, rename = "step_digests", skip_serializing_if = "Vec::is_empty")]
+    pub digests: Vec<String>,
+    /// Was a list built that is kept? May be missing.
+    #[serde(default, rename = "step_built", skip_serializing_if = "Vec::is_empty")]
+    pub built: Vec<bool>,
+    /// Should it have been built before, perhaps? May be missing.
+    #[serde(default, rename = "step_dangerous", skip_serializing_if = "Vec::is_empty")]
+    pub dangerous: Vec<bool>,
+    /// Pairs looked at. May be missing.
+    #[serde(default, rename = "step_listed", skip_serializing_if = "Vec::is_empty")]
+    pub listed: Vec<u64>,
+}
+
+impl Steps {
+    /// One more frame.
+    pub fn push(&mut self, found: Digest, step: &Step) {
+        self.contacts.push(found.contacts);
+        self.digests.push(found.hex());
+        self.built.push(step.built);
+        self.dangerous.push(step.dangerous);
+        self.listed.push(step.listed);
+    }
+
+    /// The answer to the last frame.
+    pub fn last(&self) -> (u64, String) {
+        (
+            self.contacts.last().copied().unwrap_or(0),
+            self.digests.last().cloned().unwrap_or_default(),
+        )
+    }
+
+    /// The answer to each frame, or what is wrong with it.
+    pub fn answers(&self) -> impl Iterator<Item = Result<Digest, String>> + '_ {
+        self.contacts.iter().zip(&self.digests).map(|(&contacts, text)| digest(contacts, text))
+    }
+
+    /// How long a list is that has not one value for each of so many frames, and its name; optional
+    /// ones may be empty.
+    pub fn unlike(&self, frames: usize) -> Option<(&'static str, usize)> {
+        let needed = [("step_contacts", self.contacts.len()), ("step_digests", self.digests.len())];
+        let optional = [
+            ("step_built", self.built.len()),
+            ("step_dangerous", self.dangerous.len()),
+            ("step_listed", self.listed.len()),
+        ];
+        let optional = optional.into_iter().filter(|(_, len)| *len > 0);
+        needed.into_iter().chain(optional).find(|(_, len)| *len != frames)
+    }
+
+    /// Are frames not told apart?
+    pub fn is_empty(&self) -> bool {
+        *self == Steps::default()
+    }
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
+}
+
+fn exact() -> String {
+    "exact".into()
+}
+
+/// The digest in a reply, which is `0x` and 16 lower-case hexadecimal digits; or what is wrong with
+/// it.
+pub fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
+    let hexadecimal = |c: char| matches!(c, '0'..='9' | 'a'..='f');
+    let digits = text
+        .strip_prefix("0x")
+        .filter(|digits| digits.len() == 16 && digits.chars().all(hexadecimal));
+    match digits.and_then(|digits| u64::from_str_radix(digits, 16).ok()) {
+        Some(sum) => Ok(Digest { contacts, sum }),
+        None => Err(format!(
+            "its digest is '{text}'; it must be 0x and 16 lower-case hexadecimal digits"
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(frames: &[&str]) -> Request {
+        Request::Load(Trajectory {
+            frames: frames.iter().map(PathBuf::from).collect(),
+            dim: 2,
+            n: 4,
+            radius: Some(0.5),
+            in_box: None,
+            boxes: Vec::new(),
+        })
+    }
+
+    #[test]
+    fn version_1_has_scenes_at_rest() {
+        let rest = load(&["a.npy"]);
+        let common = r#""request":"load","dim":2,"n":4,"radius":0.5"#;
+        let message = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+        assert_eq!(rest.message(1), Ok(message(&format!(r#"{{{common},"path":"a.npy"}}"#))));
+        assert_eq!(rest.message(2), Ok(message(&format!(r#"{{{common},"frames":["a.npy"]}}"#))));
+        let moving = load(&["a.npy", "b.npy", "a.npy"]);
+        assert!(moving.message(2).is_ok());
+        assert!(moving.message(1).unwrap_err().contains("this trajectory has 3 frames"));
+    }
+
+    #[test]
+    fn a_digest_is_0x_and_16_lower_case_digits() {
+        let right = Digest { contacts: 3, sum: 0xab };
+        assert_eq!(digest(3, &right.hex()), Ok(right));
+        for text in ["", "0xab", "00000000000000ab", "0x00000000000000AB", "0x+0000000000000ab"] {
+            assert!(digest(3, text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! How fast the machine is right now: a fixed loop, bound by caches and memory, before and after
+//! each sample, on the sample's processor.
+//!
+//! Machines have states: a clock that falls, a neighbour on the same memory, a host that is busy.
+//! They last for seconds, so that what is measured in one differs from what is measured in the
+//! other though nothing else does. The loop is the same each time; where it took long, the sample
+//! probably did ([`States`](contactbench_record::cells::state::States) says how long is too long).
+
+use std::hint::black_box;
+use std::sync::LazyLock;
+use std::time::Instant;
+
+use crate::run::processors;
+use contactbench_core::sink::splitmix64;
+
+/// More than the caches of one core hold, on most machines.
+const BYTES: usize = 8 << 20;
+const WORDS: usize = BYTES / size_of::<u32>();
+/// Looks that wait for one another: about as long as reading everything once.
+const HOPS: usize = 8192;
+
+/// Where to look next, after each place.
+static PLACES: LazyLock<Vec<u32>> =
+    LazyLock::new(|| (0..WORDS as u64).map(|k| (splitmix64(k) % WORDS as u64) as u32).collect());
+
+/// Nanoseconds of the loop, on this processor if one is given; none if a thread cannot be started.
+pub fn pulse(processor: Option<usize>) -> Option<u64> {
+    let places = &**PLACES;
+    let beat = move || {
+        processors::keep_this_thread(processor);
+        let sum = || black_box(places).iter().fold(0u32, |sum, &place| sum.wrapping_add(place));
+        // Whatever the sample left in the caches, not that is to be timed.
+        black_box(sum());
+        let start = Instant::now();
+        let all = sum();
+        let mut at = black_box(all) as usize % WORDS;
+        for hop in 0..HOPS {
+            at = (places[at] as usize ^ hop) % WORDS;
+        }
+        black_box(at);
+        start.elapsed().as_nanos() as u64
+    };
+    std::thread::scope(|scope| {
+        std::thread::Builder::new().spawn_scoped(scope, beat).ok()?.join().ok()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No machine reads 8 MiB in ten microseconds: the compiler did not drop the loop.
+    #[test]
+    fn the_loop_is_done() {
+        let fastest = (0..5).filter_map(|_| pulse(processors::in_block(1))).min().unwrap();
+        assert!(fastest > 10_000, "{fastest} ns");
+    }
+}

@@ -1,0 +1,306 @@
+//! A run and its result folder: begun, or gone on with.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail, ensure};
+
+use crate::plan::{builtin, detectors};
+use crate::run::contender::is_build;
+use crate::run::interrupt;
+use crate::run::job::{self, Ready};
+use crate::run::origins::{Origins, fingerprint};
+use crate::run::plan::Job;
+use crate::run::stage::Progress;
+use contactbench_record::experiment::Experiment;
+use contactbench_record::experiment::shard::Shard;
+use contactbench_record::record::row::{Record, Row, WriteError, Writer};
+use contactbench_record::record::{copies, folder, ledger, machines, provenance, row};
+
+/// What is to be run.
+pub struct Asked {
+    /// The experiments with their texts, in order.
+    pub experiments: Vec<(Experiment, String)>,
+    /// Small scenes and few blocks.
+    pub quick: bool,
+    /// The folder may hold rows of the same run.
+    pub resume: bool,
+    /// Another build of this program.
+    pub against: Option<PathBuf>,
+    /// Only a part of the scenes.
+    pub shard: Option<Shard>,
+}
+
+/// What ended a run that can go on when it is mended.
+#[derive(Debug, thiserror::Error)]
+#[error("{0:#}")]
+pub struct Stopped(pub anyhow::Error);
+
+/// The experiments of these names or files, with their texts.
+pub fn find(names: &[String]) -> anyhow::Result<Vec<(Experiment, String)>> {
+    let found = names.iter().map(|name| builtin::find(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    for (k, (experiment, _)) in found.iter().enumerate() {
+        let name = &experiment.name;
+        ensure!(
+            found[..k].iter().all(|(other, _)| other.name != *name),
+            "there are two experiments named '{name}'; run them one by one"
+        );
+    }
+    Ok(found)
+}
+
+/// Where the results go: never over earlier ones. Jobs of an array may begin in the same second.
+/// The last folder of the same name and shard if a run is to be resumed.
+pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<PathBuf> {
+    let results = Path::new("results").join(name);
+    let suffix = shard.map_or(String::new(), |shard| format!("-shard-{}", shard.file_name()));
+    if !resume {
+        let name = format!("{}-{}{suffix}", provenance::date(), provenance::machine());
+        return Ok(results.join(name));
+    }
+    let nothing = || format!("there is nothing to resume in {}", results.display());
+    let folders = std::fs::read_dir(&results).with_context(nothing)?;
+    let mine = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if suffix.is_empty() { !name.contains("-shard-") } else { name.ends_with(&suffix) }
+    };
+    let last = folders
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(mine)
+        .filter(|path| path.join(row::FILE).exists())
+        .max();
+    last.with_context(nothing)
+}
+
+/// Runs the experiments into `folder`. `note` gets sentences about what is found there. Returns
+/// the number of scenes: a shard may have none.
+///
+/// # Errors
+/// What can be known to go wrong, before anything is measured; what went wrong later.
+pub fn run(
+    asked: &Asked,
+    folder: &Path,
+    progress: &mut dyn Progress,
+    note: &mut dyn FnMut(String),
+) -> anyhow::Result<usize> {
+    let path = folder.join(row::FILE);
+    let label = machines::label_here(folder);
+    let against = asked.against.as_deref().map(other_build).transpose()?;
+    let done = previous(&path, asked.resume, &label, note)?;
+    let base = against.as_deref().map(fingerprint).transpose().context("cannot read --against")?;
+    same_base(folder, &done.rows, base.as_deref())?;
+    same_extent(folder, &done.rows, asked.quick)?;
+    for (experiment, text) in &asked.experiments {
+        same_experiment(folder, &done.rows, experiment, text)?;
+    }
+    let experiments: Vec<Experiment> = asked.experiments.iter().map(|it| it.0.clone()).collect();
+    let program =
+        std::env::current_exe().context("cannot find this program to start it as runner")?;
+    let job = Job {
+        experiments: &experiments,
+        quick: asked.quick,
+        program,
+        against,
+        shard: asked.shard,
+        done: &done.rows,
+        machine: label.clone(),
+    };
+    let ready = job::prepare(&job)?;
+    ensure!(
+        ready.scenes() > 0 || asked.shard.is_some(),
+        "there is no scene to run: a list such as n = [] is empty; give it a value"
+    );
+    let (mut record, mut origins) = opened(folder, &ready, done.rows.len())?;
+    interrupt::install().context("cannot listen to Ctrl-C")?;
+    write_origin(asked, folder, &label, base)?;
+    let stopped = |error: anyhow::Error| {
+        let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
+        match error.is::<WriteError>() || error.chain().any(of_disk) {
+            true => Stopped(error).into(),
+            false => error,
+        }
+    };
+    ready.run(&mut record, &mut origins, progress).map_err(stopped)?;
+    Ok(ready.scenes())
+}
+
+/// Opens the record of a folder, which is made if there is none.
+fn opened(folder: &Path, ready: &Ready<'_>, rows: usize) -> anyhow::Result<(Writer, Origins)> {
+    let path = folder.join(row::FILE);
+    std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
+        format!("cannot make the result folder {}; choose another with --out", folder.display())
+    })?;
+    ready.room(folder)?;
+    let record = Writer::append(&path).with_context(|| {
+        format!("cannot write {}; choose another folder with --out", path.display())
+    })?;
+    ensure!(
+        record.rows() == rows as u64,
+        "{} has grown while this run began: another writes to it",
+        path.display()
+    );
+    let origins = Origins::append(folder)
+        .with_context(|| format!("cannot write {}", folder.join(ledger::FILE).display()))?;
+    Ok((record, origins))
+}
+
+/// Writes the copies of the experiments and the provenance of the run.
+fn write_origin(
+    asked: &Asked,
+    folder: &Path,
+    label: &str,
+    base: Option<String>,
+) -> anyhow::Result<()> {
+    let full = |(experiment, text): &(Experiment, String)| {
+        (experiment.name.clone(), detectors::in_full(text))
+    };
+    let texts: Vec<(String, String)> = asked.experiments.iter().map(full).collect();
+    for (name, text) in &texts {
+        write(&copy(folder, name), text.as_bytes())?;
+    }
+    // The runs that go on with a record may be the first of their machine.
+    let first = !folder.join(provenance::FILE).exists();
+    let file = if first {
+        provenance::FILE.into()
+    } else {
+        format!("provenance-resumed-{}.json", provenance::date())
+    };
+    let names: Vec<String> = texts.iter().map(|it| it.0.clone()).collect();
+    let shard = asked.shard.map(|shard| shard.to_string());
+    let mut provenance = provenance::gather(&names, asked.quick, shard, label);
+    provenance[copies::FIELD] = copies::field(texts.iter().map(|(name, text)| (&**name, &**text)));
+    if let Some(base) = base {
+        provenance[BASE] = base.into();
+    }
+    write(&folder.join(file), provenance::text(&provenance)?.as_bytes())
+}
+
+/// Another build of this program, by an absolute path.
+fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
+    let named = path.display();
+    let program = std::fs::canonicalize(path).with_context(|| {
+        format!("--against {named}: there is no such program; give the path of one")
+    })?;
+    is_build(&program).map_err(|failure| {
+        anyhow::anyhow!("--against {named} is no build of contactbench: {}", failure.reason)
+    })?;
+    Ok(program)
+}
+
+/// Rows of two different experiments must not end in one record.
+fn same_experiment(
+    folder: &Path,
+    rows: &[Row],
+    experiment: &Experiment,
+    text: &str,
+) -> anyhow::Result<()> {
+    let (name, copy) = (&experiment.name, copy(folder, &experiment.name));
+    ensure!(
+        rows.is_empty() || copy.exists(),
+        "{} holds another experiment than {name}; choose another folder with --out",
+        folder.join(row::FILE).display()
+    );
+    let before = std::fs::read_to_string(copy).unwrap_or_else(|_| text.into());
+    ensure!(
+        detectors::in_full(&before) == detectors::in_full(text),
+        "{name} differs from the experiment that this record was begun with; choose another folder \
+         with --out"
+    );
+    Ok(())
+}
+
+/// A record is of all that its experiments plan, or of a quick run.
+fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
+    let begun = provenance::of_folder(folder).and_then(|all| all["quick"].as_bool());
+    let (begun, other) = match begun.filter(|&begun| begun != quick && !rows.is_empty()) {
+        None => return Ok(()),
+        Some(true) => ("with --quick", "with it"),
+        Some(false) => ("without --quick", "without it"),
+    };
+    bail!(
+        "{} was begun {begun}; continue it {other}, or choose another folder with --out",
+        folder.display()
+    )
+}
+
+/// The field of the provenance with the fingerprint of the other build.
+const BASE: &str = "against_sha256";
+
+/// Rows of one build, and of it beside another, must not end in one record; nor rows beside two.
+fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let beside = rows.iter().any(|row| row.role.base_of().is_some());
+    let begun = provenance::of_folder(folder).and_then(|all| all[BASE].as_str().map(String::from));
+    let folder = folder.display();
+    match (now, begun) {
+        (None, _) if beside => bail!(
+            "{folder} was begun beside another build; continue it with --against and that build"
+        ),
+        (Some(_), _) if !beside => bail!(
+            "{folder} was begun without another build; continue it without --against, or choose \
+             another folder with --out"
+        ),
+        (Some(now), Some(begun)) if now != begun => bail!(
+            "{folder} was begun beside another build than that of --against (SHA-256 {begun}, this \
+             {now}); choose another folder with --out"
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Where the experiment of a record is kept, with its groups of detectors written out.
+fn copy(folder: &Path, name: &str) -> PathBuf {
+    folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"))
+}
+
+/// The record that is to be gone on with.
+fn previous(
+    path: &Path,
+    resume: bool,
+    here: &str,
+    note: &mut dyn FnMut(String),
+) -> anyhow::Result<Record> {
+    row::unpacked(path)?;
+    if !path.exists() {
+        return Ok(Record::default());
+    }
+    ensure!(
+        resume,
+        "{} holds a record already; continue it with --resume, or choose another folder with --out",
+        path.display()
+    );
+    let of = path.parent().unwrap_or(Path::new("."));
+    folder::sound(of)?;
+    let record = row::read(path)?;
+    let unsealed = copies::unsealed(of, provenance::all(of).iter());
+    unsealed.into_iter().for_each(|it| note(format!("note: {it}")));
+    record.warnings.iter().for_each(|warning| note(warning.clone()));
+    note(format!("resuming: {} rows are there already", record.rows.len()));
+    let other = |row: &Row| row.id.machine.clone().filter(|machine| machine != here);
+    if let Some(other) = record.rows.iter().find_map(other) {
+        note(format!(
+            "note: the record was begun on {other}, this is {here}: times of the two are kept \
+             apart in the report"
+        ));
+    }
+    let begun =
+        provenance::of_folder(of).and_then(|all| Some(all["revision"].as_str()?.to_string()));
+    if let (Some(begun), Some(now)) = (begun, provenance::revision())
+        && begun != now
+    {
+        note(format!(
+            "note: the record was begun with revision {begun}, this is {now}: counts and times of \
+             the two may differ"
+        ));
+    }
+    Ok(record)
+}
+
+/// Writes a file as a whole: a killed run leaves none or all of it.
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let part = path.with_extension("part");
+    std::fs::write(&part, bytes)
+        .and_then(|()| std::fs::rename(&part, path))
+        .with_context(|| format!("cannot write {}", path.display()))
+}

@@ -1,0 +1,334 @@
+//! One scene of one experiment: the scene is made, what is true is found, contenders are started,
+//! rows are written.
+//!
+//! Each contender's runner loads the scene, counts, and measures its memory; then blocks of timed
+//! samples, every contender once per block in a fresh random order and in a fresh process, and
+//! right after one with several threads its copies, if the experiment asks for them. Rows go to the
+//! record one by one. What the record holds already (of a killed run) is not measured again.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use crate::moving::Moved;
+use crate::plan::memory_limit;
+use crate::run::client::Failure;
+use crate::run::contender::{Contender, contenders};
+use crate::run::duet;
+use crate::run::interrupt;
+use crate::run::judge::Judge;
+use crate::run::load::Watch;
+use crate::run::origins::Origins;
+use crate::run::passes::Running;
+use crate::run::plan::{self, Job, describe};
+use crate::run::trajectory::Trajectory;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::scene::SceneError;
+use contactbench_core::sink::splitmix64;
+use contactbench_io::Given;
+use contactbench_io::Place;
+use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
+use contactbench_record::record::done::{Index, TooSlow};
+use contactbench_record::record::id::CellId;
+use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
+use contactbench_scenes::doubts::{Touching, doubts};
+use contactbench_scenes::generate::hard;
+use contactbench_scenes::spec::Spec;
+use contactbench_scenes::stats;
+use contactbench_scenes::stats::Stats;
+
+/// Hears how far a run has come.
+pub trait Progress {
+    /// `done` of `total` scenes are complete; `next` is being worked on.
+    fn scene(&mut self, done: usize, total: usize, next: &str);
+    /// Something the user should know now.
+    fn note(&mut self, text: &str);
+}
+
+/// One scene of one experiment.
+pub(crate) struct Stage<'a, 'l> {
+    pub job: &'a Job<'a>,
+    pub experiment: &'a Experiment,
+    pub spec: &'a Spec,
+    pub index: &'a Index,
+    /// For scenes and pairs.
+    pub folder: &'a Path,
+    pub log: &'a mut Log<'l>,
+}
+
+/// Where a run writes what it measures, and what it remembers from scene to scene.
+pub(crate) struct Log<'a> {
+    pub record: &'a mut Writer,
+    pub origins: &'a mut Origins,
+    pub progress: &'a mut dyn Progress,
+    pub too_slow: TooSlow,
+    /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
+    pub noted: BTreeSet<String>,
+    /// What timed rows say of their time.
+    pub span: Option<String>,
+}
+
+/// A scene as runners load it.
+struct Staged<'a> {
+    given: &'a Given,
+    /// It, and those before it.
+    loads: Rc<[Trajectory]>,
+    moved: Option<Moved>,
+}
+
+impl Stage<'_, '_> {
+    pub fn run(&mut self) -> anyhow::Result<()> {
+        let blocks = self.experiment.all_blocks(self.job.quick);
+        let contenders =
+            contenders(self.experiment, &self.job.program, self.job.against.as_deref());
+        let given = match self.spec.given() {
+            Ok(given) => given,
+            Err(error) => return self.invalid(&contenders, error),
+        };
+        interrupt::check()?;
+        if self.is_complete(&contenders, &given)? {
+            return Ok(());
+        }
+        self.note(&given);
+        let limit = memory_limit(self.experiment);
+        if let Some((mut frames, count)) = self.spec.frames(&given)? {
+            let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
+            let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;
+            let loads = [moving.clone()].into();
+            let scene = Staged { given: &given, loads, moved };
+            let running = self.enter_all(contenders, scene, &mut judge)?;
+            self.blocks(running, blocks, &mut judge)?;
+            moving.remove();
+            return Ok(());
+        }
+        let mut loads = Vec::new();
+        let history = self.spec.history()?;
+        for (k, given) in history.iter().chain([&given]).enumerate() {
+            let path = self.folder.join(format!("scene-{k}.npy"));
+            loads.push(Trajectory::write_at_rest(&path, given)?);
+        }
+        let mut judge = Judge::new(&given, limit)?;
+        let scene = Staged { given: &given, loads: loads.into(), moved: None };
+        let running = self.enter_all(contenders, scene, &mut judge)?;
+        self.blocks(running, blocks, &mut judge)
+    }
+
+    /// Says once what the scene's file leaves open, and what is doubtful about it.
+    fn note(&mut self, given: &Given) {
+        let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
+        let doubts = given.source.as_ref().map(|source| {
+            let touching = Touching::search(given);
+            doubts(&given.scene, source, Arithmetic::Exact, touching.as_ref())
+        });
+        for notice in given.notices.iter().chain(doubts.iter().flatten()) {
+            let text = format!("{path}: {}", notice.words(Place::Experiment));
+            if self.log.noted.insert(text.clone()) {
+                self.log.progress.note(&text);
+            }
+        }
+    }
+
+    /// Starts the contenders one after the other; gives those that are to be timed.
+    fn enter_all(
+        &mut self,
+        contenders: Vec<Contender>,
+        Staged { given, loads, moved }: Staged<'_>,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<Vec<Running>> {
+        let contacts = judge.contacts(Arithmetic::Exact)?.unwrap_or(0);
+        let (scene, stats) = (&given.scene, stats::stats(given, contacts));
+        let most = judge.most_contacts()?;
+        let mut running = Vec::new();
+        for contender in contenders {
+            let contender = contender.allowing(scene, most);
+            let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
+            let blank = Row { moved: moved.clone(), ..blank };
+            if self.give_up(&blank)? {
+                continue;
+            }
+            if let Some(reason) = judge.hopeless(Arithmetic::Exact)? {
+                let failure = Failure { outcome: Outcome::Refused, reason };
+                self.fail(&blank, failure, &Pass::ALL)?;
+            } else {
+                running.extend(self.enter(contender, blank, &loads, judge)?);
+            }
+        }
+        Ok(running)
+    }
+
+    /// Timed samples, until all blocks are done or their time is over; and what else the machine
+    /// did meanwhile.
+    fn blocks(
+        &mut self,
+        running: Vec<Running>,
+        blocks: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        let (watch, rows) = (Watch::start(), self.log.record.rows());
+        self.log.span = watch.as_ref().map(|watch| watch.id().to_string());
+        let result = self.samples(running, blocks, judge);
+        self.log.span = None;
+        let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
+        if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
+            // What ended the blocks is told first.
+            let noted = self.log.origins.span(span);
+            return result.and(noted);
+        }
+        result
+    }
+
+    fn samples(
+        &mut self,
+        running: Vec<Running>,
+        blocks: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        let mut entries = duet::entries(running);
+        let started = Instant::now();
+        for block in 1..=blocks {
+            if block > FEWEST_BLOCKS
+                && started.elapsed().as_secs_f64() > self.experiment.block_budget_s
+            {
+                break;
+            }
+            // Another order in each block of each scene, the same whenever the scene is run.
+            let of_scene = describe(self.experiment, self.spec)
+                .bytes()
+                .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
+            let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
+            entries.shuffle(&mut random);
+            let mut still = Vec::new();
+            for mut entry in entries {
+                if let [one] = &mut *entry
+                    && one.contender.duet.is_none()
+                {
+                    let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
+                    if !self.index.has(&blank) && !self.sample(one, blank, judge)? {
+                        continue;
+                    }
+                    self.ceiling(one, block, judge)?;
+                } else {
+                    entry = self.side_by_side(entry, block, judge)?;
+                }
+                still.push(entry);
+            }
+            entries = still;
+        }
+        Ok(())
+    }
+
+    /// Everything of the contenders on this scene is in the record; an error if the record is of
+    /// another scene.
+    fn is_complete(&self, contenders: &[Contender], given: &Given) -> anyhow::Result<bool> {
+        let blank = |contender: &Contender| {
+            contender.blank(self.experiment, self.spec, Some(&given.scene), &Stats::default())
+        };
+        if let Some(one) = contenders.first() {
+            let before = self.index.scene_hash(&blank(one));
+            // Only where the record has rows of it: fingerprints of large scenes take a while.
+            if before.is_some() {
+                plan::same_scene(&stats::hash(given), before)?;
+            }
+        }
+        Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender))))
+    }
+
+    /// Everything of this contender on this scene is in the record.
+    fn complete(&self, contender: &Contender, blank: &Row) -> bool {
+        let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
+        // A budget may have ended the blocks early; an external runner says its arithmetic only
+        // when it is started.
+        let enough = self.experiment.enough_blocks(self.job.quick);
+        let ceiling =
+            |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
+        let over = self
+            .index
+            .ended(blank)
+            .is_some_and(|last| last.pass.owed().iter().all(|&pass| has(pass, 0)));
+        contender.arithmetic.is_some()
+            && (over
+                || has(Pass::Count, 0)
+                    && has(Pass::Memory, 0)
+                    && (1..=enough).all(|block| has(Pass::Time, block) && ceiling(block)))
+    }
+
+    /// The rows of a case of the catalogue whose scene is not valid, as it should be. Any other
+    /// scene that cannot be made is an error.
+    fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
+        let Some(invalid) = error
+            .chain()
+            .find_map(|cause| cause.downcast_ref::<SceneError>())
+            .filter(|_| self.spec.name == hard::NAME)
+        else {
+            return Err(error);
+        };
+        for contender in contenders {
+            let blank = contender.blank(self.experiment, self.spec, None, &Stats::default());
+            self.fail(
+                &blank,
+                Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") },
+                &[Pass::Count],
+            )?;
+        }
+        Ok(())
+    }
+
+    /// True if the record says that this cell ended badly. Rows that the killed run still owed are
+    /// written now.
+    pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(last) = self.index.ended(blank) else { return Ok(false) };
+        for &pass in last.pass.owed() {
+            // It was this process that failed.
+            let Row { outcome, ref reason, ref process, .. } = *last;
+            let (reason, process) = (reason.clone(), process.clone());
+            let row = Row { pass, outcome, reason, process, ..blank.clone() };
+            if !self.index.has(&row) {
+                self.write(&row)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// True, with rows that say so, if the detector was too slow with fewer particles already.
+    pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(n) = self.log.too_slow.at(blank) else { return Ok(false) };
+        let reason = format!("not tried: over the time limit at N = {n} already");
+        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        Ok(true)
+    }
+
+    /// Writes a row, with the name of this machine; after a signal none, because a runner may have
+    /// been stopped in the midst of it.
+    pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
+        interrupt::check()?;
+        let id = CellId { machine: Some(self.job.machine.clone()), ..row.id.clone() };
+        Ok(self.log.record.write(&Row { id, span: self.log.span.clone(), ..row.clone() })?)
+    }
+
+    pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
+        interrupt::check()?;
+        if failure.outcome == Outcome::Timeout {
+            self.log.too_slow.note(blank);
+        }
+        if failure.outcome == Outcome::Crashed {
+            self.note_first("CRASHED", blank, &failure.reason);
+        }
+        for &pass in passes {
+            let row = Row {
+                pass,
+                outcome: failure.outcome,
+                reason: failure.reason.clone(),
+                ..blank.clone()
+            };
+            if !self.index.has(&row) {
+                self.write(&row)?;
+            }
+        }
+        Ok(())
+    }
+}

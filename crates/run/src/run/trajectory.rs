@@ -1,0 +1,177 @@
+//! What a runner loads: a trajectory, that is the same particles in frame after frame, each frame
+//! in a file, and the box in which they repeat, or one for each frame. A scene at rest is a
+//! trajectory of one frame.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+use serde::{Deserialize, Serialize};
+
+use crate::run::interrupt;
+use contactbench_core::scene::Lattice;
+use contactbench_io::Given;
+use contactbench_io::exchange;
+use contactbench_scenes::motion::Frames;
+
+/// The files of a trajectory. A runner opens one after the other: it never holds them all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trajectory {
+    /// One NumPy npy file per frame, in order; a file may stand there more than once. Little-endian
+    /// f64, C order: `n` rows of `dim` coordinates, and the radius as one more column if `radius`
+    /// is null.
+    pub frames: Vec<PathBuf>,
+    /// 2 or 3.
+    pub dim: u32,
+    /// Particles, the same in all frames.
+    pub n: u64,
+    /// The radius of all particles, or null.
+    pub radius: Option<f64>,
+    /// The box in which they repeat in all frames; absent where boundaries are open, and where it
+    /// is not the same in all.
+    #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+    pub in_box: Option<BoxMessage>,
+    /// The box of each frame, where it is not the same in all. Runners before version 4 of the
+    /// protocol are not sent any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub boxes: Vec<BoxMessage>,
+}
+
+/// A box in a message: `dim` vectors of `dim` numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoxMessage {
+    /// One per row.
+    pub vectors: Vec<Vec<f64>>,
+    /// Along which of them the scene repeats.
+    pub periodic: Vec<bool>,
+    /// The corner from which they start.
+    pub origin: Vec<f64>,
+}
+
+impl BoxMessage {
+    fn new(lattice: &Lattice, dim: usize) -> BoxMessage {
+        let vectors = &lattice.vectors()[..dim];
+        BoxMessage {
+            vectors: vectors.iter().map(|vector| vector[..dim].to_vec()).collect(),
+            periodic: lattice.periodic()[..dim].to_vec(),
+            origin: lattice.origin()[..dim].to_vec(),
+        }
+    }
+
+    fn lattice(&self, dim: usize) -> anyhow::Result<Lattice> {
+        let BoxMessage { vectors, periodic, origin } = self;
+        let all = vectors.iter().chain([origin]).all(|numbers| numbers.len() == dim);
+        ensure!(
+            all && vectors.len() == dim && periodic.len() == dim,
+            "the box has not {dim} vectors of {dim} numbers, and as many flags and origins"
+        );
+        let of = |numbers: &[f64]| std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0));
+        let none = [0.0; 3];
+        let vectors = std::array::from_fn(|k| vectors.get(k).map_or(none, |vector| of(vector)));
+        let periodic = std::array::from_fn(|k| periodic.get(k).copied().unwrap_or(false));
+        Ok(Lattice::new(vectors, periodic, of(origin))?)
+    }
+}
+
+impl Trajectory {
+    /// Writes a scene at rest to a file, the only frame.
+    pub fn write_at_rest(path: &Path, given: &Given) -> anyhow::Result<Trajectory> {
+        let Given { scene, lattice, .. } = given;
+        let radius = exchange::write_scene(path, scene)?;
+        Ok(Trajectory {
+            frames: vec![path.to_path_buf()],
+            dim: scene.dim() as u32,
+            n: scene.len() as u64,
+            radius,
+            in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
+            boxes: Vec::new(),
+        })
+    }
+
+    /// Writes the frames of a motion to files in a folder, one after the other.
+    pub fn write_moving(
+        folder: &Path,
+        frames: &mut Frames,
+        count: u64,
+    ) -> anyhow::Result<Trajectory> {
+        let mut all = None;
+        for k in 0..count {
+            interrupt::check()?;
+            let path = folder.join(format!("frame-{k}.npy"));
+            let next = Trajectory::write_at_rest(&path, &frames.at(k)?)?;
+            Trajectory::append(&mut all, next)?;
+        }
+        all.context("a trajectory has at least one frame")
+    }
+
+    /// Appends a frame of the same particles.
+    ///
+    /// # Errors
+    /// Some frames are in boxes, others not.
+    pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) -> anyhow::Result<()> {
+        let Some(all) = all else {
+            *all = Some(next);
+            return Ok(());
+        };
+        ensure!(
+            all.box_dim() == next.box_dim(),
+            "frame {}: some frames have a box, others none; take the frames before (--frames)",
+            all.frames.len()
+        );
+        if all.boxes.is_empty() && all.in_box != next.in_box {
+            let before = all.in_box.take().into_iter();
+            all.boxes = before.cycle().take(all.frames.len()).collect();
+        }
+        if !all.boxes.is_empty() {
+            all.boxes.extend(next.in_box.take());
+        }
+        all.frames.append(&mut next.frames);
+        Ok(())
+    }
+
+    /// One of its frames, as a scene at rest.
+    pub fn at_rest(&self, k: usize) -> Trajectory {
+        let Trajectory { dim, n, radius, .. } = *self;
+        let frames = self.frames.get(k).cloned().into_iter().collect();
+        let in_box = self.boxes.get(k).or(self.in_box.as_ref()).cloned();
+        Trajectory { frames, dim, n, radius, in_box, boxes: Vec::new() }
+    }
+
+    /// Removes its files, of which there may be many.
+    pub fn remove(&self) {
+        // They are temporary: what cannot be removed now goes with its folder.
+        self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
+    }
+
+    /// The dimensions of its box, if it has one: then contacts have images.
+    pub fn box_dim(&self) -> Option<usize> {
+        (self.in_box.is_some() || !self.boxes.is_empty()).then_some(self.dim as usize)
+    }
+
+    /// Reads the file of a frame.
+    ///
+    /// # Errors
+    /// What is wrong with it; boxes that are not as many as frames.
+    pub fn read_frame(&self, k: usize) -> anyhow::Result<Given> {
+        let path = self.frames.get(k).with_context(|| {
+            format!("there is no frame {k}; the trajectory has {}", self.frames.len())
+        })?;
+        let scene = exchange::read_scene(path, self.dim, self.n, self.radius)?;
+        let in_box = match self.boxes.len() {
+            0 => self.in_box.as_ref(),
+            boxes => {
+                ensure!(
+                    boxes == self.frames.len() && self.in_box.is_none(),
+                    "the trajectory has {boxes} boxes for {} frames{}; boxes are one for each, \
+                     without one for all",
+                    self.frames.len(),
+                    if self.in_box.is_some() { " and one for all" } else { "" }
+                );
+                self.boxes.get(k)
+            }
+        };
+        match in_box {
+            None => Ok(scene.into()),
+            Some(in_box) => Given::in_box(scene, in_box.lattice(self.dim as usize)?),
+        }
+    }
+}

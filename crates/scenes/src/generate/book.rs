@@ -1,0 +1,86 @@
+//! `pack-a` to `pack-d`: the packs of the book's four numerical experiments (Munjiza 2004, section
+//! 3.8).
+//!
+//! ```text
+//!   pack-a  ooooooo  2D    pack-b  o   o   o  2D    pack-c  o   o   o       pack-d  oo   oo   oo
+//!            D                     |<S>|                       S  |  S            D|<S>|       2D
+//!           ooooooo                o   o   o                o   o   o               oo   oo   oo
+//! ```
+//!
+//! | pack | between columns | between rows | experiment |
+//! |---|---|---|---|
+//! | A | D | 2D | I: N varies |
+//! | B | S | 2D | II: S varies |
+//! | C | S | S | III: S varies |
+//! | D | D and S in turn (inferred: the book does not print it) | 2D | IV: S varies |
+//!
+//! The parameter `s` is S/D. There are ceil(√N) columns and as many rows as N needs; the last may
+//! be short. Column i of packs A to C stands at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D,
+//! row j at (2j)·D or (j·s)·D: exact where s and D are dyadic and neither product exceeds 53 bits.
+//! So neighbours that should be D apart are exactly D apart, at the very border of the closed
+//! contact test.
+
+use crate::generate::table::{Generator, Kind, Parameter, no_history, number};
+use crate::generate::{DIAMETER, Inputs, assemble};
+use contactbench_io::Given;
+
+pub const PACK_A: Generator = Generator {
+    name: "pack-a",
+    dims: &[2],
+    summary: "the book's pack A: columns D apart, rows 2D apart",
+    own_n: false,
+    params: &[&[DIAMETER]],
+    make: |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
+    history: no_history,
+};
+
+pub const PACK_B: Generator = Generator {
+    name: "pack-b",
+    dims: &[2],
+    summary: "the book's pack B: columns S apart, rows 2D apart",
+    own_n: false,
+    params: &[&[DIAMETER, S]],
+    make: |inputs| {
+        let s = inputs.number("s")?;
+        pack(inputs, |i, j| [i * s, 2.0 * j])
+    },
+    history: no_history,
+};
+
+pub const PACK_C: Generator = Generator {
+    name: "pack-c",
+    dims: &[2],
+    summary: "the book's pack C: columns and rows S apart",
+    own_n: false,
+    params: &[&[DIAMETER, S]],
+    make: |inputs| {
+        let s = inputs.number("s")?;
+        pack(inputs, |i, j| [i * s, j * s])
+    },
+    history: no_history,
+};
+
+pub const PACK_D: Generator = Generator {
+    name: "pack-d",
+    dims: &[2],
+    summary: "the book's pack D: columns D and S apart in turn, rows 2D apart",
+    own_n: false,
+    params: &[&[DIAMETER, S]],
+    make: |inputs| {
+        let s = inputs.number("s")?;
+        pack(inputs, |i, j| {
+            let couple = (i / 2.0).floor();
+            [couple * (1.0 + s) + (i - 2.0 * couple), 2.0 * j]
+        })
+    },
+    history: no_history,
+};
+
+const S: Parameter = number("s", Kind::NotNegative, 1.0, "S/D, the spacing in diameters");
+
+fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
+    let root = inputs.n.isqrt();
+    let columns = if root * root < inputs.n { root + 1 } else { root.max(1) };
+    let centres = (0..inputs.n).map(|k| site((k % columns) as f64, (k / columns) as f64));
+    Ok(assemble(inputs, centres, None)?.into())
+}

@@ -1,0 +1,74 @@
+//! `file`: particles that somebody else made.
+//!
+//! ```text
+//!   x,y,r
+//!   0,0,0.5        ->   o o
+//!   1,0,0.5
+//! ```
+//!
+//! The formats and their rules are those of [`contactbench_io`]. The file decides the number of
+//! particles and the dimension: n = 0 takes what there is, another n must be the file's. `file-dim`
+//! says what an array with three columns means; see [`contactbench_io::Options`].
+
+use std::path::Path;
+
+use anyhow::ensure;
+use serde_json::Value;
+
+use crate::generate::table::{Generator, Kind, Parameter, Preset, no_history, optional};
+use contactbench_io as io;
+
+/// The name under which the program knows files.
+pub const NAME: &str = "file";
+
+/// The option at this place of [`io::OPTIONS`].
+const fn option(place: usize, name: &'static str, kind: Kind) -> Parameter {
+    optional(name, kind, io::OPTIONS[place].meaning)
+}
+
+const PARAMS: [Parameter; 9] = [
+    Parameter {
+        name: "path",
+        kind: Kind::Text,
+        default: [Preset::Required; 2],
+        meaning: "the file's name",
+    },
+    option(0, "radius", Kind::NotNegative),
+    option(1, "file-dim", Kind::Dim),
+    option(2, "frame", Kind::Text),
+    option(3, "columns", Kind::Text),
+    option(4, "format", Kind::Text),
+    option(5, "box", Kind::Text),
+    option(6, "periodic", Kind::Axes),
+    option(7, "open", Kind::Yes),
+];
+
+pub const GENERATOR: Generator = Generator {
+    name: NAME,
+    dims: &[2, 3],
+    summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
+    own_n: true,
+    params: &[&PARAMS],
+    make: |inputs| {
+        let path = Path::new(inputs.text("path")?);
+        let mut options = io::Options::NONE;
+        for (option, Parameter { name, .. }) in io::OPTIONS.iter().zip(&PARAMS[1..]) {
+            let text = match inputs.params.get(*name) {
+                None => continue,
+                Some(Value::String(text)) => text.clone(),
+                Some(value) => value.to_string(),
+            };
+            let set = option.set(&mut options, &text);
+            set.map_err(|must| anyhow::anyhow!("file: {name} is '{text}'; {must}"))?;
+        }
+        let given = io::given(path, options)?;
+        let (n, found) = (inputs.n, given.scene.len());
+        ensure!(
+            n == 0 || n == found as u64,
+            "{} holds {found} particles, but n = {n} was asked for; leave n out",
+            path.display()
+        );
+        Ok(given)
+    },
+    history: no_history,
+};

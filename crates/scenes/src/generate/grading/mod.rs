@@ -1,0 +1,178 @@
+//! Grading curves: how much of a soil passes which sieve, by volume.
+//!
+//! ```text
+//!   percent passing          text or CSV: sieve size, percent passing; # begins a comment
+//!   100 |            .--o
+//!       |         .o'           0.063   0
+//!       |   .-o--'              0.2    15
+//!     0 o-'                     0.63   60
+//!       '---------------->      2     100
+//!         log sieve size
+//! ```
+//!
+//! Between two sieves the curve is linear in the logarithm of the size, as on the paper that such
+//! curves are drawn on. In d dimensions the numbers of bodies there have the density
+//! size^(-d - 1): a disc has its area for a volume. Sizes have any unit; the largest becomes r.
+//! Mass is volume where all bodies have one density.
+
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+
+use contactbench_io::short;
+
+/// A longer file is no curve.
+const MOST_BYTES: u64 = 1 << 20;
+/// The cube of it is a number.
+const MOST_RATIO: f64 = 1e100;
+
+/// Sieve sizes and the percent that passes each: both rise, from 0 to 100.
+#[derive(Debug)]
+pub struct Curve(Vec<[f64; 2]>);
+
+/// Does a text hold the points themselves, as in `0.063 0, 0.2 15, 2 100`, and not the name of a
+/// file?
+pub fn is_points(text: &str) -> bool {
+    text.split(',').all(|piece| point(piece).is_some())
+}
+
+impl Curve {
+    /// From a file with a point in each line, or from the points themselves.
+    pub fn new(text: &str) -> anyhow::Result<Curve> {
+        if is_points(text) {
+            let points = text.split(',').filter_map(point).collect();
+            return Curve::of(points).with_context(|| format!("grading '{text}'"));
+        }
+        let path = Path::new(text);
+        Curve::read(path).with_context(|| format!("the grading curve {}", path.display()))
+    }
+
+    fn read(path: &Path) -> anyhow::Result<Curve> {
+        let mut text = String::new();
+        let file = std::fs::File::open(path).context("cannot be read")?;
+        file.take(MOST_BYTES + 1).read_to_string(&mut text).context("cannot be read as text")?;
+        ensure!(
+            text.len() as u64 <= MOST_BYTES,
+            "has more than {MOST_BYTES} bytes; give a line for each sieve, and no more"
+        );
+        let mut points = Vec::new();
+        let mut may_be_names = true;
+        for (line, number) in text.trim_start_matches('\u{feff}').lines().zip(1..) {
+            let line = line.split('#').next().unwrap_or_default().trim();
+            if line.is_empty() {
+                continue;
+            }
+            match point(line) {
+                Some(point) => points.push(point),
+                // Names of columns.
+                None if may_be_names && !line.contains(|c: char| c.is_ascii_digit()) => {}
+                None => anyhow::bail!(
+                    "line {number} is '{}'; write a sieve size and the percent passing, as in \
+                     0.2, 15",
+                    short(line)
+                ),
+            }
+            may_be_names = false;
+        }
+        Curve::of(points)
+    }
+
+    fn of(points: Vec<[f64; 2]>) -> anyhow::Result<Curve> {
+        for &[size, percent] in &points {
+            ensure!(
+                size > 0.0 && size.is_finite(),
+                "a sieve size is {size}; give finite numbers over 0"
+            );
+            ensure!(
+                (0.0..=100.0).contains(&percent),
+                "{percent} percent pass {size}; give numbers from 0 to 100"
+            );
+        }
+        for pair in points.windows(2) {
+            let [[a, p], [b, q]] = [pair[0], pair[1]];
+            ensure!(a < b, "size {b} follows {a}; give sieves with rising sizes, each once");
+            ensure!(
+                p <= q,
+                "{q} percent pass {b}, but {p} percent the finer {a}; give the part that passes, \
+                 which rises with the size"
+            );
+        }
+        let (first, last) = (points.first(), points.last());
+        ensure!(
+            first.is_some_and(|[_, percent]| *percent == 0.0),
+            "does not begin at 0 percent; add the size of the smallest grains, with 0"
+        );
+        ensure!(
+            last.is_some_and(|[_, percent]| *percent == 100.0),
+            "does not end at 100 percent; add the size of the largest grains, with 100"
+        );
+        let curve = Curve(points);
+        let ratio = curve.ratio();
+        ensure!(
+            ratio <= MOST_RATIO,
+            "has sizes {ratio:e} apart; at most {MOST_RATIO:e}, beyond which the volume of the \
+             smallest bodies is no number"
+        );
+        Ok(curve)
+    }
+
+    /// Intervals with bodies, the coarsest first: smaller and larger size, percent between.
+    fn intervals(&self) -> impl Iterator<Item = [f64; 3]> {
+        let interval = |pair: &[[f64; 2]]| [pair[0][0], pair[1][0], pair[1][1] - pair[0][1]];
+        self.0.windows(2).rev().map(interval).filter(|[_, _, percent]| *percent > 0.0)
+    }
+
+    /// Largest over smallest size that bodies have.
+    fn ratio(&self) -> f64 {
+        let ends = |(_, largest): (f64, f64), [low, high, _]: [f64; 3]| (low, largest.max(high));
+        let (least, largest) = self.intervals().fold((1.0, 0.0), ends);
+        largest / least
+    }
+
+    /// The sizes, over the largest, that 0, 1/(n-1), .. 1 of all bodies exceed, in `dim`
+    /// dimensions.
+    pub fn quantiles(&self, n: u64, dim: u32) -> impl Iterator<Item = f64> + use<> {
+        let power = f64::from(dim);
+        let largest = self.intervals().map(|[_, high, _]| high).fold(0.0, f64::max);
+        // Of each interval: the numbers above its lower end, its own, its upper end, and how many
+        // more bodies there are of its lower end's size than of its upper one's.
+        let mut above = 0.0;
+        let parts: Vec<[f64; 4]> = self
+            .intervals()
+            .map(|[low, high, percent]| {
+                let (ratio, high) = (high / low, high / largest);
+                let more = libm::pow(ratio, power) - 1.0;
+                let own = percent / libm::log(ratio) * more / libm::pow(high, power);
+                above += own;
+                [above, own, high, more]
+            })
+            .collect();
+        let last = n.saturating_sub(1).max(1) as f64;
+        let mut at = 0;
+        (0..n).map(move |k| {
+            let wanted = k as f64 / last * above;
+            while at + 1 < parts.len() && parts[at][0] < wanted {
+                at += 1;
+            }
+            let [above, own, high, more] = parts[at];
+            let part = (1.0 - (above - wanted) / own).clamp(0.0, 1.0);
+            high * libm::pow(1.0 + part * more, -1.0 / power)
+        })
+    }
+}
+
+/// A size and a percent, with a comma, a semicolon or spaces between.
+fn point(text: &str) -> Option<[f64; 2]> {
+    let mut numbers = text
+        .split(|c: char| c == ',' || c == ';' || c.is_whitespace())
+        .filter(|piece| !piece.is_empty())
+        .map(|piece| piece.parse().ok());
+    match [numbers.next(), numbers.next(), numbers.next()] {
+        [Some(size), Some(percent), None] => Some([size?, percent?]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

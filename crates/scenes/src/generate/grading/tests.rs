@@ -1,0 +1,126 @@
+//! Curves: what they give, and what they may not be.
+
+use super::*;
+use crate::spec::Spec;
+use crate::stats::scene_hash;
+use contactbench_core::scene::{AnyScene, Radii, Real};
+use contactbench_core::with_scene;
+
+const SAND: &str = concat!(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "/examples/sand.csv");
+
+fn made(text: &str) -> AnyScene<'static> {
+    let spec = Spec::parse(text).and_then(|spec| spec.make());
+    spec.unwrap_or_else(|error| panic!("{text}: {error:#}"))
+}
+
+/// The radii of a scene, the smallest first, for a largest of 1.
+fn radii(text: &str) -> Vec<f64> {
+    with_scene!(&made(&format!("{text},diameter=2")), scene => {
+        let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
+        let mut radii: Vec<f64> = radii.iter().map(|r| r.wide()).collect();
+        radii.sort_by(f64::total_cmp);
+        radii
+    })
+}
+
+/// What passes each sieve, measured by the volumes of the bodies made.
+#[test]
+fn the_bodies_pass_the_sieves_as_the_curve_says() {
+    let text = std::fs::read_to_string(SAND).unwrap();
+    let curve: Vec<[f64; 2]> = text.lines().filter_map(point).collect();
+    assert_eq!(curve.len(), 6);
+    for dim in [2, 3] {
+        let radii = radii(&format!("loose:dim={dim},n=400000,sizes=grading,grading={SAND}"));
+        assert_eq!((radii[0], radii[399_999]), (0.05, 1.0));
+        let volume = |r: &f64| r.powi(dim);
+        let all: f64 = radii.iter().map(volume).sum();
+        for [size, percent] in &curve {
+            let passing: f64 = radii.iter().take_while(|&&r| 2.0 * r <= *size).map(volume).sum();
+            let found = 100.0 * passing / all;
+            assert!((found - percent).abs() < 0.5, "{dim}D, {size} mm: {found}, not {percent}");
+        }
+    }
+}
+
+/// As much volume in each octave is a density of numbers of r^(-d - 1).
+#[test]
+fn a_straight_line_is_a_power() {
+    for (dim, exponent) in [(2, -3), (3, -4)] {
+        let line = radii(&format!("loose:dim={dim},n=5000,sizes=grading,grading=1 0,40 100"));
+        let power =
+            radii(&format!("loose:dim={dim},n=5000,sizes=power,exponent={exponent},size-ratio=40"));
+        for (a, b) in line.iter().zip(power) {
+            assert!((a / b - 1.0).abs() < 1e-9, "{dim}D: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
+    let found = radii("packed:n=3000,sizes=grading,grading=1 0,2 0,4 50,16 50,32 100,64 100");
+    // From 2 to 4 and from 16 to 32, which is the largest.
+    let (fine, coarse) = (0.0625..=0.125, 0.5..=1.0);
+    assert!(found.iter().all(|r| fine.contains(r) || coarse.contains(r)));
+    assert_eq!((found[0], found[2999]), (0.0625, 1.0));
+    assert!(found[2900] <= 0.125 && found[2990] >= 0.5);
+    assert_eq!(radii("packed:n=1,sizes=grading,grading=1 0,2 100"), [1.0]);
+    assert!(made("packed:n=0,sizes=grading,grading=1 0,2 100").is_empty());
+    // The widest that there is.
+    let wide = radii("loose:dim=3,n=1000,sizes=grading,grading=1e-50 0,1e50 100");
+    assert!(wide.iter().all(|r| (1e-100..=1.0).contains(r)) && wide[999] == 1.0);
+}
+
+/// As for the other generators: the same bits on every machine, and the same for a file as for its
+/// points.
+#[test]
+fn the_bits_are_fixed() {
+    let scene = made(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
+    let points = "0.1 0,0.2 12,0.425 38,0.85 71,1.18 86,2 100";
+    assert_eq!(scene, made(&format!("loose:dim=3,n=1000,sizes=grading,grading={points}")));
+    assert_eq!(scene_hash(&scene), "0xb7e3b8fdc4884511");
+}
+
+#[test]
+fn what_is_no_curve_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("curve.csv");
+    let long = "1 0\n".repeat(300_000);
+    for (text, words) in [
+        ("", "does not begin at 0"),
+        ("# nothing", "does not begin at 0"),
+        ("1,5\n2,100", "does not begin at 0"),
+        ("1,0\n2,99", "does not end at 100"),
+        ("1,0\n2,101", "101 percent pass 2"),
+        ("1,-1\n2,100", "-1 percent pass 1"),
+        ("1,0\n2,nan", "NaN percent pass 2"),
+        ("-1,0\n2,100", "a sieve size is -1"),
+        ("0,0\n2,100", "a sieve size is 0"),
+        ("1,0\ninf,100", "a sieve size is inf"),
+        ("1,0\n3,50\n2,100", "size 2 follows 3"),
+        ("1,0\n1,100", "size 1 follows 1"),
+        ("1,0\n2,60\n3,50\n4,100", "50 percent pass 3, but 60 percent the finer 2"),
+        ("size,passing\n1,0\n2", "line 3 is '2'"),
+        ("1,0\nsize,passing\n2,100", "line 2 is 'size,passing'"),
+        ("1 0\n2 50 3\n4 100", "line 2 is '2 50 3'"),
+        ("1e-60 0\n1e60 100", "has sizes 1e120 apart"),
+        (&long, "has more than 1048576 bytes"),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        let error = Curve::new(&path.to_string_lossy()).unwrap_err();
+        let error = format!("{error:#}");
+        assert!(error.contains(words) && error.contains("curve.csv"), "{text}: {error}");
+    }
+    std::fs::write(&path, [0xff, 0xfe, 0x00]).unwrap();
+    let error = format!("{:#}", Curve::new(&path.to_string_lossy()).unwrap_err());
+    assert!(error.contains("cannot be read as text"), "{error}");
+    for (text, words) in [
+        ("loose:sizes=grading", "sizes=grading needs grading"),
+        ("loose:grading=1 0,2 100", "grading belongs to sizes=grading"),
+        ("loose:sizes=grading,grading=1 0,2 100,size-ratio=2", "leave size-ratio out"),
+        ("loose:sizes=grading,grading=/nowhere/at-all.csv", "/nowhere/at-all.csv"),
+        ("loose:sizes=grading,grading=1 0,2 90", "grading '1 0,2 90'"),
+    ] {
+        let error = Spec::parse(text).and_then(|spec| spec.make()).unwrap_err();
+        assert!(format!("{error:#}").contains(words), "{text}: {error:#}");
+    }
+}

@@ -1,0 +1,55 @@
+//! `hard`: a case of the hard-case catalogue, [`crate::hard`].
+//!
+//! ```text
+//!   case = every-neighbour   ->   o|o   o/o  ...
+//! ```
+//!
+//! The case decides the number of particles: n = 0 takes what there is, another n must be the
+//! case's. The scene made is the last step; the steps before it are the history,
+//! [`crate::spec::Spec::history`]. Where the order of the particles is part of the case,
+//! `order = generated` keeps it.
+
+use anyhow::ensure;
+
+use crate::generate::Inputs;
+use crate::generate::table::{Generator, Kind, Parameter, Preset};
+use crate::hard;
+use contactbench_io::Given;
+
+/// The name under which the program knows hard cases.
+pub const NAME: &str = "hard";
+
+pub const GENERATOR: Generator = Generator {
+    name: NAME,
+    dims: &[2, 3],
+    summary: "a named case on which detectors go wrong; contactbench list hard-cases",
+    own_n: true,
+    params: &[&[Parameter {
+        name: "case",
+        kind: Kind::Case,
+        default: [Preset::Required; 2],
+        meaning: "the name of the case",
+    }]],
+    make: |inputs| {
+        let mut steps = steps(inputs)?;
+        // Every case has a last step.
+        let Some(given) = steps.pop() else {
+            anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)
+        };
+        let (n, found) = (inputs.n, given.scene.len());
+        ensure!(
+            n == 0 || n == found as u64,
+            "the case has {found} particles, but n = {n} was asked for; leave n out"
+        );
+        Ok(given)
+    },
+    history: |inputs| {
+        let mut steps = steps(inputs)?;
+        steps.pop();
+        Ok(steps)
+    },
+};
+
+fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
+    hard::find(inputs.text("case")?)?.steps(inputs.dim)
+}

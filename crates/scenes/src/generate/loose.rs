@@ -1,0 +1,51 @@
+//! `loose`: uniform random in a square or cube, a Poisson-like gas.
+//!
+//! ```text
+//!   +----------------+
+//!   | o        o   o |
+//!   |    o  oo       |
+//!   |            o   |
+//!   |  o      o     o|
+//!   +----------------+
+//! ```
+//!
+//! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume
+//! is the volume of all bodies over `fraction`. Overlaps are kept, so that about 4·fraction·n/2
+//! (2D) or 8·fraction·n/2 (3D) pairs touch.
+
+use crate::generate::boxes::boxed;
+use crate::generate::draw::Draw;
+use crate::generate::sizes::unit_radii;
+use crate::generate::table::{Generator, Kind, no_history, number};
+use crate::generate::{Inputs, OF_BODIES, assemble, box_edge};
+use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_io::Given;
+
+pub const GENERATOR: Generator = Generator {
+    name: "loose",
+    dims: &[2, 3],
+    summary: "uniform random in a square or cube",
+    own_n: false,
+    params: &[
+        OF_BODIES,
+        &[number(
+            "fraction",
+            Kind::Positive,
+            0.05,
+            "volume of the bodies over the volume of the box",
+        )],
+    ],
+    make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
+    history: no_history,
+};
+
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut draw = Draw::new(inputs.seed);
+    let radii = unit_radii(inputs, &mut draw)?;
+    let edge = box_edge::<D>(inputs.n, radii.as_deref(), inputs.number("fraction")?);
+    let centres = (0..inputs.n).map(|_| [(); D].map(|()| edge * draw.unit()));
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
+}

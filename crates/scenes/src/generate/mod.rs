@@ -1,0 +1,135 @@
+//! Generators: scenes made from a seed, the same bits on every machine.
+//!
+//! One file per generator, each with a picture of its scene, its parameters and its table line
+//! ([`table::GENERATORS`]). A generator thinks in diameters: it draws coordinates and radii for a
+//! largest diameter of 1, and `assemble` multiplies both by `diameter` and moves the scene by
+//! `offset`. To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754
+//! fixes, and the `libm` crate's cube root and logarithm, which are plain Rust; never the functions
+//! of the machine's own mathematical library. Overlaps are allowed everywhere.
+
+pub mod book;
+pub mod boxes;
+pub mod clustered;
+pub mod couples;
+pub mod draw;
+pub mod file;
+pub mod grading;
+pub mod hard;
+pub mod loose;
+pub mod packed;
+pub mod settled;
+pub mod sizes;
+pub mod table;
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+use nalgebra::Point;
+use table::{Kind, Parameter, number};
+
+use contactbench_core::scene::{Radii, Scene};
+
+/// What a generator is given: everything in a [`crate::spec::Spec`] except the order.
+pub struct Inputs<'a> {
+    /// 2 or 3.
+    pub dim: u32,
+    /// Number of particles.
+    pub n: u64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// All parameters, checked.
+    pub params: &'a BTreeMap<String, serde_json::Value>,
+}
+
+impl Inputs<'_> {
+    fn number(&self, name: &str) -> anyhow::Result<f64> {
+        let value = self.params.get(name).and_then(|value| value.as_f64());
+        value.with_context(|| format!("the number '{name}' is missing"))
+    }
+
+    fn whole(&self, name: &str) -> anyhow::Result<u64> {
+        let value = self.params.get(name).and_then(|value| value.as_u64());
+        value.with_context(|| format!("the whole number '{name}' is missing"))
+    }
+
+    fn text(&self, name: &str) -> anyhow::Result<&str> {
+        let value = self.params.get(name).and_then(|value| value.as_str());
+        value.with_context(|| format!("the text '{name}' is missing"))
+    }
+}
+
+const DIAMETER: Parameter =
+    number("diameter", Kind::Positive, 1.0, "largest diameter, in units of length");
+
+const OFFSET: Parameter = number(
+    "offset",
+    Kind::Finite,
+    0.0,
+    "added to every coordinate, in largest diameters; the sums are rounded to f64",
+);
+
+/// The parameters of generators whose bodies have sizes and a box.
+const OF_BODIES: &[Parameter] = &[
+    DIAMETER,
+    OFFSET,
+    sizes::SIZE_RATIO,
+    sizes::SIZES,
+    sizes::EXPONENT,
+    sizes::SHARE,
+    sizes::GIANTS,
+    sizes::GRADING,
+    boxes::PERIODIC,
+    boxes::TILT,
+];
+
+/// The edge of a square or cube that the bodies fill to the packing fraction, in diameters.
+fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {
+    let power = |r: f64| if D == 2 { r * r } else { r * r * r };
+    let sum = radii.map_or(n as f64 * power(0.5), |radii| radii.iter().map(|&r| power(r)).sum());
+    let shape = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
+    let volume = sum * shape / fraction;
+    if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
+}
+
+/// An empty list with room for `n`, or a sentence where the machine has not the memory.
+fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
+    let mut list = Vec::new();
+    let n = usize::try_from(n)
+        .context("more particles than this machine can address; make n smaller")?;
+    list.try_reserve_exact(n)
+        .with_context(|| format!("no memory for n = {n} particles; make n smaller"))?;
+    Ok(list)
+}
+
+/// Scales centres and radii, given in diameters, and makes the scene.
+fn assemble<const D: usize>(
+    inputs: &Inputs<'_>,
+    centres: impl Iterator<Item = [f64; D]>,
+    radii: Option<Vec<f64>>,
+) -> anyhow::Result<Scene<'static, f64, D>> {
+    let diameter = inputs.number("diameter")?;
+    let offset = inputs.number("offset").unwrap_or(0.0) * diameter;
+    let mut points = room(inputs.n)?;
+    // Adding 0 is not without effect: -0.0 would become 0.0.
+    points.extend(centres.map(|centre| {
+        Point::from(
+            centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }),
+        )
+    }));
+    let radii = match radii {
+        None => Radii::Uniform(0.5 * diameter),
+        Some(mut radii) => {
+            radii.iter_mut().for_each(|r| *r *= diameter);
+            Radii::Each(radii.into())
+        }
+    };
+    // Only an overflow can spoil a generated scene.
+    Scene::new(points, radii).map_err(|_| beyond())
+}
+
+fn beyond() -> anyhow::Error {
+    anyhow::anyhow!("coordinates or radii leave the range of f64; take parameters nearer to 1")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,257 @@
+//! `settled`: bodies placed one after the other, the largest first, none over another by more than
+//! is asked for.
+//!
+//! ```text
+//!   +------------------+
+//!   |  .---.  o   . o  |
+//!   | /     \ .  .--.  |      the large ones find room while there is much of it,
+//!   | \     / o |    | |      the small ones fill what is left
+//!   |  '---' .   '--' .|
+//!   +------------------+
+//! ```
+//!
+//! Random sequential addition (Feder 1980, doi:10.1016/0022-5193(80)90358-6) by falling radius.
+//! Every centre is uniform in a square (cube) with a corner at the origin, whose volume is that of
+//! all bodies over `fraction`, and drawn again until the body overlaps no earlier one by more than
+//! `overlap` of the sum of their radii (as computed in f64). Bodies may reach over the border;
+//! where the box repeats, images of earlier bodies count as those do. Of one size up to about 0.54
+//! of a square and 0.38 of a cube can be filled so without overlap; with many sizes more. A body
+//! that has found no place after 100,000 draws ends it, or 1,000 draws for each body altogether:
+//! the request is refused, with the fraction that was reached; as is a box in which the largest
+//! body would overlap its own image by more.
+
+use anyhow::ensure;
+
+use crate::generate::boxes::{Repeats, boxed};
+use crate::generate::draw::Draw;
+use crate::generate::sizes::unit_radii;
+use crate::generate::table::{Generator, Kind, no_history, number};
+use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, room};
+use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_io::Given;
+
+pub const GENERATOR: Generator = Generator {
+    name: "settled",
+    dims: &[2, 3],
+    summary: "random places with at most a stated overlap, the largest bodies first",
+    own_n: false,
+    params: &[
+        OF_BODIES,
+        &[
+            number(
+                "fraction",
+                Kind::Positive,
+                0.3,
+                "volume of the bodies over the volume of the box",
+            ),
+            number(
+                "overlap",
+                Kind::Share,
+                0.05,
+                "how far two bodies may overlap, over the sum of their radii",
+            ),
+        ],
+    ],
+    make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
+    history: no_history,
+};
+
+/// Draws for one body, and for each of all together.
+const TRIES: u64 = 100_000;
+const TRIES_EACH: u64 = 1_000;
+/// The largest radius of a layer over that of the next.
+const STEP: f64 = 2.0;
+/// Cells of a layer for each of its bodies, at most.
+const CELLS: f64 = 4.0;
+/// No body.
+const NONE: u32 = u32::MAX;
+
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut draw = Draw::new(inputs.seed);
+    let mut radii = unit_radii(inputs, &mut draw)?;
+    if let Some(radii) = &mut radii {
+        radii.sort_by(|a, b| b.total_cmp(a));
+    }
+    let fraction = inputs.number("fraction")?;
+    let edge = box_edge::<D>(inputs.n, radii.as_deref(), fraction);
+    let repeats = Repeats::new(inputs)?.filter(|repeats| repeats.axes != [false; 3]);
+    let mut placed = Placed::<D> {
+        edge,
+        repeats,
+        apart: 1.0 - inputs.number("overlap")?,
+        centres: room(inputs.n)?,
+        next: room(inputs.n)?,
+        layers: Vec::new(),
+    };
+    // The largest diameter is 1. Then no body meets an image beyond the next.
+    ensure!(
+        repeats.is_none() || inputs.n == 0 || edge >= placed.apart,
+        "the box has an edge of {edge:.3} largest diameters, so that the largest body overlaps its \
+         own image by more than is allowed; take a larger n, a smaller fraction or more overlap"
+    );
+    let mut images = Vec::new();
+    let mut drawn = 0;
+    for k in 0..inputs.n {
+        let radius = |k: u64| radii.as_ref().map_or(0.5, |radii| radii[k as usize]);
+        if placed.layers.last().is_none_or(|layer| radius(k) * STEP <= layer.largest) {
+            let of_layer = |&other: &u64| radius(other) * STEP > radius(k);
+            placed.begin(radius(k), (k..inputs.n).take_while(of_layer).count())?;
+        }
+        let mut tries = 0;
+        loop {
+            let centre = [(); D].map(|()| edge * draw.unit());
+            placed.images(centre, radius(k), &mut images);
+            let other = |other| radius(u64::from(other));
+            if images.iter().all(|&image| placed.has_room(image, radius(k), other)) {
+                placed.put(centre);
+                break;
+            }
+            tries += 1;
+            drawn += 1;
+            ensure!(
+                tries < TRIES && drawn < TRIES + TRIES_EACH * inputs.n,
+                "no room for body {k} of {} after {tries} draws, where {:.3} of the box is filled \
+                 and {fraction} was asked for; take a smaller fraction, more overlap or sizes that \
+                 differ more",
+                inputs.n,
+                fraction * volume::<D>((0..k).map(radius)) / volume::<D>((0..inputs.n).map(radius))
+            );
+        }
+    }
+    let centres = placed.centres.into_iter();
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
+}
+
+/// In units of a ball's.
+fn volume<const D: usize>(radii: impl Iterator<Item = f64>) -> f64 {
+    radii.map(|r| if D == 2 { r * r } else { r * r * r }).sum()
+}
+
+/// What is there already: a grid for each layer of sizes, with lists.
+struct Placed<const D: usize> {
+    edge: f64,
+    /// How the box repeats, if it does.
+    repeats: Option<Repeats>,
+    /// Two bodies must be at least so far apart, over the sum of their radii.
+    apart: f64,
+    centres: Vec<[f64; D]>,
+    /// The body that was first in the cell before it.
+    next: Vec<u32>,
+    layers: Vec<Layer>,
+}
+
+/// The bodies from one radius downwards to about half of it.
+struct Layer {
+    largest: f64,
+    /// Cells along each axis.
+    count: usize,
+    /// The body that was last put into each cell.
+    heads: Vec<u32>,
+}
+
+impl<const D: usize> Placed<D> {
+    /// Begins a layer for about so many bodies.
+    fn begin(&mut self, largest: f64, bodies: usize) -> anyhow::Result<()> {
+        // A little wider than two radii, so that no rounding matters.
+        let fine = self.edge / (2.000_002 * largest);
+        let most = CELLS * bodies.max(1) as f64;
+        let coarse = if D == 2 { most.sqrt() } else { libm::cbrt(most) };
+        let count = fine.min(coarse).max(1.0) as usize;
+        let cells = count.pow(D as u32);
+        let mut heads = room(cells as u64)?;
+        heads.resize(cells, NONE);
+        self.layers.push(Layer { largest, count, heads });
+        Ok(())
+    }
+
+    /// The body, and those of its images that a body in the box may be too near to.
+    fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
+        images.clear();
+        images.push(centre);
+        let Some(Repeats { axes, tilt }) = self.repeats else { return };
+        let largest = self.layers.first().map_or(0.0, |layer| layer.largest);
+        let reach = self.reach(radius, largest);
+        // Along x last, since images along y are moved along it.
+        for k in (0..D).rev().filter(|&k| axes[k]) {
+            for there in 0..images.len() {
+                for side in [-1.0, 1.0] {
+                    let mut image = images[there];
+                    image[k] += side * self.edge;
+                    if !(-reach..=self.edge + reach).contains(&image[k]) {
+                        continue;
+                    }
+                    if let (1, Some(tilt)) = (k, tilt) {
+                        image[0] += side * tilt * self.edge;
+                        if axes[0] {
+                            image[0] -= self.edge * (image[0] / self.edge).floor();
+                        }
+                    }
+                    images.push(image);
+                }
+            }
+        }
+    }
+
+    /// Beyond this distance no body of this size is too near to one of that.
+    fn reach(&self, radius: f64, largest: f64) -> f64 {
+        1.000_001 * self.apart * (radius + largest)
+    }
+
+    fn has_room(&self, centre: [f64; D], radius: f64, other: impl Fn(u32) -> f64) -> bool {
+        self.apart == 0.0
+            || self.layers.iter().all(|layer| {
+                let reach = self.reach(radius, layer.largest);
+                if !centre.iter().all(|x| (-reach..=self.edge + reach).contains(x)) {
+                    return true;
+                }
+                // Cells are wider than any reach here.
+                let [low, high] = [-1_isize, 1].map(|step| {
+                    centre.map(|x| {
+                        layer.cell(x / self.edge).saturating_add_signed(step).min(layer.count - 1)
+                    })
+                });
+                let mut cell = low;
+                loop {
+                    let mut body = layer.heads[layer.place(&cell)];
+                    while body != NONE {
+                        let sum = self.apart * (radius + other(body));
+                        let square: f64 = self.centres[body as usize]
+                            .iter()
+                            .zip(centre)
+                            .map(|(x, y)| (x - y) * (x - y))
+                            .sum();
+                        if square < sum * sum {
+                            return false;
+                        }
+                        body = self.next[body as usize];
+                    }
+                    let Some(k) = (0..D).find(|&k| cell[k] < high[k]) else { return true };
+                    cell[k] += 1;
+                    cell[..k].copy_from_slice(&low[..k]);
+                }
+            })
+    }
+
+    /// Puts the next body into the last layer.
+    fn put(&mut self, centre: [f64; D]) {
+        let body = self.centres.len() as u32;
+        let Some(layer) = self.layers.last_mut() else { return };
+        let place = layer.place(&centre.map(|x| layer.cell(x / self.edge)));
+        self.next.push(std::mem::replace(&mut layer.heads[place], body));
+        self.centres.push(centre);
+    }
+}
+
+impl Layer {
+    /// The cell of a part of the edge.
+    fn cell(&self, part: f64) -> usize {
+        ((part * self.count as f64) as usize).min(self.count - 1)
+    }
+
+    fn place(&self, cell: &[usize]) -> usize {
+        cell.iter().rev().fold(0, |place, k| place * self.count + k)
+    }
+}

@@ -1,0 +1,318 @@
+//! The table of generators: the one place where they are registered, and how their parameters are
+//! checked.
+
+use std::collections::BTreeMap;
+
+use anyhow::{bail, ensure};
+use serde_json::Value;
+
+use crate as scene;
+use crate::generate::{Inputs, book, clustered, couples, file, hard, loose, packed, settled};
+use contactbench_io::Given;
+use contactbench_io::boxes::Axes;
+use contactbench_terms::nearest::hint;
+
+/// All generators.
+pub static GENERATORS: [Generator; 11] = [
+    packed::GENERATOR,
+    loose::GENERATOR,
+    clustered::GENERATOR,
+    settled::GENERATOR,
+    couples::GENERATOR,
+    book::PACK_A,
+    book::PACK_B,
+    book::PACK_C,
+    book::PACK_D,
+    file::GENERATOR,
+    hard::GENERATOR,
+];
+
+/// One line of the table.
+#[derive(Clone, Copy)]
+pub struct Generator {
+    /// The name in experiments, records and on the command line.
+    pub name: &'static str,
+    /// The dimensions it can make.
+    pub dims: &'static [u32],
+    /// What it makes, in a phrase.
+    pub summary: &'static str,
+    /// It decides the number of particles itself, and n is 0 where none is given.
+    pub own_n: bool,
+    /// Its parameters.
+    pub params: &'static [&'static [Parameter]],
+    /// Makes the scene, in generated order.
+    pub make: fn(&Inputs<'_>) -> anyhow::Result<Given>,
+    /// Makes the scenes that a detector is to be given before it, in generated order.
+    pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<Given>>,
+}
+
+/// A parameter that is a number by default.
+pub const fn number(
+    name: &'static str,
+    kind: Kind,
+    default: f64,
+    meaning: &'static str,
+) -> Parameter {
+    Parameter { name, kind, default: [Preset::Number(default); 2], meaning }
+}
+
+/// A parameter that stays away by default.
+pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
+    Parameter { name, kind, default: [Preset::Absent; 2], meaning }
+}
+
+/// For generators whose scenes stand alone.
+pub fn no_history(_: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
+    Ok(Vec::new())
+}
+
+/// A parameter of a generator.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// The name.
+    pub name: &'static str,
+    /// Which values it takes.
+    pub kind: Kind,
+    /// The value where none is given, for 2 and 3 dimensions.
+    pub default: [Preset; 2],
+    /// What it means, with its unit.
+    pub meaning: &'static str,
+}
+
+/// Which values a parameter takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A finite number over 0.
+    Positive,
+    /// Any finite number.
+    Finite,
+    /// A finite number of at least 0.
+    NotNegative,
+    /// A finite number of at least 1.
+    AtLeastOne,
+    /// A number from 0 to 1.
+    Share,
+    /// A whole number of at least 1.
+    Count,
+    /// 2 or 3.
+    Dim,
+    /// true or false.
+    Yes,
+    /// Axes along which a box repeats, or true for all, or none.
+    Axes,
+    /// One of some words, for 2 and 3 dimensions.
+    Word([&'static [&'static str]; 2]),
+    /// Any text that is not empty.
+    Text,
+    /// The name of a hard case that is made in the dimension.
+    Case,
+}
+
+/// The value of a parameter that is not given.
+#[derive(Clone, Copy, Debug)]
+pub enum Preset {
+    /// This number.
+    Number(f64),
+    /// This whole number.
+    Whole(u64),
+    /// This word.
+    Word(&'static str),
+    /// The parameter stays away.
+    Absent,
+    /// The parameter must be given.
+    Required,
+}
+
+/// The default as lists and help texts show it.
+impl std::fmt::Display for Preset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Preset::Number(x) => write!(f, "{x}"),
+            Preset::Whole(k) => write!(f, "{k}"),
+            Preset::Word(word) => f.write_str(word),
+            Preset::Absent => f.write_str("none"),
+            Preset::Required => f.write_str("required"),
+        }
+    }
+}
+
+impl Preset {
+    /// The value, if there is one.
+    fn value(self) -> Option<Value> {
+        match self {
+            Preset::Number(x) => Some(x.into()),
+            Preset::Whole(k) => Some(k.into()),
+            Preset::Word(word) => Some(word.into()),
+            Preset::Absent | Preset::Required => None,
+        }
+    }
+}
+
+/// What every scene takes beside its generator's parameters.
+const COMMON: [&str; 4] = ["dim", "n", "seed", "order"];
+
+/// The generator of that name.
+pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
+    let names = || GENERATORS.map(|generator| generator.name).join(", ");
+    GENERATORS.iter().find(|generator| generator.name == name).ok_or_else(|| {
+        let hint = hint(name, GENERATORS.iter().map(|generator| generator.name));
+        anyhow::anyhow!("there is no scene '{name}'{hint}; the scenes are: {}", names())
+    })
+}
+
+impl Generator {
+    /// Its parameters.
+    pub fn params(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
+        self.params.iter().copied().flatten()
+    }
+
+    /// Whether a parameter is text, whatever it looks like.
+    pub fn is_text(&self, name: &str) -> bool {
+        let of_text = |kind: Kind| matches!(kind, Kind::Text | Kind::Case);
+        self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
+    }
+
+    /// The parameters that have a default value in 2 or 3 dimensions, with that value.
+    pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
+        let preset = |it: &Parameter| {
+            Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
+        };
+        self.params().filter_map(preset).collect()
+    }
+
+    /// Checks dimension, number and parameters, and gives all parameters that have a value,
+    /// defaults included.
+    pub fn check(
+        &self,
+        dim: u32,
+        n: u64,
+        params: &BTreeMap<String, Value>,
+    ) -> anyhow::Result<BTreeMap<String, Value>> {
+        ensure!(
+            self.dims.contains(&dim),
+            "{}: dim = {dim}; it is made in {} only",
+            self.name,
+            self.dims.iter().map(|d| format!("{d} dimensions")).collect::<Vec<_>>().join(" and ")
+        );
+        ensure!(
+            n <= u64::from(u32::MAX),
+            "{}: n = {n}; at most 2^32 - 1 = {} particles can be numbered: make n smaller",
+            self.name,
+            u32::MAX
+        );
+        let known = || self.params().map(|parameter| parameter.name);
+        if let Some(name) = params.keys().find(|name| known().all(|known| known != **name)) {
+            bail!(
+                "{}: there is no parameter '{name}'{}; the parameters are: {}",
+                self.name,
+                hint(name, known().chain(COMMON)),
+                known().collect::<Vec<_>>().join(", ")
+            );
+        }
+        let mut all = BTreeMap::new();
+        // A file has its own, and nobody has looked.
+        let known = (self.name != file::NAME).then_some(dim);
+        for parameter in self.params() {
+            let value = match params.get(parameter.name) {
+                Some(value) => match parameter.kind.check(value, known) {
+                    Ok(value) => value,
+                    Err(must) => {
+                        bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name)
+                    }
+                },
+                None => match parameter.default[usize::from(dim == 3)] {
+                    Preset::Required => bail!(
+                        "{}: the parameter '{}' is missing ({})",
+                        self.name,
+                        parameter.name,
+                        parameter.meaning
+                    ),
+                    preset => match preset.value() {
+                        Some(value) => value,
+                        None => continue,
+                    },
+                },
+            };
+            all.insert(parameter.name.to_string(), value);
+        }
+        Ok(all)
+    }
+}
+
+impl Kind {
+    /// What the parameter must be.
+    pub fn accepts(&self, dim: u32) -> String {
+        match self {
+            Kind::Positive => "a finite number over 0".into(),
+            Kind::Finite => "a finite number".into(),
+            Kind::NotNegative => "a finite number of at least 0".into(),
+            Kind::AtLeastOne => "a finite number of at least 1".into(),
+            Kind::Share => "a number from 0 to 1".into(),
+            Kind::Count => "a whole number of at least 1".into(),
+            Kind::Dim => "2 or 3".into(),
+            Kind::Yes => "true or false".into(),
+            Kind::Axes => {
+                let all = if dim == 2 { "x, y, xy" } else { "x, y, z, xy, xz, yz, xyz" };
+                format!("true, none, or the axes along which the box repeats: {all}")
+            }
+            Kind::Word(words) => {
+                format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))
+            }
+            Kind::Text => "a text that is not empty".into(),
+            Kind::Case => format!(
+                "the name of a hard case in {dim} dimensions: see contactbench list hard-cases"
+            ),
+        }
+    }
+
+    /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be. The
+    /// dimension of files is not known.
+    fn check(&self, value: &Value, known: Option<u32>) -> Result<Value, String> {
+        let dim = known.unwrap_or(3);
+        let number = |good: fn(f64) -> bool| {
+            value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
+        };
+        // 1e3 is a whole number, too.
+        let whole = |good: fn(u64) -> bool| {
+            let real =
+                || value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()));
+            value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
+        };
+        let text =
+            |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
+        let good = match self {
+            Kind::Positive => number(|x| x > 0.0),
+            Kind::Finite => number(|_| true),
+            Kind::NotNegative => number(|x| x >= 0.0),
+            Kind::AtLeastOne => number(|x| x >= 1.0),
+            Kind::Share => number(|x| (0.0..=1.0).contains(&x)),
+            Kind::Count => whole(|k| k >= 1),
+            Kind::Dim => whole(|k| k == 2 || k == 3),
+            // As a word, which is what records hold of parameters that are not numbers.
+            Kind::Yes => match value.as_bool() {
+                Some(yes) => Some(yes.to_string().into()),
+                None => text(&|text| ["true", "false"].contains(&text)),
+            },
+            Kind::Axes => {
+                let text = match value.as_bool() {
+                    Some(yes) => yes.to_string(),
+                    None => value.as_str().unwrap_or_default().into(),
+                };
+                let axes = text.parse::<Axes>().ok().map(|axes| match known {
+                    Some(dim) => Axes::These(axes.of(dim as usize)),
+                    None => axes,
+                });
+                let fits = |axes: &Axes| dim == 3 || !axes.of(2)[2];
+                axes.filter(fits).map(|axes| axes.to_string().into())
+            }
+            Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
+            Kind::Text => text(&|text| !text.is_empty()),
+            Kind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {
+                Ok(case) if case.dims.contains(&dim) => Some(case.name.into()),
+                Ok(_) => None,
+                Err(error) => return Err(format!("the name of a hard case: {error}")),
+            },
+        };
+        good.ok_or_else(|| self.accepts(dim))
+    }
+}

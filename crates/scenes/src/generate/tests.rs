@@ -1,0 +1,387 @@
+//! Every generator: number, bits, geometry.
+
+use crate::spec::{GENERATORS, Spec};
+use crate::stats::{hash, stats};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Radii, Real, Stored, array};
+use contactbench_core::with_scene;
+use contactbench_io::Given;
+
+fn given(text: &str) -> Given {
+    let given = Spec::parse(text).and_then(|spec| spec.given());
+    given.unwrap_or_else(|error| panic!("{text}: {error:#}"))
+}
+
+fn make(text: &str) -> AnyScene<'static> {
+    given(text).open(text).unwrap()
+}
+
+/// The contacts of a scene in its box.
+fn in_box(text: &str) -> (Periodic<'static>, Vec<ImagePair>) {
+    let periodic = given(text).periodic().unwrap().unwrap();
+    let truth = periodic::truth(&periodic, Arithmetic::Exact, 1 << 30).unwrap();
+    (periodic, truth.pairs)
+}
+
+/// Squared distances of all couples, and the squared sums of their radii.
+fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
+    let scene = scene.stored(Arithmetic::F64).unwrap();
+    with_scene!(&scene, scene => {
+        let mut couples = Vec::new();
+        for i in 0..scene.len() {
+            for j in 0..i {
+                let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
+                let difference = a.iter().zip(b).map(|(p, q)| p.wide() - q.wide());
+                let square: f64 = difference.map(|x| x * x).sum();
+                let reach = scene.radius(i).wide() + scene.radius(j).wide();
+                couples.push([square, reach * reach]);
+            }
+        }
+        couples
+    })
+}
+
+fn coordination(scene: &AnyScene<'static>) -> f64 {
+    let contacts = couples(scene).iter().filter(|[d, r]| d <= r).count() as u64;
+    stats(&scene.clone().into(), contacts).coordination
+}
+
+// The hashes were computed once, on x86-64 Linux. A change means that published scenes are no
+// longer the same scenes: results made before and after must not be compared, so a new hash needs a
+// new major version.
+#[test]
+fn the_bits_of_every_generator_are_fixed() {
+    let golden = [
+        ("packed:n=1000,dim=2", "0x46b43b2573692887"),
+        ("packed:n=1000,dim=3,seed=7", "0x0218ff44128ef260"),
+        ("packed:n=1000,dim=2,lattice=square,order=generated", "0x52efe11310b18366"),
+        ("packed:n=1000,dim=3,lattice=cubic,order=morton", "0x9469812b4bfcb37f"),
+        ("packed:n=1000,dim=3,size-ratio=3,diameter=0.1", "0x8f03e8a475a5e644"),
+        ("loose:n=1000,dim=2", "0x7972832f28a19b72"),
+        ("loose:n=1000,dim=3,size-ratio=2", "0x980151858b518bb2"),
+        ("clustered:n=1000,dim=2", "0x8ec565ed90433fa6"),
+        ("clustered:n=1000,dim=3", "0xda33f6880b5d96c0"),
+        ("settled:n=1000,dim=2", "0xe6c9c45199a43501"),
+        ("settled:n=1000,dim=3,size-ratio=20,sizes=power,exponent=-3", "0xad646e9c6bc0cda2"),
+        ("settled:n=1000,dim=2,periodic=true,tilt=0.3", "0xb32fb22818130268"),
+        ("settled:n=1000,dim=3,size-ratio=5,periodic=xz,fraction=0.4", "0x970b09deac741be7"),
+        ("couples:n=1000,diameter=0.1,offset=-1e6", "0xecf507fc024c29a1"),
+        ("couples:n=1000,dim=3", "0xb961674a383b5b0b"),
+        ("loose:n=1000,diameter=0.1,offset=-1e3", "0x6acd44cd61215b57"),
+        ("pack-a:n=1000", "0x7d0ac799801ffaf2"),
+        ("pack-b:n=1000,s=1.5", "0xc733b23789d05212"),
+        ("pack-c:n=1000,s=200", "0x527e55c942cbfea8"),
+        ("pack-d:n=1000,s=3", "0x79c787aa6020bd27"),
+    ];
+    let found = golden.map(|(text, _)| (text, hash(&given(text))));
+    assert_eq!(found, golden.map(|(text, hash)| (text, hash.to_string())));
+}
+
+#[test]
+fn every_generator_makes_exactly_n() {
+    for generator in GENERATORS.iter().filter(|generator| !generator.own_n) {
+        let (name, sizes) = (generator.name, [0, 1, 2, 3, 4, 7, 8, 9, 26, 27, 28, 99, 100, 1000]);
+        for (dim, n) in generator.dims.iter().flat_map(|dim| sizes.map(|n| (*dim, n))) {
+            for order in ["shuffled", "generated", "morton"] {
+                let scene = make(&format!("{name}:dim={dim},n={n},order={order}"));
+                assert_eq!((scene.len(), scene.dim()), (n, dim as usize), "{name}");
+                assert!(scene.largest_radius() == 0.5 && scene.uniform(), "{name}");
+            }
+        }
+    }
+}
+
+/// The centres of a scene in the plane.
+fn plane(text: &str) -> Vec<[f64; 2]> {
+    let AnyScene::Plane(Stored::F64(scene)) = make(text) else { panic!("made in the plane") };
+    scene.centres().iter().map(|p| *array(p)).collect()
+}
+
+/// The centres of a scene in space.
+fn space(text: &str) -> Vec<[f64; 3]> {
+    let AnyScene::Space(Stored::F64(scene)) = make(text) else { panic!("made in space") };
+    scene.centres().iter().map(|p| *array(p)).collect()
+}
+
+#[test]
+fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
+    assert_ne!(make("loose:seed=1,order=generated"), make("loose:seed=2,order=generated"));
+    let [a, b] = ["shuffled", "generated"].map(|order| {
+        let mut bits: Vec<_> = plane(&format!("clustered:order={order}"))
+            .iter()
+            .map(|centre| centre.map(f64::to_bits))
+            .collect();
+        bits.sort_unstable();
+        bits
+    });
+    assert_eq!(a, b);
+}
+
+/// Border particles of lattices have fewer neighbours, but most of the block is inside.
+#[test]
+fn packs_and_lattices_have_their_neighbours() {
+    let [plane, of_space] =
+        [2, 3].map(|dim| coordination(&make(&format!("packed:n=4000,dim={dim}"))));
+    assert!((3.2..4.0).contains(&plane) && (5.5..7.5).contains(&of_space), "{plane} {of_space}");
+    for (text, inner) in [
+        ("packed:n=900,jitter=0,order=generated", 6.0),
+        ("packed:n=900,jitter=0,lattice=square,spacing=1", 4.0),
+        ("packed:n=2000,dim=3,jitter=0", 12.0),
+        ("packed:n=1000,dim=3,jitter=0,lattice=cubic,spacing=1", 6.0),
+    ] {
+        let mean = coordination(&make(text));
+        assert!(mean <= inner && mean > 0.75 * inner, "{text}: {mean}");
+    }
+    for dim in [2, 3] {
+        let couples = couples(&make(&format!("packed:n=500,dim={dim},jitter=0,spacing=0.75")));
+        let least = couples.iter().fold(9.0, |a: f64, b| a.min(b[0]));
+        assert!((least.sqrt() - 0.75).abs() < 1e-12, "{least}");
+    }
+    let cubic =
+        "packed:n=27,dim=3,jitter=0,lattice=cubic,spacing=0.97,diameter=0.5,order=generated";
+    for (k, centre) in space(cubic).into_iter().enumerate() {
+        assert_eq!(centre, [k % 3, k / 3 % 3, k / 9].map(|i| i as f64 * 0.97 * 0.5));
+    }
+}
+
+#[test]
+fn jitter_stays_in_its_bounds() {
+    for diameter in [1.0, 0.25] {
+        let [still, moved] = [0.0, 0.2].map(|jitter| {
+            let of = format!("diameter={diameter},jitter={jitter}");
+            space(&format!("packed:n=500,dim=3,order=generated,{of}"))
+        });
+        let apart = still.as_flattened().iter().zip(moved.as_flattened());
+        let most = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(most <= 0.2 * diameter + 1e-12 && most > 0.19 * diameter, "{most}");
+    }
+}
+
+#[test]
+fn loose_and_clustered_fill_the_box_as_asked() {
+    for dim in [2, 3] {
+        for ratio in [1, 4] {
+            let of = format!("dim={dim},fraction=0.05,size-ratio={ratio},diameter=3");
+            let scene = make(&format!("loose:n=20000,{of}"));
+            let fraction = stats(&scene.into(), 0).packing_fraction;
+            assert!((0.045..0.0501).contains(&fraction), "{of}: {fraction}");
+        }
+        // Twice 5% or 2.5%: half the couples that would touch twice, 4 or 8 times the fraction
+        // each.
+        let expected = if dim == 2 { 0.2 } else { 0.4 };
+        let mean = coordination(&make(&format!("loose:n=4000,dim={dim}")));
+        assert!((mean / expected - 1.0).abs() < 0.15, "{dim}D: {mean}");
+    }
+    let [tight, loose] =
+        [0, 1].map(|part| coordination(&make(&format!("clustered:n=3000,background={part}"))));
+    assert!(loose < 0.06 && tight > 1.3, "{loose} {tight}");
+}
+
+/// Lattices go on through the faces of their boxes, and random places have the contacts of an
+/// endless scene.
+#[test]
+fn boxes_repeat() {
+    use std::f64::consts::PI;
+    let found = |text: &str| {
+        let contacts = in_box(text).1.len() as u64;
+        (contacts, stats(&given(text), contacts))
+    };
+    for (text, n, dim, neighbours, fraction) in [
+        ("packed:n=32,dim=3", 32, 3, 12, PI / 18f64.sqrt()),
+        ("packed:n=27,dim=3,lattice=cubic", 27, 3, 6, PI / 6.0),
+        ("packed:n=36", 36, 2, 6, PI / 12f64.sqrt()),
+        ("packed:n=25,lattice=square,diameter=3,offset=7", 25, 2, 4, PI / 4.0),
+    ] {
+        let (contacts, stats) = found(&format!("{text},periodic=true,jitter=0,spacing=0.99"));
+        assert_eq!(contacts, n * neighbours / 2, "{text}");
+        let expected = fraction / 0.99f64.powi(dim);
+        assert!((stats.packing_fraction / expected - 1.0).abs() < 1e-12, "{text}");
+    }
+    for tilt in [0.0, 0.3, -7.5] {
+        let text = format!("loose:dim=3,n=2000,fraction=0.2,periodic=true,tilt={tilt}");
+        let stats = found(&text).1;
+        assert!((stats.packing_fraction - 0.2).abs() < 1e-12);
+        assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
+    }
+    // Through the sheared faces of a lattice, too; along x alone the last rows have no images.
+    assert_eq!(found("packed:n=36,periodic=true,tilt=1,jitter=0").0, 108);
+    assert_eq!(found("packed:n=36,periodic=x,jitter=0").0, 108 - 2 * 6);
+    let hash = |text: &str| hash(&given(text));
+    assert_ne!(hash("loose:n=9,periodic=true"), hash("loose:n=9,periodic=x"));
+    assert_eq!(hash("loose:n=9,periodic=none"), hash("loose:n=9"));
+}
+
+#[test]
+fn clusters_have_their_width_and_number() {
+    let of = "per-cluster=10000,background=0,width=3,order=generated";
+    let plane = plane(&format!("clustered:n=10000,{of}")).into_iter().map(|centre| centre[1]);
+    let space = space(&format!("clustered:n=10000,dim=3,{of}")).into_iter().map(|centre| centre[1]);
+    for xs in [plane.collect::<Vec<_>>(), space.collect()] {
+        let mean = xs.iter().sum::<f64>() / 1e4;
+        let deviation = (xs.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 1e4).sqrt();
+        let within = xs.iter().filter(|&&x| (x - mean).abs() < deviation).count();
+        assert!((deviation - 3.0).abs() < 0.1, "{deviation}");
+        assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
+    }
+    // Width 0: 3 clusters of 30 coincident particles, then 10 of background, no two alike.
+    let couples = couples(&make("clustered:n=100,per-cluster=30,width=0"));
+    assert_eq!(couples.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
+}
+
+/// The radii of a scene in the order made, for a largest of 1.
+fn radii(text: &str) -> Vec<f64> {
+    with_scene!(&make(&format!("{text},diameter=2")), scene => {
+        let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
+        radii.iter().map(|r| r.wide()).collect()
+    })
+}
+
+#[test]
+fn sizes_are_distributed_as_asked() {
+    let even = radii("packed:n=2000,size-ratio=5");
+    let mean = even.iter().sum::<f64>() / 2000.0;
+    assert!(even.iter().all(|r| (0.2..=1.0).contains(r)) && (mean - 0.6).abs() < 0.02, "{mean}");
+    // Quantiles: of a density r^-3 over a ratio of 10, a radius of r has a part of
+    // (1 - r^-2) / (1 - 10^-2) below it, for the least as 1.
+    let mut power = radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
+    power.sort_by(f64::total_cmp);
+    assert_eq!((power[0], power[1000]), (0.1, 1.0));
+    for (k, r) in power.iter().enumerate() {
+        let part = (1.0 - (10.0 * r).powi(-2)) / 0.99;
+        assert!((part - k as f64 / 1000.0).abs() < 1e-9, "{k}: {r}");
+    }
+    // Numbers as r^-1: as many in each octave.
+    let even = radii("clustered:n=3000,size-ratio=8,sizes=power,exponent=-1");
+    let octave = even.iter().filter(|&&r| r > 0.25 && r <= 0.5).count();
+    assert!((999..=1001).contains(&octave), "{octave}");
+    for (dim, part) in [(2, 1.0 / (1.0 + 100.0 / 3.0)), (3, 1.0 / (1.0 + 1000.0 / 3.0))] {
+        let of = format!("dim={dim},size-ratio=10,sizes=binary,share=0.25");
+        let binary = radii(&format!("loose:n=20000,{of}"));
+        let large = binary.iter().filter(|&&r| r == 1.0).count() as f64;
+        assert!((large - 20_000.0 * part).abs() <= 1.0, "{dim}D: {large}");
+        assert!(binary.iter().all(|&r| r == 1.0 || r == 0.1));
+    }
+    let mut lognormal = radii("packed:n=20000,size-ratio=16,sizes=lognormal");
+    lognormal.sort_by(f64::total_cmp);
+    assert!(lognormal[0] >= 1.0 / 16.0 && lognormal[19_999] <= 1.0);
+    let within = lognormal.iter().filter(|r| (0.125..0.5).contains(*r)).count() as f64 / 20_000.0;
+    // One standard deviation is a factor of 2; what is cut off is 4.6% of all.
+    assert!((within - 0.6827 / 0.9545).abs() < 0.01, "{within}");
+    let giants = radii("loose:n=500,size-ratio=1000,sizes=giants,giants=3");
+    assert_eq!(giants.iter().filter(|&&r| r == 1.0).count(), 3);
+    // Not all at the beginning: which particle is large is drawn.
+    assert!(giants[..3].iter().any(|&r| r < 1.0));
+    assert!(make("loose:n=100,sizes=power,exponent=-3").uniform(), "a ratio of 1 is one size");
+}
+
+#[test]
+fn settled_bodies_overlap_as_far_as_asked() {
+    for (text, overlap) in [
+        ("settled:n=2000,fraction=0.4,overlap=0", 0.0),
+        ("settled:n=2000,dim=3,fraction=0.25,overlap=0", 0.0),
+        ("settled:n=3000,dim=3,fraction=0.5,size-ratio=20,sizes=power,exponent=-3", 0.05),
+        ("settled:n=3000,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,overlap=0.2", 0.2),
+    ] {
+        let part = couples(&make(text)).into_iter().map(|[square, reach]| (square / reach).sqrt());
+        let deepest = part.fold(2.0, f64::min);
+        // Some are nearly as near as they may be: there was no more room than that.
+        let near = 1.0 - overlap - 1e-12..1.05 - overlap;
+        assert!(near.contains(&deepest), "{text}: {deepest}");
+    }
+    let mut through_faces = 0;
+    for (text, overlap) in [
+        ("settled:n=1000,fraction=0.45,overlap=0,periodic=true", 0.0),
+        ("settled:n=1000,fraction=0.45,overlap=0,periodic=true,tilt=0.37", 0.0),
+        ("settled:n=500,fraction=0.4,overlap=0,periodic=y,tilt=-2.6", 0.0),
+        ("settled:n=800,dim=3,fraction=0.3,overlap=0,periodic=true,tilt=1.5,diameter=0.1", 0.0),
+        (
+            "settled:n=1500,dim=3,fraction=0.5,size-ratio=20,sizes=power,exponent=-3,periodic=xz",
+            0.05,
+        ),
+        ("settled:n=1500,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,periodic=x", 0.05),
+        // One cell for all.
+        ("settled:n=2,fraction=0.4,overlap=0,periodic=true,tilt=0.5", 0.0),
+        ("settled:n=3,dim=3,fraction=0.9,overlap=0.4,periodic=true", 0.4),
+    ] {
+        for seed in 1..4 {
+            let (scene, pairs) = in_box(&format!("{text},seed={seed}"));
+            let depths = pairs.iter().map(|&pair| periodic::depth(&scene, pair));
+            let deepest = depths.fold(0.0, f64::max);
+            // Depths are over the mean radius.
+            assert!(deepest <= 2.0 * overlap + 1e-12, "{text}: {deepest}");
+            through_faces += pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+        }
+    }
+    assert!(through_faces > 100, "{through_faces}");
+}
+
+#[test]
+fn what_cannot_be_made_is_refused() {
+    for (text, words) in [
+        ("settled:n=500,fraction=0.8", &["no room for body", "0.8 was asked for"][..]),
+        ("settled:n=1,fraction=0.9,periodic=true", &["overlaps its own image"]),
+        ("loose:size-ratio=2,sizes=power", &["sizes=power needs exponent"]),
+        ("packed:size-ratio=2,sizes=binary", &["sizes=binary needs share"]),
+        ("loose:size-ratio=2,sizes=giants", &["sizes=giants needs giants"]),
+        ("loose:size-ratio=2,exponent=-3", &["exponent belongs to sizes=power"]),
+        ("loose:size-ratio=2,sizes=lognormal,share=0.5", &["share belongs to sizes=binary"]),
+    ] {
+        let error = format!("{:#}", Spec::parse(text).unwrap().given().unwrap_err());
+        assert!(words.iter().all(|words| error.contains(words)), "{text}: {error}");
+    }
+}
+
+/// Packs as the book describes them: which neighbours are exactly D apart, to the bit, for dyadic D
+/// and any n.
+#[test]
+fn book_packs_touch_exactly() {
+    for (diameter, n) in
+        [1.0, 0.125, 4.0].into_iter().flat_map(|d| [1usize, 2, 10, 100, 1000].map(|n| (d, n)))
+    {
+        let columns = (1..).find(|c| c * c >= n).unwrap_or(1);
+        let rows = (0..n.div_ceil(columns)).map(|row| columns.min(n - row * columns));
+        let along: usize = rows.clone().map(|r| r - 1).sum();
+        let halves: usize = rows.clone().map(|r| r / 2).sum();
+        for (pack, touching) in [
+            ("pack-a:", along),
+            ("pack-b:s=1,", along),
+            ("pack-b:s=1.5,", 0),
+            ("pack-c:s=1,", along + n - columns.min(n)),
+            ("pack-c:s=200,", 0),
+            ("pack-d:s=3,", halves),
+            ("pack-d:s=1,", along),
+        ] {
+            let couples = couples(&make(&format!("{pack}n={n},diameter={diameter}")));
+            let least = diameter * diameter;
+            let exact = couples.iter().filter(|[square, _]| *square == least).count();
+            assert_eq!(exact, touching, "{pack}n={n}, diameter {diameter}");
+            assert!(couples.iter().all(|[square, _]| *square >= least));
+        }
+    }
+    let places = plane("pack-d:n=10,s=3,diameter=2,order=generated");
+    assert_eq!(places[..5], [[0.0, 0.0], [2.0, 0.0], [8.0, 0.0], [10.0, 0.0], [0.0, 4.0]]);
+}
+
+/// Every couple just touches, no other pair does, and textbook filters lose some where the
+/// coordinates are rounded.
+#[test]
+fn couples_touch_and_textbook_filters_lose_them() {
+    use contactbench_core::contact::Test;
+    use contactbench_core::detect::{Options, table};
+    use contactbench_core::oracle;
+    for (text, lossy) in [
+        ("couples:n=2000", false),
+        ("couples:n=2000,dim=3,diameter=0.1,offset=-10", true),
+        ("couples:n=2000,diameter=0.1,offset=-1e6", true),
+    ] {
+        let scene = make(text);
+        let truth = |arithmetic| oracle::truth(&scene, arithmetic).unwrap().digest.contacts;
+        assert_eq!(truth(Arithmetic::Exact), 1000, "{text}");
+        let (rounded, mut found) =
+            (truth(Arithmetic::Textbook), contactbench_core::sink::Count::default());
+        let mut nbs = table::find("nbs").unwrap().make(Options::default());
+        nbs.visit(&scene, Test::Textbook, &mut found).unwrap();
+        assert_eq!(found.0 < rounded, lossy, "{text}: {} of {rounded}", found.0);
+    }
+}

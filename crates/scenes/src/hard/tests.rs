@@ -1,0 +1,330 @@
+//! The catalogue is what it says: complete, right by its own arithmetic, and answered rightly by
+//! every detector.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use super::*;
+use crate::spec::{Order, Spec};
+use crate::stats::hash;
+use contactbench_core::contact::{Arithmetic, Bodies, WithBodies, with_bodies};
+use contactbench_core::detect::book::mask;
+use contactbench_core::detect::table::{Entry, Role, TABLE};
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::filter::cells::Cells;
+use contactbench_core::oracle::{self, NoTruth};
+use contactbench_core::periodic::{self, Contacts, Finder};
+use contactbench_core::probe::{Silent, Tally};
+use contactbench_core::scene::{AnyScene, Real, SceneError, Stored};
+use contactbench_core::sink::Digest;
+
+/// All cases in all their dimensions, without those that have no scene.
+fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
+    cases()
+        .filter(|case| case.expect != Expect::Invalid)
+        .flat_map(|case| case.dims.iter().map(move |&dim| (case, dim, case.steps(dim).unwrap())))
+}
+
+#[test]
+fn the_catalogue_is_complete() {
+    let names: HashSet<&str> = cases().map(|case| case.name).collect();
+    assert_eq!(names.len(), cases().count(), "a name occurs twice");
+    // Every row of the table has a maker, and every maker a row.
+    let rows = include_str!("cases.md").lines().filter(|line| line.starts_with("| "));
+    assert_eq!(names.len(), rows.filter(|row| !row.starts_with("| case |")).count());
+    assert_eq!(names.len(), MAKERS.into_iter().flatten().count());
+    for group in Group::ALL {
+        let of_group = cases().filter(|case| case.group == group).count();
+        assert!(of_group >= 4, "{}", group.name());
+    }
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    for case in cases() {
+        assert!(case.name.chars().all(fits), "{}", case.name);
+        assert!(case.reason.len() > 20 && !case.source.is_empty(), "{}", case.name);
+    }
+    for (case, dim, steps) in valid() {
+        for Given { scene, lattice, .. } in &steps {
+            assert!(scene.dim() == dim as usize && scene.len() <= 3000, "{}", case.name);
+            assert_eq!(lattice.is_some(), case.group == Group::Boxes, "{}", case.name);
+        }
+        assert_eq!(steps.len() > 1, case.group == Group::State, "{}", case.name);
+        assert!(!steps.is_empty(), "{}", case.name);
+    }
+}
+
+/// The right answer to the last of some steps.
+fn truth(steps: &[Given], arithmetic: Arithmetic) -> Result<Digest, NoTruth> {
+    let last = &steps[steps.len() - 1];
+    match last.periodic().unwrap() {
+        None => oracle::truth(&last.scene, arithmetic).map(|truth| truth.digest),
+        Some(last) => periodic::truth(&last, arithmetic, 1 << 30).map(|truth| truth.digest),
+    }
+}
+
+#[test]
+fn expected_contacts_are_those_of_the_oracle() {
+    for (case, dim, steps) in valid() {
+        let truth = truth(&steps, Arithmetic::Exact).unwrap();
+        if let Expect::Contacts(contacts) = case.expect {
+            assert_eq!(truth.contacts, contacts[usize::from(dim == 3)], "{} in {dim}D", case.name);
+        }
+    }
+}
+
+#[test]
+fn invalid_cases_name_the_particle() {
+    for case in cases().filter(|case| case.expect == Expect::Invalid) {
+        for &dim in case.dims {
+            let params = [("case".to_string(), case.name.into())].into();
+            let error = Spec::new("hard", dim, 0, 1, Order::Generated, &params)
+                .unwrap()
+                .make()
+                .unwrap_err();
+            let found = error.chain().find_map(|cause| cause.downcast_ref::<SceneError>());
+            assert!(
+                found.is_some_and(|error| error.to_string().starts_with("particle 3: ")),
+                "{}: {error:#}",
+                case.name
+            );
+        }
+    }
+}
+
+fn detectors() -> impl Iterator<Item = &'static Entry> {
+    TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer))
+}
+
+/// What a new detector says of the last of some steps, and the digest of what it reports. No case
+/// is worth much memory: a domain that is not refused is small.
+fn last_answer(
+    entry: &Entry,
+    arithmetic: Arithmetic,
+    steps: &[Given],
+) -> Option<(Result<(), Refusal>, Digest)> {
+    let mut detector = entry.make(Options::default());
+    let mut last = None;
+    for step in steps {
+        let (mut counted, mut listed) = (Contacts::default(), Contacts::default());
+        let answers = match step.periodic().unwrap() {
+            Some(step) => {
+                let mut finder = Finder::new(1 << 30);
+                let tally = &mut Tally::default();
+                [
+                    finder.count(&step, &mut *detector, arithmetic, tally, &mut counted),
+                    finder.list(&step, &mut *detector, arithmetic, &mut listed),
+                ]
+            }
+            None => {
+                let (scene, test) = (step.scene.stored(arithmetic).ok()?, arithmetic.test());
+                [
+                    detector.visit(&scene, test, &mut counted.plain),
+                    detector.list(&scene, test, &mut listed.plain),
+                ]
+            }
+        };
+        let [answer, again] = answers;
+        let digest = counted.digest();
+        assert_eq!(again, answer, "{}: listed and counted", entry.name);
+        assert_eq!(listed.digest(), digest, "{}: listed and counted", entry.name);
+        assert!(
+            answer.is_ok() || digest == Digest::default(),
+            "{} refused after it had reported",
+            entry.name
+        );
+        assert!(
+            answer.is_err() || detector.formula_bytes() < 200 << 20,
+            "{}: {} bytes",
+            entry.name,
+            detector.formula_bytes()
+        );
+        last = Some((answer, digest));
+    }
+    last
+}
+
+/// In exact arithmetic only what the case allows may be refused; in the others anything.
+#[test]
+fn every_detector_is_right_in_every_safe_arithmetic() {
+    let mut refused: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
+    for (case, dim, steps) in valid() {
+        for arithmetic in Arithmetic::SAFE {
+            let Ok(truth) = truth(&steps, arithmetic) else {
+                assert_ne!(
+                    arithmetic,
+                    Arithmetic::Exact,
+                    "{}: exact arithmetic holds every scene",
+                    case.name
+                );
+                continue;
+            };
+            for entry in detectors() {
+                let Some((answer, digest)) = last_answer(entry, arithmetic, &steps) else {
+                    continue;
+                };
+                let what =
+                    format!("{} in {dim}D: {} in {}", case.name, entry.name, arithmetic.name());
+                let Err(refusal) = answer else {
+                    assert_eq!(digest, truth, "{what}");
+                    continue;
+                };
+                if arithmetic == Arithmetic::Exact {
+                    let allowed = match refusal {
+                        Refusal::Domain { .. } | Refusal::Extent { .. } => {
+                            case.allows.contains(&Allowed::Domain)
+                        }
+                        Refusal::Memory { .. } => case.allows.contains(&Allowed::Memory),
+                        Refusal::Library { .. } => !entry.is_ours(),
+                        _ => false,
+                    };
+                    assert!(allowed && entry.name != "direct", "{what}: {refusal}");
+                    refused.insert((case.name, entry.name, dim == 3));
+                }
+            }
+        }
+    }
+    // What is allowed does occur.
+    for case in cases().filter(|case| !case.allows.is_empty()) {
+        assert!(
+            refused.iter().any(|(name, ..)| *name == case.name),
+            "{}: nothing is refused",
+            case.name
+        );
+    }
+}
+
+/// The same scenes by way of a spec, and the earlier steps as its history.
+#[test]
+fn a_spec_gives_last_step_and_history() {
+    for case in
+        cases().filter(|case| [Group::State, Group::Keys, Group::Boxes].contains(&case.group))
+    {
+        for &dim in case.dims {
+            let params = [("case".to_string(), case.name.into())].into();
+            let spec = Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap();
+            let mut steps = spec.history().unwrap();
+            steps.push(spec.given().unwrap());
+            assert!(steps == case.steps(dim).unwrap(), "{}", case.name);
+        }
+    }
+    assert!(Spec::parse("packed:n=10").unwrap().history().unwrap().is_empty());
+    assert_eq!(Spec::parse("hard:case=shrink-then-grow").unwrap().history().unwrap().len(), 2);
+    assert!(cases().all(|case| find(case.name).is_ok_and(|found| std::ptr::eq(found, case))));
+    assert!(
+        find("tangent-3-4-6")
+            .err()
+            .is_some_and(|error| error.to_string().contains("tangent-3-4-5"))
+    );
+    assert!(cases().next().unwrap().steps(4).is_err());
+}
+
+/// The contacts of a scene by the offset of the second particle's cell from the first's; particles
+/// in input order.
+struct ByOffset<const D: usize>(Vec<[u32; 2]>);
+
+impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
+    type Output = Result<HashMap<[i64; D], usize>, Refusal>;
+    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+        let cells = Cells::new(&bodies)?;
+        let cell = |i: u32| {
+            let position = bodies.position(i);
+            std::array::from_fn::<i64, D, _>(|k| {
+                i64::from(cells.index(position[k], k, &mut Silent))
+            })
+        };
+        let mut found = HashMap::new();
+        for [i, j] in self.0 {
+            let (a, b) = (cell(i), cell(j));
+            *found.entry(std::array::from_fn(|k| b[k] - a[k])).or_default() += 1;
+        }
+        Ok(found)
+    }
+}
+
+/// A detector that forgets one cell of its mask, half or full, loses a contact of
+/// `every-neighbour`.
+#[test]
+fn every_cell_of_the_mask_is_needed() {
+    let case = find("every-neighbour").unwrap();
+    let pairs = |scene: &AnyScene<'_>| oracle::truth(scene, Arithmetic::Exact).unwrap().pairs;
+    let test = Arithmetic::Exact.test();
+    let scene = case.steps(2).unwrap().remove(0).scene;
+    let AnyScene::Plane(Stored::F64(plane)) = &scene else { panic!("cases are made in f64") };
+    let found = with_bodies(plane, test, ByOffset::<2>(pairs(&scene))).unwrap();
+    let both = |v: &[i32; 2]| [v.map(i64::from), v.map(|x| -i64::from(x))];
+    assert!(mask::PLANE.iter().flat_map(both).all(|v| found[&v] == 1) && found.len() == 8);
+    let scene = case.steps(3).unwrap().remove(0).scene;
+    let AnyScene::Space(Stored::F64(space)) = &scene else { panic!("cases are made in f64") };
+    let found = with_bodies(space, test, ByOffset::<3>(pairs(&scene))).unwrap();
+    let both = |v: &[i32; 3]| [v.map(i64::from), v.map(|x| -i64::from(x))];
+    assert!(mask::SPACE.iter().flat_map(both).all(|v| found[&v] == 1) && found.len() == 26);
+}
+
+/// The filters as the book prints them lose contacts on cases about borders: the catalogue bites.
+#[test]
+fn textbook_filters_fail_where_the_catalogue_says_so() {
+    let mut wrong: BTreeSet<(&str, &str)> = BTreeSet::new();
+    for (case, _, steps) in valid() {
+        let Ok(truth) = truth(&steps, Arithmetic::Textbook) else {
+            continue;
+        };
+        for entry in detectors() {
+            if let Some((Ok(()), digest)) = last_answer(entry, Arithmetic::Textbook, &steps)
+                && digest != truth
+            {
+                wrong.insert((case.name, entry.name));
+            }
+        }
+    }
+    // A detector that a user adds need not have the book's filters.
+    let textbook =
+        ["binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "hgrid"];
+    for entry in detectors().filter(|entry| textbook.contains(&entry.name)) {
+        for name in [
+            "three-across-a-border",
+            "couples-from-minus-one",
+            "couples-below-zero",
+            "couples-far-from-xmin",
+        ] {
+            assert!(
+                wrong.contains(&(name, entry.name))
+                    || name == "couples-far-from-xmin"
+                        && ["screening", "cell-grid"].contains(&entry.name),
+                "{name}: {}",
+                entry.name
+            );
+        }
+    }
+}
+
+/// Every step of every case, by group, as one number: published scenes stay the same scenes.
+#[test]
+fn the_bits_of_every_case_are_fixed() {
+    let of_group = |group: Group| {
+        let steps = valid().filter(|(case, ..)| case.group == group);
+        let text: String = steps
+            .map(|(case, dim, steps)| {
+                let hashes: Vec<String> = steps.iter().map(|step| hash(step).to_string()).collect();
+                format!("{} {dim} {}\n", case.name, hashes.join(" "))
+            })
+            .collect();
+        // FNV-1a
+        text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        })
+    };
+    let golden: [(&str, u64); 13] = [
+        ("borders", 0xdfae_5982_e8fc_7fe0),
+        ("tangent", 0x5f78_3680_c0ca_a822),
+        ("signs", 0xd850_be02_f6fe_dc87),
+        ("zeros", 0x130c_235a_40d6_118f),
+        ("edges", 0x010b_0b0f_3071_23fa),
+        ("extremes", 0x494b_1626_aed6_8f0e),
+        ("keys", 0xbfd6_5375_2986_4605),
+        ("degenerate", 0x28d2_e2d1_c5a2_6c96),
+        ("sizes", 0x12ca_5d68_0e71_5b1d),
+        ("crowds", 0x9565_ba03_0f83_e5a5),
+        ("clusters", 0xbe08_cc35_4520_3bfd),
+        ("state", 0xef8d_82e4_ed5b_60e1),
+        ("boxes", 0xf043_922b_19a6_49e9),
+    ];
+    assert_eq!(Group::ALL.map(|group| (group.name(), of_group(group))), golden);
+}

@@ -1,0 +1,246 @@
+//! Where each particle is in a frame.
+
+use nalgebra::Point;
+
+use super::boxed::{Boxed, brought};
+use super::{Kind, Motion, diameter};
+use crate::generate::draw::Draw;
+use contactbench_core::scene::{Lattice, Scene};
+
+/// Frames between two new velocities of a particle ([`Kind::Brownian`]).
+const PERIOD: u64 = 100;
+
+/// What is known of the ways of all particles beside where they are in frame 0.
+pub(super) struct Paths<const D: usize> {
+    kind: Kind,
+    seed: u64,
+    /// In units of length per frame.
+    speed: f64,
+    low: [f64; D],
+    extent: [f64; D],
+    /// Per frame.
+    velocities: Vec<[f64; D]>,
+    walk: Walk<D>,
+    /// Of [`Kind::Shear`]: how much faster a layer is for each unit of length along y, and where
+    /// along y nothing moves.
+    slope: f64,
+    still: f64,
+    /// None in open space.
+    boxed: Option<Boxed<D>>,
+}
+
+/// How far a walk has come; walls are not yet looked at.
+struct Walk<const D: usize> {
+    frame: u64,
+    at: Vec<[f64; D]>,
+    velocities: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Paths<D> {
+    pub fn new(
+        scene: &Scene<'_, f64, D>,
+        lattice: Option<&Lattice>,
+        motion: Motion,
+    ) -> anyhow::Result<Paths<D>> {
+        let Motion { kind, speed, seed } = motion;
+        let boxed = lattice.map(|lattice| Boxed::new(scene, lattice, kind)).transpose()?;
+        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for centre in scene.centres() {
+            for k in 0..D {
+                (low[k], high[k]) = (low[k].min(centre[k]), high[k].max(centre[k]));
+            }
+        }
+        if scene.is_empty() {
+            (low, high) = ([0.0; D], [0.0; D]);
+        }
+        let extent = std::array::from_fn(|k| high[k] - low[k]);
+        let speed = speed * diameter(scene);
+        let velocities = match kind {
+            Kind::Drift | Kind::Brownian => {
+                let mut draw = Draw::of_motion(seed, 0);
+                scene.centres().iter().map(|_| in_ball(&mut draw, speed)).collect()
+            }
+            Kind::Bullet => {
+                let mut velocities = vec![[0.0; D]; scene.len()];
+                let bullet = velocities.iter_mut().take(1);
+                bullet.for_each(|it| *it = on_ball(&mut Draw::of_motion(seed, 0), speed));
+                velocities
+            }
+            _ => Vec::new(),
+        };
+        let walk = Walk { frame: 0, at: Vec::new(), velocities: Vec::new() };
+        let height = boxed.as_ref().and_then(Boxed::height);
+        let (most, still) = height.map_or_else(
+            || {
+                let still = low[1] + 0.5 * extent[1];
+                let far = scene.centres().iter().map(|at| (at[1] - still).abs());
+                (far.fold(0.0, f64::max), still)
+            },
+            |(height, corner)| (0.5 * height, corner),
+        );
+        let slope = if kind == Kind::Shear && most > 0.0 { speed / most } else { 0.0 };
+        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, boxed })
+    }
+
+    /// The box in which frame `k` repeats.
+    pub fn lattice(&self, k: u64) -> anyhow::Result<Option<Lattice>> {
+        let lattice = |boxed: &Boxed<D>| boxed.sheared(self.slope * k as f64);
+        self.boxed.as_ref().map(lattice).transpose()
+    }
+
+    /// The centres in frame `k`, from those in frame 0.
+    pub fn at(&mut self, k: u64, first: &[Point<f64, D>]) -> anyhow::Result<Vec<Point<f64, D>>> {
+        let all =
+            |place: &dyn Fn(&Point<f64, D>) -> Point<f64, D>| first.iter().map(place).collect();
+        let time = k as f64;
+        let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
+        let outermost =
+            |far: &dyn Fn(&Point<f64, D>) -> f64| first.iter().map(far).fold(0.0, f64::max);
+        Ok(match self.kind {
+            _ if k == 0 => first.to_vec(),
+            Kind::Rest | Kind::Gone(_) => first.to_vec(),
+            Kind::Drift | Kind::Bullet => first
+                .iter()
+                .zip(&self.velocities)
+                .map(|(at, velocity)| self.gone(at, &velocity.map(|v| v * time)))
+                .collect(),
+            Kind::Brownian => {
+                self.walk_to(k, first.len());
+                first.iter().zip(&self.walk.at).map(|(at, way)| self.gone(at, way)).collect()
+            }
+            Kind::Jitter => {
+                let mut draw = Draw::of_motion(self.seed, k);
+                let moved = |at: &Point<f64, D>| at.map(|x| x + self.speed * draw.normal());
+                let moved = first.iter().map(moved);
+                match &self.boxed {
+                    None => moved.collect(),
+                    Some(boxed) => moved.map(|at| boxed.in_first(&at)).collect(),
+                }
+            }
+            Kind::Shear => {
+                let slid = |at: &Point<f64, D>| {
+                    let mut at = *at;
+                    at[0] += self.slope * (at[1] - self.still) * time;
+                    at
+                };
+                match self.lattice(k)? {
+                    None => all(&slid),
+                    Some(lattice) => all(&|at| brought(&lattice, &slid(at))),
+                }
+            }
+            Kind::Rotation => {
+                let most = outermost(&|at| distance(at, &middle));
+                let turn = if most > 0.0 { self.speed / most } else { 0.0 };
+                all(&|at| turned(at, &middle, turn * time))
+            }
+            Kind::Vortex => {
+                let widest = self.extent.iter().fold(0.0f64, |most, &edge| most.max(edge));
+                let core = 0.125 * widest;
+                if core == 0.0 {
+                    return Ok(first.to_vec());
+                }
+                let fastest = 2.0 * self.speed / core;
+                all(&|at| {
+                    let far = distance(at, &middle) / core;
+                    turned(at, &middle, fastest / (1.0 + far * far) * time)
+                })
+            }
+        })
+    }
+
+    /// Where a particle is that has gone this way.
+    fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
+        match &self.boxed {
+            None => self.reflected(first, way),
+            Some(boxed) => boxed.gone(first, way),
+        }
+    }
+
+    /// The same in open space: walls reflect it.
+    fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
+        let along = |k: usize| {
+            let (low, extent) = (self.low[k], self.extent[k]);
+            if way[k] == 0.0 || extent == 0.0 {
+                return first[k];
+            }
+            let on = between_walls(first[k] - low + way[k], extent);
+            (low + on).min(low + extent)
+        };
+        Point::from(std::array::from_fn(along))
+    }
+
+    fn walk_to(&mut self, k: u64, n: usize) {
+        if self.walk.at.len() != n || k < self.walk.frame {
+            let velocities = self.velocities.clone();
+            self.walk = Walk { frame: 0, at: vec![[0.0; D]; n], velocities };
+        }
+        while self.walk.frame < k {
+            let frame = self.walk.frame;
+            // Whose turn it is.
+            let turn = (frame % PERIOD) as usize;
+            let mut draw = Draw::of_motion(self.seed, frame + 1);
+            let velocities = &mut self.walk.velocities;
+            for velocity in velocities.iter_mut().skip(turn).step_by(PERIOD as usize) {
+                *velocity = in_ball(&mut draw, self.speed);
+            }
+            for (at, velocity) in self.walk.at.iter_mut().zip(velocities) {
+                for k in 0..D {
+                    at[k] += velocity[k];
+                }
+            }
+            self.walk.frame += 1;
+        }
+    }
+}
+
+/// Where between two walls, from 0 to `extent`, somebody is who would be so far from the first
+/// without them.
+pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
+    let period = 2.0 * extent;
+    if period == f64::INFINITY {
+        // No number is where it is: such a frame is refused.
+        return period;
+    }
+    if period == 0.0 {
+        return 0.0;
+    }
+    let on = on % period;
+    let on = if on < 0.0 { on + period } else { on };
+    if on > extent { period - on } else { on }
+}
+
+/// Uniform in a ball about 0.
+fn in_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
+    loop {
+        let at: [f64; D] = std::array::from_fn(|_| draw.symmetric());
+        if at.iter().map(|x| x * x).sum::<f64>() <= 1.0 {
+            return at.map(|x| x * radius);
+        }
+    }
+}
+
+/// In any direction.
+fn on_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
+    loop {
+        let at: [f64; D] = in_ball(draw, 1.0);
+        let square = at.iter().map(|x| x * x).sum::<f64>();
+        if square > 0.1 {
+            return at.map(|x| x / square.sqrt() * radius);
+        }
+    }
+}
+
+/// From the axis.
+fn distance<const D: usize>(at: &Point<f64, D>, middle: &[f64; D]) -> f64 {
+    let (x, y) = (at[0] - middle[0], at[1] - middle[1]);
+    (x * x + y * y).sqrt()
+}
+
+fn turned<const D: usize>(at: &Point<f64, D>, middle: &[f64; D], angle: f64) -> Point<f64, D> {
+    let (sine, cosine) = libm::sincos(angle);
+    let (x, y) = (at[0] - middle[0], at[1] - middle[1]);
+    let mut turned = *at;
+    turned[0] = middle[0] + (x * cosine - y * sine);
+    turned[1] = middle[1] + (x * sine + y * cosine);
+    turned
+}

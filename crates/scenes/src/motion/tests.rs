@@ -1,0 +1,197 @@
+use super::box_tests::{BOXES, goes};
+use super::*;
+use crate::spec::Spec;
+use contactbench_core::scene::{Real, array};
+use contactbench_core::sink::splitmix64;
+use contactbench_core::with_scene;
+
+pub(super) fn scene(text: &str) -> Given {
+    Spec::parse(text).unwrap().given().unwrap()
+}
+
+/// All coordinates, in order.
+pub(super) fn coordinates(given: &Given) -> Vec<f64> {
+    with_scene!(&given.scene, scene => {
+        scene.centres().iter().flat_map(|at| array(at).map(|x| x.wide())).collect()
+    })
+}
+
+pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
+    Motion { kind, speed, seed: 1 }
+}
+
+/// The longest way of a particle between two frames, in diameters of 1.
+fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
+    let (a, b) = (coordinates(a), coordinates(b));
+    let ways = a
+        .chunks(dim)
+        .zip(b.chunks(dim))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt());
+    ways.fold(0.0, f64::max)
+}
+
+/// Scenes in open space and in boxes, with the motions that suit them.
+fn moving() -> impl Iterator<Item = (Given, Kind)> {
+    let open = ["loose:dim=2,n=150", "packed:dim=3,n=120"];
+    let open = open.into_iter().flat_map(|text| Kind::ALL.map(|kind| (scene(text), kind)));
+    let boxed = BOXES.into_iter().flat_map(|text| goes().map(|kind| (scene(text), kind)));
+    open.chain(boxed)
+}
+
+#[test]
+fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
+    for (scene, kind) in moving() {
+        let of = |k: u64| Frames::new(&scene, motion(kind, 0.05)).unwrap().at(k).unwrap();
+        let mut frames = Frames::new(&scene, motion(kind, 0.05)).unwrap();
+        for k in [0, 1, 2, 250, 7, 0, 251] {
+            assert_eq!(frames.at(k).unwrap(), of(k), "{kind:?} {k}");
+        }
+        assert_eq!((of(0).scene, of(0).lattice), (scene.scene.clone(), scene.lattice), "{kind:?}");
+    }
+}
+
+/// Golden: a change of these bits changes what records say of the same names.
+#[test]
+fn frames_have_the_same_bits_on_every_machine() {
+    let digest = |given: &Given| {
+        let vectors = given.lattice.map(|lattice| *lattice.vectors());
+        let all = coordinates(given).into_iter().chain(vectors.into_iter().flatten().flatten());
+        all.fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
+    };
+    let at = |text: &str, kind: Kind, k: u64| {
+        digest(&Frames::new(&scene(text), motion(kind, 0.1)).unwrap().at(k).unwrap())
+    };
+    let open = Kind::ALL.map(|kind| at("loose:dim=3,n=40", kind, 321));
+    assert_eq!(open, GOLDEN, "{open:#x?}");
+    let boxed = [
+        (BOXES[1], Kind::Drift),
+        (BOXES[1], Kind::Shear),
+        (BOXES[3], Kind::Drift),
+        (BOXES[3], Kind::Shear),
+        (BOXES[5], Kind::Brownian),
+    ];
+    let boxed = boxed.map(|(text, kind)| [1, 2, 321].map(|k| at(text, kind, k)));
+    assert_eq!(boxed, GOLDEN_BOXES, "{boxed:#x?}");
+}
+
+const GOLDEN: [u64; 8] = [
+    0x419c1635fa876a6f,
+    0x41acc7db09c4f18e,
+    0x21dea9731463edc2,
+    0xa0c54eadc860a2f9,
+    0x567e70b18c2ba262,
+    0xc2622ad5caa307ef,
+    0xbb64f81b20f29d7e,
+    0xf5f2f7a8c22eb59f,
+];
+
+const GOLDEN_BOXES: [[u64; 3]; 5] = [
+    [0x0eee41ee4d00b448, 0x8dda842fdf910392, 0x87dbf9c7e1197a07],
+    [0x492212ab0b351362, 0xa887448524f114aa, 0xe2a02b7a504f58f9],
+    [0x753655aedc70c47b, 0x1c3f5381a90df305, 0x29966a944888b44c],
+    [0x288026b93674f775, 0xca32a9158dd6dfd8, 0x6188004c55dc1b87],
+    [0x225e1d85564a51e5, 0x6b9e032fffce6606, 0x03ec05b1012bebc3],
+];
+
+#[test]
+fn no_particle_is_faster_than_it_is_said_to_be_and_one_is_nearly_so() {
+    for (text, dim) in [("loose:dim=2,n=2000", 2), ("loose:dim=3,n=2000,diameter=1", 3)] {
+        let scene = scene(text);
+        for kind in Kind::ALL {
+            let mut frames = Frames::new(&scene, motion(kind, 0.02)).unwrap();
+            let mut most = 0.0f64;
+            for k in [0, 1, 57, 600] {
+                most = most.max(longest(&frames.at(k).unwrap(), &frames.at(k + 1).unwrap(), dim));
+            }
+            match kind {
+                Kind::Rest => assert_eq!(most, 0.0),
+                // Normal along each axis: as far as that goes among thousands.
+                Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
+                _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn walls_keep_all_and_layers_keep_their_height() {
+    let scene = scene("loose:dim=2,n=300");
+    let edges = |all: &[f64], axis: usize| {
+        let along = all.iter().skip(axis).step_by(2);
+        along.fold([f64::MAX, f64::MIN], |[low, high], &x| [low.min(x), high.max(x)])
+    };
+    let first = coordinates(&scene);
+    for kind in [Kind::Drift, Kind::Brownian] {
+        let mut frames = Frames::new(&scene, motion(kind, 0.7)).unwrap();
+        for k in [1, 10, 1000] {
+            let frame = coordinates(&frames.at(k).unwrap());
+            for axis in 0..2 {
+                let ([low, high], [l, h]) = (edges(&first, axis), edges(&frame, axis));
+                assert!(low <= l && h <= high, "{kind:?} {k}: {low} {l} {h} {high}");
+                assert!(h - l > 0.9 * (high - low), "they spread over the box");
+            }
+        }
+    }
+    let sheared =
+        coordinates(&Frames::new(&scene, motion(Kind::Shear, 0.7)).unwrap().at(50).unwrap());
+    assert!(first.chunks(2).zip(sheared.chunks(2)).all(|(a, b)| a[1] == b[1]));
+    assert!(first.chunks(2).zip(sheared.chunks(2)).any(|(a, b)| (a[0] - b[0]).abs() > 30.0));
+}
+
+#[test]
+fn scenes_of_one_of_none_and_at_one_place_move_or_stay() {
+    for text in ["loose:dim=2,n=1", "loose:dim=3,n=1"] {
+        for kind in Kind::ALL {
+            let frame = Frames::new(&scene(text), motion(kind, 0.5)).unwrap().at(9).unwrap();
+            assert!(coordinates(&frame).iter().all(|x| x.is_finite()), "{kind:?}");
+        }
+    }
+    let none: Given =
+        Scene::<f64, 2>::new(Vec::new(), contactbench_core::scene::Radii::Uniform(1.0))
+            .unwrap()
+            .into();
+    for kind in Kind::ALL {
+        assert_eq!(
+            Frames::new(&none, motion(kind, 0.5)).unwrap().at(9).unwrap().scene.len(),
+            0,
+            "{kind:?}"
+        );
+    }
+}
+
+#[test]
+fn scenes_without_a_diameter_or_an_extent_are_refused() {
+    let of = |x: f64, r: f64| -> Given {
+        let centres = [-x, x].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
+        Scene::new(centres, contactbench_core::scene::Radii::Uniform(r)).unwrap().into()
+    };
+    let points = Frames::new(&of(1.0, 0.0), motion(Kind::Drift, 0.1)).err().unwrap().to_string();
+    assert!(points.contains("are points"), "{points}");
+    assert!(Frames::new(&of(1.0, 0.0), motion(Kind::Rest, 0.1)).is_ok());
+    let mut wide = Frames::new(&of(1.7e308, 1.0), motion(Kind::Drift, 0.1)).unwrap();
+    assert!(wide.at(0).is_ok());
+    assert!(wide.at(1).unwrap_err().to_string().starts_with("frame 1"));
+}
+
+#[test]
+fn motions_are_read_as_they_are_written() {
+    for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
+        assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
+    }
+    let gone: Motion = "drum".parse().unwrap();
+    let refused = Frames::new(&scene("loose:n=9"), gone).err().unwrap().to_string();
+    assert!(refused.starts_with("this program does not make the motion 'drum'"), "{refused}");
+    assert_eq!("vortex".parse::<Motion>().unwrap().to_string(), "vortex:speed=0.01,seed=1");
+    for (text, says) in [
+        ("dirft", "there is no motion 'dirft'; did you mean drift?"),
+        ("drift:speed=-1", "speed cannot be '-1'"),
+        ("drift:speed=nan", "speed cannot be 'nan'"),
+        ("drift:speed=inf", "speed cannot be 'inf'"),
+        ("drift:seed=1.5", "seed cannot be '1.5'"),
+        ("drift:speed=1,speed=2", "speed is given twice"),
+        ("drift:fast", "'fast' is not of the form key=value; a motion takes speed=NUMBER"),
+    ] {
+        let error = text.parse::<Motion>().unwrap_err().to_string();
+        assert!(error.contains(says), "{text}: {error}");
+    }
+}

@@ -1,0 +1,157 @@
+//! The order of the particles: as made, at random, or along a curve.
+
+use std::str::FromStr;
+
+use rand::seq::SliceRandom;
+
+use crate::generate::draw::shuffler;
+use contactbench_core::scene::{AnyScene, Real, array};
+use contactbench_core::with_scene;
+use contactbench_terms::nearest::hint;
+
+/// The order of the particles in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Order {
+    /// A seeded random permutation.
+    #[default]
+    Shuffled,
+    /// As the generator makes them, or as they stand in the file.
+    Generated,
+    /// Along a Morton curve.
+    Morton,
+}
+
+impl Order {
+    /// All of them.
+    pub const ALL: [Order; 3] = [Order::Shuffled, Order::Generated, Order::Morton];
+
+    /// Its name in files and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Order::Shuffled => "shuffled",
+            Order::Generated => "generated",
+            Order::Morton => "morton",
+        }
+    }
+}
+
+impl FromStr for Order {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Order, String> {
+        let names = Order::ALL.map(Order::name);
+        let found = Order::ALL.into_iter().find(|order| order.name() == text.to_lowercase());
+        found.ok_or_else(|| {
+            let hint = hint(text, names);
+            format!("order is '{text}'; it must be shuffled, generated or morton{hint}")
+        })
+    }
+}
+
+/// A permutation of `n` that depends on the seed alone.
+pub fn shuffled(n: usize, seed: u64) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..n as u32).collect();
+    order.shuffle(&mut shuffler(seed));
+    order
+}
+
+/// The order along a Morton curve through 2^32 cells per axis in 2D and 2^21 in 3D, of one cube
+/// around all centres; particles in one cell stay as they were.
+pub fn morton(scene: &AnyScene<'_>) -> Vec<u32> {
+    let mut keys: Vec<(u64, u32)> = with_scene!(scene, scene => {
+        let points = || scene.centres().iter().map(|centre| array(centre).map(Real::wide));
+        codes(points()).zip(0..).collect()
+    });
+    keys.sort_unstable();
+    keys.into_iter().map(|(_, k)| k).collect()
+}
+
+fn codes<const D: usize>(
+    points: impl Iterator<Item = [f64; D]> + Clone,
+) -> impl Iterator<Item = u64> {
+    // Halved, so that differences of the largest doubles do not overflow.
+    let points = points.map(|point| point.map(|x| 0.5 * x));
+    let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for point in points.clone() {
+        for k in 0..D {
+            low[k] = low[k].min(point[k]);
+            high[k] = high[k].max(point[k]);
+        }
+    }
+    let edge = (0..D).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let bits = if D == 2 { 32 } else { 21 };
+    let cells = (1u64 << bits) as f64;
+    points.map(move |point| {
+        let mut code = 0;
+        for (k, x) in point.into_iter().enumerate() {
+            // A float-to-integer cast saturates and takes the NaN of 0/0 to 0.
+            let cell = (((x - low[k]) / edge * cells) as u64).min((1 << bits) - 1);
+            code |= (0..bits).map(|bit| (cell >> bit & 1) << (bit * D + k)).sum::<u64>();
+        }
+        code
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::Spec;
+    use contactbench_core::scene::Stored;
+
+    #[test]
+    fn orders_are_permutations_and_morton_is_local() {
+        let make = |order| {
+            Spec {
+                order,
+                ..Spec::parse("packed:n=1000,lattice=square,jitter=0,spacing=1").unwrap()
+            }
+            .make()
+            .unwrap()
+        };
+        let sorted = |scene: &AnyScene<'_>| {
+            let AnyScene::Plane(Stored::F64(scene)) = scene else { panic!("made in the plane") };
+            let mut bits: Vec<[u64; 2]> =
+                scene.centres().iter().map(|p| array(p).map(f64::to_bits)).collect();
+            bits.sort_unstable();
+            bits
+        };
+        let path = |scene: &AnyScene<'_>| -> f64 {
+            let AnyScene::Plane(Stored::F64(scene)) = scene else { panic!("made in the plane") };
+            scene.centres().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>() / 999.0
+        };
+        let (generated, shuffled, morton) =
+            (make(Order::Generated), make(Order::Shuffled), make(Order::Morton));
+        assert_ne!(generated, shuffled);
+        assert_eq!(sorted(&generated), sorted(&shuffled));
+        assert_eq!(sorted(&generated), sorted(&morton));
+        assert!(
+            path(&morton) < 2.0 && path(&shuffled) > 10.0,
+            "{} {}",
+            path(&morton),
+            path(&shuffled)
+        );
+        let AnyScene::Plane(Stored::F64(scene)) = &morton else { panic!("made in the plane") };
+        let first: Vec<[f64; 2]> = scene.centres()[..4].iter().map(|p| *array(p)).collect();
+        assert_eq!(first, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
+    }
+
+    #[test]
+    fn morton_order_survives_huge_and_equal_coordinates() {
+        let cases = [
+            (vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308], [-1.7e308; 2]], vec![2, 1, 0]),
+            (vec![[5.0, 5.0]; 3], vec![0, 1, 2]),
+            (vec![], vec![]),
+        ];
+        for (points, order) in cases {
+            let points: Vec<_> = points.into_iter().map(nalgebra::Point::from).collect();
+            let scene = AnyScene::from(
+                contactbench_core::scene::Scene::<f64, 2>::new(
+                    points,
+                    contactbench_core::scene::Radii::Uniform(1.0),
+                )
+                .unwrap(),
+            );
+            assert_eq!(morton(&scene), order);
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! What a scene is asked to be: the generator, its parameters, the number of particles, the seed
+//! and the order.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, anyhow, ensure};
+use serde_json::Value;
+
+pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
+use crate::generate::{Inputs, file, table};
+use crate::motion::{self, Frames, Motion};
+pub use crate::order::Order;
+use crate::order::{morton, shuffled};
+use contactbench_core::scene::AnyScene;
+use contactbench_io::Given;
+use contactbench_terms::grammar;
+
+/// A scene to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// The generator's name.
+    pub name: String,
+    /// 2 or 3. A file decides its own: ask the scene made.
+    pub dim: u32,
+    /// Particles; 0 where the generator decides ([`Generator::own_n`]) and was not asked yet.
+    pub n: u64,
+    /// Seed of the generator and of the shuffle.
+    pub seed: u64,
+    /// Order of the particles.
+    pub order: Order,
+    /// All parameters with the values used, defaults included.
+    pub params: BTreeMap<String, Value>,
+    /// How its particles move, if they do.
+    pub course: Option<Course>,
+}
+
+/// Frames of a scene in motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// How particles move.
+    pub motion: Motion,
+    /// Frames, the scene itself among them.
+    pub frames: u64,
+}
+
+impl Course {
+    /// Takes the parameters `motion`, `speed`, `motion-seed` and `frames` out of those of a scene.
+    /// None if there is no `motion`: then the others are no parameters of its course.
+    pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Course>> {
+        let Some(kind) = params.remove("motion") else { return Ok(None) };
+        let bare = |value: &toml::Value| match value {
+            toml::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        let mut text = bare(&kind);
+        ensure!(
+            !text.contains(':'),
+            "motion = \"{text}\": say speed and motion-seed as parameters of their own"
+        );
+        for (name, key, mark) in [("speed", "speed", ':'), ("motion-seed", "seed", ',')] {
+            if let Some(value) = params.remove(name) {
+                let mark = if text.contains(':') { mark } else { ':' };
+                text += &format!("{mark}{key}={}", bare(&value));
+            }
+        }
+        let motion = text.parse()?;
+        let frames = params.remove("frames").map_or(Ok(FRAMES), |frames| {
+            let whole = frames.as_integer().and_then(|frames| u64::try_from(frames).ok());
+            whole.filter(|frames| (2..=MOST_FRAMES).contains(frames)).with_context(|| {
+                format!("frames = {frames}: it must be a whole number from 2 to {MOST_FRAMES}")
+            })
+        })?;
+        Ok(Some(Course { motion, frames }))
+    }
+
+    /// The parameters, with the values used.
+    fn axes(&self) -> impl Iterator<Item = (String, Value)> {
+        let Motion { kind, speed, seed } = self.motion;
+        let moves = kind != motion::Kind::Rest;
+        let axes: [(&str, Value, bool); 4] = [
+            ("motion", kind.name().into(), true),
+            ("frames", self.frames.into(), true),
+            ("speed", speed.into(), moves),
+            // Of most there is one, and it need not be said.
+            ("motion-seed", seed.into(), moves && seed != motion::SEED),
+        ];
+        let said = axes.into_iter().filter(|(.., said)| *said);
+        said.map(|(name, value, _)| (name.to_string(), value))
+    }
+}
+
+/// Where none are asked for.
+const FRAMES: u64 = 100;
+/// Each is a file while it is measured, and has some sixty bytes in a reply, which is a line of at
+/// most 1 MiB.
+const MOST_FRAMES: u64 = 10_000;
+
+impl Spec {
+    /// Checks the parameters and fills in the defaults.
+    pub fn new(
+        name: &str,
+        dim: u32,
+        n: u64,
+        seed: u64,
+        order: Order,
+        params: &BTreeMap<String, toml::Value>,
+    ) -> anyhow::Result<Spec> {
+        let params: BTreeMap<String, Value> =
+            params.iter().map(|(name, value)| (name.clone(), json(value))).collect();
+        let params = table::find(name)?.check(dim, n, &params)?;
+        Ok(Spec { name: name.to_string(), dim, n, seed, order, params, course: None })
+    }
+
+    /// All parameters, those of its course among them.
+    pub fn axes(&self) -> BTreeMap<String, Value> {
+        let course = self.course.iter().flat_map(Course::axes);
+        self.params.clone().into_iter().chain(course).collect()
+    }
+
+    /// A scene as named on the command line:
+    /// `packed:dim=3,n=1000,seed=2,order=morton,spacing=0.98`.
+    ///
+    /// The keys are `dim` (2), `n` (1000), `seed` (1), `order` (shuffled) and the generator's
+    /// parameters. A piece without `=` belongs to the value before it, so that a path may hold
+    /// commas. For `file`, `dim` is the parameter `file-dim`; `file` and `hard` bring their own n.
+    pub fn parse(text: &str) -> anyhow::Result<Spec> {
+        let given = grammar::Spec::parse(text);
+        given.form("write it as in packed:dim=3,n=1000,spacing=0.98")?;
+        let name = given.name;
+        let is_file = name == file::NAME;
+        let generator = table::find(name).ok();
+        let own_n = generator.is_some_and(|generator| generator.own_n);
+        let mut dim = 2;
+        let mut n = if own_n { 0 } else { 1000 };
+        let mut seed = 1;
+        let mut order = Order::default();
+        let mut params = BTreeMap::new();
+        for (key, value) in &given.params {
+            let whole = || {
+                contactbench_terms::number::whole(value).with_context(|| {
+                    format!("'{text}': {key} is '{value}'; it must be a whole number")
+                })
+            };
+            match *key {
+                "dim" if !is_file => dim = u32::try_from(whole()?).unwrap_or(u32::MAX),
+                "n" => n = whole()?,
+                "seed" => seed = whole()?,
+                "order" => {
+                    order = value.parse().map_err(|words| anyhow!("'{text}': {words}"))?;
+                }
+                _ => {
+                    let key = if *key == "dim" { "file-dim" } else { key };
+                    let is_text = generator.is_some_and(|generator| generator.is_text(key));
+                    params.insert(key.to_string(), scalar(is_text, value));
+                }
+            }
+        }
+        Spec::new(name, dim, n, seed, order, &params)
+    }
+
+    /// Makes the scene, for those who know no boxes.
+    ///
+    /// # Errors
+    /// It repeats, or cannot be made.
+    pub fn make(&self) -> anyhow::Result<AnyScene<'static>> {
+        self.given()?.open(&self.name)
+    }
+
+    /// Makes the scene, with the box in which it repeats.
+    pub fn given(&self) -> anyhow::Result<Given> {
+        Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
+    }
+
+    /// The frames of its course, if it has one, of the scene that [`Spec::given`] made.
+    pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
+        let Some(Course { motion, frames }) = self.course else { return Ok(None) };
+        let made = Frames::new(given, motion)
+            .with_context(|| format!("cannot move the scene '{}'", self.name))?;
+        Ok(Some((made, frames)))
+    }
+
+    /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order:
+    /// none, but for hard cases of several steps. A detector may refuse them.
+    pub fn history(&self) -> anyhow::Result<Vec<Given>> {
+        Ok(self
+            .by(|generator, inputs| (generator.history)(inputs))?
+            .into_iter()
+            .map(|given| self.ordered(given))
+            .collect())
+    }
+
+    fn by<O>(
+        &self,
+        then: impl FnOnce(&Generator, &Inputs<'_>) -> anyhow::Result<O>,
+    ) -> anyhow::Result<O> {
+        // The fields are public: what was changed since `new` is checked here.
+        let generator = table::find(&self.name)?;
+        let params = generator.check(self.dim, self.n, &self.params)?;
+        let inputs = Inputs { dim: self.dim, n: self.n, seed: self.seed, params: &params };
+        then(generator, &inputs).with_context(|| format!("cannot make the scene '{}'", self.name))
+    }
+
+    fn ordered(&self, given: Given) -> Given {
+        let scene = &given.scene;
+        let order = match self.order {
+            Order::Generated => return given,
+            Order::Shuffled => shuffled(scene.len(), self.seed),
+            Order::Morton => morton(scene),
+        };
+        Given { scene: scene.reordered(&order), ..given }
+    }
+}
+
+/// NaN and infinities have no number in JSON; as text they are refused by name.
+fn json(value: &toml::Value) -> Value {
+    match value {
+        toml::Value::Integer(k) => (*k).into(),
+        toml::Value::Float(x) if x.is_finite() => (*x).into(),
+        toml::Value::Boolean(yes) => (*yes).into(),
+        toml::Value::String(text) => text.as_str().into(),
+        other => other.to_string().into(),
+    }
+}
+
+/// A value of the command line: text where the parameter is, else whole number, number or text.
+fn scalar(is_text: bool, value: &str) -> toml::Value {
+    if is_text {
+        value.into()
+    } else if let Ok(whole) = value.parse::<i64>() {
+        whole.into()
+    } else if let Ok(number) = value.parse::<f64>() {
+        number.into()
+    } else {
+        value.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        match Spec::parse(text).and_then(|spec| spec.make()) {
+            Ok(_) => panic!("'{text}' was accepted"),
+            Err(error) => format!("{error:#}"),
+        }
+    }
+
+    #[test]
+    fn the_command_line_form_gives_every_value_used() {
+        let spec = Spec::parse("packed:dim=3,n=27,seed=2,order=morton,spacing=1").unwrap();
+        assert_eq!(
+            (spec.name.as_str(), spec.dim, spec.n, spec.seed, spec.order),
+            ("packed", 3, 27, 2, Order::Morton)
+        );
+        let params = serde_json::to_string(&spec.params).unwrap();
+        assert_eq!(
+            params,
+            "{\"diameter\":1.0,\"jitter\":0.05,\"lattice\":\"fcc\",\"offset\":0.0,\
+             \"size-ratio\":1.0,\"spacing\":1.0}"
+        );
+        let spec = Spec::parse("file:path=a,b=1.csv,dim=2");
+        assert!(spec.is_err(), "a piece with '=' is a parameter");
+        let spec = Spec::parse("file:path=a,b.csv,dim=2").unwrap();
+        assert_eq!(
+            (spec.n, &spec.params["path"], &spec.params["file-dim"]),
+            (0, &"a,b.csv".into(), &2.into())
+        );
+        assert_eq!(Spec::parse("loose").unwrap().n, 1000);
+        for (text, axes) in [("true", "xy"), ("xy", "xy"), ("y", "y"), ("false", "none")] {
+            let spec = Spec::parse(&format!("packed:periodic={text}")).unwrap();
+            assert_eq!(spec.params["periodic"], axes);
+        }
+        let exponents = Spec::parse("clustered:n=1e3,seed=2e0,per-cluster=1e1").unwrap();
+        assert_eq!(exponents, Spec::parse("clustered:n=1000,seed=2,per-cluster=10").unwrap());
+    }
+
+    #[test]
+    fn bad_requests_are_refused_by_name() {
+        for (text, message) in [
+            (
+                "packd",
+                "there is no scene 'packd'; did you mean packed?; the scenes are: packed, loose, \
+                 clustered, settled, couples, \
+                 pack-a, pack-b, pack-c, pack-d, file, hard",
+            ),
+            ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
+            ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
+            (
+                "loose:n=4294967296",
+                "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 particles can be numbered: \
+                 make n smaller",
+            ),
+            (
+                "loose:spacing=1",
+                "loose: there is no parameter 'spacing'; did you mean grading?; the parameters \
+                 are: diameter, offset, size-ratio, sizes, exponent, share, giants, grading, \
+                 periodic, tilt, fraction",
+            ),
+            ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
+            ("loose:fraction=nan", "loose: fraction is \"nan\"; it must be a finite number over 0"),
+            (
+                "loose:fraction=-inf",
+                "loose: fraction is \"-inf\"; it must be a finite number over 0",
+            ),
+            ("loose:diameter=-1", "loose: diameter is -1; it must be a finite number over 0"),
+            ("loose:diameter=big", "loose: diameter is \"big\"; it must be a finite number over 0"),
+            (
+                "packed:jitter=-0.1",
+                "packed: jitter is -0.1; it must be a finite number of at least 0",
+            ),
+            (
+                "packed:size-ratio=0.5",
+                "packed: size-ratio is 0.5; it must be a finite number of at least 1",
+            ),
+            (
+                "packed:lattice=fcc",
+                "packed: lattice is \"fcc\"; it must be hexagonal or square in 2 dimensions",
+            ),
+            (
+                "packed:dim=3,lattice=7",
+                "packed: lattice is 7; it must be fcc or cubic in 3 dimensions",
+            ),
+            (
+                "clustered:per-cluster=0",
+                "clustered: per-cluster is 0; it must be a whole number of at least 1",
+            ),
+            (
+                "clustered:per-cluster=1.5",
+                "clustered: per-cluster is 1.5; it must be a whole number of at least 1",
+            ),
+            (
+                "clustered:background=1.1",
+                "clustered: background is 1.1; it must be a number from 0 to 1",
+            ),
+            (
+                "packed:periodic=xz",
+                "packed: periodic is \"xz\"; it must be true, none, or the axes along which the \
+                 box repeats: x, y, xy",
+            ),
+            (
+                "loose:tilt=0.5",
+                "cannot make the scene 'loose': a tilt belongs to a box that repeats: add \
+                 periodic=true",
+            ),
+            (
+                "loose:tilt=0.5,periodic=x",
+                "cannot make the scene 'loose': a tilt moves images along y, and the box does not \
+                 repeat along y",
+            ),
+            (
+                "loose:periodic=true",
+                "loose: the scene repeats along x and y, and here boundaries are open; take it \
+                 without its box",
+            ),
+            ("pack-c:s=-1", "pack-c: s is -1; it must be a finite number of at least 0"),
+            ("file", "file: the parameter 'path' is missing (the file's name)"),
+            ("file:path=", "file: path is \"\"; it must be a text that is not empty"),
+            ("file:path=a,dim=4", "file: file-dim is 4; it must be 2 or 3"),
+            ("hard", "hard: the parameter 'case' is missing (the name of the case)"),
+            (
+                "hard:case=tangent-1-2-2-3",
+                "hard: case is \"tangent-1-2-2-3\"; it must be the name of a hard case in 2 \
+                 dimensions: see contactbench list hard-cases",
+            ),
+            (
+                "hard:case=every-neighbour,n=5",
+                "cannot make the scene 'hard': the case has 17 particles, but n = 5 was asked for; \
+                 leave n out",
+            ),
+            ("packed:n=-1", "'packed:n=-1': n is '-1'; it must be a whole number"),
+            (
+                "packed:order=up",
+                "'packed:order=up': order is 'up'; it must be shuffled, generated or morton",
+            ),
+            (
+                "packed:3",
+                "'packed:3': '3' is not of the form key=value; write it as in \
+                 packed:dim=3,n=1000,spacing=0.98",
+            ),
+            ("pack-c:s=1,s=2", "'pack-c:s=1,s=2': s is given twice; leave one out"),
+            ("pack-c:n=1,n=2", "'pack-c:n=1,n=2': n is given twice; leave one out"),
+        ] {
+            assert_eq!(refusal(text), message);
+        }
+        for (name, text) in [
+            ("pack-c", "pack-c:s=1e308,n=100"),
+            ("loose", "loose:fraction=1e-320"),
+            ("packed", "packed:jitter=1e308,diameter=1e9"),
+        ] {
+            let beyond = "coordinates or radii leave the range of f64; take parameters nearer to 1";
+            assert_eq!(refusal(text), format!("cannot make the scene '{name}': {beyond}"));
+        }
+        let message = refusal("hard:case=every-neighbor");
+        assert!(
+            message.contains("the nearest names are every-neighbour, ")
+                && message.contains("contactbench list hard-cases"),
+            "{message}"
+        );
+        assert!(refusal("file:path=/nowhere/at-all.csv").contains("/nowhere/at-all.csv"));
+    }
+}

@@ -1,0 +1,269 @@
+//! What a scene turned out to be: the statistics of [`Stats`] and a fingerprint.
+//!
+//! All numbers are finite for every valid scene: lengths are taken relative to the box, and
+//! differences of halved coordinates, so that the largest doubles do not overflow; a ratio beyond
+//! the largest double is absent. Where all is smaller than 10^-300, lengths may underflow to a box
+//! without extent.
+
+pub use contactbench_terms::scene::Stats;
+
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use contactbench_core::sink::splitmix64;
+use contactbench_core::with_scene;
+use contactbench_io::Given;
+
+/// The fingerprint of [`scene_hash`]; with a box the chain goes on with it: its vectors and its
+/// corner, as bits of doubles, and 0 or 1 for each vector along which it does not repeat or does.
+pub fn hash(given: &Given) -> String {
+    let hash = chained_hash(&given.scene);
+    let numbers = |lattice: &Lattice| {
+        let origin = lattice.origin();
+        let numbers = lattice.vectors().as_flattened().iter().chain(&origin).copied();
+        let flags = lattice.periodic().map(u64::from);
+        numbers.map(f64::to_bits).chain(flags).fold(hash, |hash, v| splitmix64(hash ^ v))
+    };
+    format!("{:#018x}", given.lattice.as_ref().map_or(hash, numbers))
+}
+
+/// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16
+/// hexadecimal digits.
+///
+/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of particles,
+/// the bits of all coordinates as doubles (x, y(, z) of particle 0, then 1, ...), 0 or 1 for one
+/// radius or one per particle, and the bits of the radius or radii. An f32 scene has the
+/// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
+pub fn scene_hash(scene: &AnyScene<'_>) -> String {
+    format!("{:#018x}", chained_hash(scene))
+}
+
+fn chained_hash(scene: &AnyScene<'_>) -> u64 {
+    fn chained<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
+        let mut hash = 0;
+        let mut chain = |value: u64| hash = splitmix64(hash ^ value);
+        chain(D as u64);
+        chain(scene.len() as u64);
+        for x in scene.centres().iter().flat_map(array) {
+            chain(x.wide().to_bits());
+        }
+        match scene.radii() {
+            Radii::Uniform(r) => {
+                chain(0);
+                chain(r.wide().to_bits());
+            }
+            Radii::Each(radii) => {
+                chain(1);
+                radii.iter().for_each(|r| chain(r.wide().to_bits()));
+            }
+        }
+        hash
+    }
+    with_scene!(scene, scene => chained(scene))
+}
+
+/// The statistics of a scene in which `contacts` pairs touch.
+pub fn stats(given: &Given, contacts: u64) -> Stats {
+    let Given { scene, lattice, .. } = given;
+    let (n, lattice) = (scene.len(), lattice.as_ref());
+    let (packing_fraction, box_diameters) = with_scene!(scene, scene => {
+        (packing_fraction(scene, lattice), box_diameters(scene, lattice))
+    });
+    Stats {
+        packing_fraction,
+        coordination: if n == 0 { 0.0 } else { 2.0 * contacts as f64 / n as f64 },
+        radius_ratio: with_scene!(scene, scene => radius_ratio(scene)),
+        box_diameters,
+        scene_hash: hash(given),
+    }
+}
+
+/// Volume of the bodies over the volume of the box; 0 where the box has none.
+fn packing_fraction<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+) -> f64 {
+    // Of a box that repeats along all axes, the edges of one along the axes with its volume.
+    let repeats = lattice.and_then(|lattice| half_volume(lattice, D));
+    let half = match repeats {
+        Some(half) => std::array::from_fn(|k| half[k]),
+        None => half_edges(scene, |k| scene.radius(k).wide()),
+    };
+    let most = half.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let shape = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
+    let volume: f64 = (0..scene.len())
+        .map(|k| [0.5 * scene.radius(k).wide() / most; D].iter().product::<f64>())
+        .sum();
+    let fraction = volume * shape / half.iter().map(|edge| edge / most).product::<f64>();
+    if fraction.is_finite() { fraction } else { 0.0 }
+}
+
+/// Half the edges of a box with the volume of one that repeats along all of its vectors: the parts
+/// of each that are at right angles to those before it.
+fn half_volume(lattice: &Lattice, dim: usize) -> Option<[f64; 3]> {
+    let vectors = *lattice.vectors();
+    lattice.periodic()[..dim].iter().all(|&repeats| repeats).then(|| {
+        let (mut half, mut before) = ([0.0; 3], Vec::<[f64; 3]>::new());
+        for k in 0..dim {
+            let mut left = vectors[k].map(|x| 0.5 * x);
+            for direction in &before {
+                let part: f64 = left.iter().zip(direction).map(|(x, d)| x * d).sum();
+                left = std::array::from_fn(|k| left[k] - part * direction[k]);
+            }
+            half[k] = length(left);
+            before.push(left.map(|x| x / half[k]));
+        }
+        half
+    })
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    libm::hypot(libm::hypot(x, y), z)
+}
+
+/// Edges of the box around the centres, or lengths of vectors where the scene repeats, in largest
+/// diameters; absent where the diameter is zero or the quotient overflows.
+fn box_diameters<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+) -> Option<Vec<f64>> {
+    let radius = scene.largest_radius().wide();
+    let mut half = half_edges(scene, |_| 0.0);
+    if let Some(lattice) = lattice {
+        for k in (0..D).filter(|&k| lattice.periodic()[k]) {
+            half[k] = 0.5 * length(lattice.vectors()[k]);
+        }
+    }
+    // Half an edge over a radius is an edge over a diameter.
+    let edges: Vec<f64> = half.iter().map(|half| half / radius).collect();
+    (radius > 0.0 && edges.iter().all(|edge| edge.is_finite())).then_some(edges)
+}
+
+/// Largest over smallest radius; absent where the smallest is zero or the quotient overflows.
+fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64> {
+    match scene.radii() {
+        Radii::Each(radii) if !radii.is_empty() => {
+            let least = radii.iter().fold(f64::INFINITY, |least, r| least.min(r.wide()));
+            let ratio = scene.largest_radius().wide() / least;
+            (least > 0.0 && ratio.is_finite()).then_some(ratio)
+        }
+        Radii::Each(_) => Some(1.0),
+        Radii::Uniform(r) => (r.wide() > 0.0).then_some(1.0),
+    }
+}
+
+/// Half the edges of the smallest box that holds all centres, each with an `extent` to every side.
+/// Zero without particles.
+fn half_edges<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    extent: impl Fn(usize) -> f64,
+) -> [f64; D] {
+    let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; D];
+    for (k, centre) in scene.centres().iter().enumerate() {
+        for ([low, high], x) in bounds.iter_mut().zip(array(centre)) {
+            // Quartered: neither end can overflow, nor half their difference.
+            (*low, *high) = (
+                low.min(0.25 * x.wide() - 0.25 * extent(k)),
+                high.max(0.25 * x.wide() + 0.25 * extent(k)),
+            );
+        }
+    }
+    bounds.map(|[low, high]| if low <= high { (2.0 * (high - low)).min(f64::MAX) } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point;
+
+    use super::*;
+
+    fn plane(points: &[[f64; 2]], radii: Radii<'static, f64>) -> AnyScene<'static> {
+        AnyScene::from(
+            Scene::new(points.iter().map(|&p| Point::from(p)).collect::<Vec<_>>(), radii).unwrap(),
+        )
+    }
+
+    #[test]
+    fn two_discs_side_by_side_by_hand() {
+        let scene = plane(&[[0.0, 0.0], [2.0, 0.0]], Radii::Uniform(1.0));
+        let stats = stats(&scene.into(), 1);
+        assert!(
+            (stats.packing_fraction - std::f64::consts::PI / 4.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
+        assert_eq!(
+            (stats.coordination, stats.radius_ratio, stats.box_diameters),
+            (1.0, Some(1.0), Some(vec![1.0, 0.0]))
+        );
+        let scene = plane(&[[0.0, 0.0], [3.0, 0.0]], Radii::Each(vec![1.0, 2.0].into()));
+        let stats = super::stats(&scene.into(), 1);
+        assert!(
+            (stats.packing_fraction - 5.0 * std::f64::consts::PI / 24.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
+        assert_eq!((stats.radius_ratio, stats.box_diameters), (Some(2.0), Some(vec![0.75, 0.0])));
+    }
+
+    #[test]
+    fn a_ball_in_its_cube() {
+        let scene = AnyScene::from(
+            Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5)).unwrap(),
+        );
+        let stats = stats(&scene.into(), 0);
+        assert!(
+            (stats.packing_fraction - std::f64::consts::PI / 6.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
+        assert_eq!((stats.coordination, stats.box_diameters), (0.0, Some(vec![0.0; 3])));
+    }
+
+    #[test]
+    fn every_number_is_finite_in_extreme_scenes() {
+        let max = f64::MAX;
+        let tiny = f64::from_bits(1);
+        for (points, radii) in [
+            (vec![], Radii::Uniform(0.5)),
+            (vec![], Radii::Each(vec![].into())),
+            (vec![[1.0, 2.0]], Radii::Uniform(0.0)),
+            (vec![[max, -max], [-max, max]], Radii::Uniform(max)),
+            (vec![[max, -max], [-max, max]], Radii::Each(vec![tiny, max].into())),
+            (vec![[max, -max], [-max, max]], Radii::Uniform(tiny)),
+            (vec![[tiny, 0.0], [0.0, tiny]], Radii::Uniform(tiny)),
+            (vec![[0.0, 0.0], [1.0, 0.0]], Radii::Each(vec![0.0, 1.0].into())),
+        ] {
+            let stats = stats(&plane(&points, radii).into(), 3);
+            let edges = stats.box_diameters.clone().unwrap_or_default();
+            assert!(
+                edges
+                    .iter()
+                    .chain(&stats.radius_ratio)
+                    .chain([&stats.packing_fraction, &stats.coordination])
+                    .all(|x| x.is_finite()),
+                "{stats:?}"
+            );
+            let text = serde_json::to_string(&stats).unwrap();
+            assert_eq!(serde_json::from_str::<Stats>(&text).unwrap(), stats);
+        }
+    }
+
+    #[test]
+    fn the_hash_sees_bits_order_and_radii_but_not_the_precision() {
+        let points = [[0.0, 1.0], [2.0, 3.0]];
+        let scene = plane(&points, Radii::Uniform(0.5));
+        let hash = scene_hash(&scene);
+        assert_eq!((hash.len(), &hash[..2]), (18, "0x"));
+        assert_eq!(
+            hash,
+            scene_hash(&scene.stored(contactbench_core::contact::Arithmetic::F32).unwrap())
+        );
+        for other in [
+            plane(&[[-0.0, 1.0], [2.0, 3.0]], Radii::Uniform(0.5)),
+            plane(&[[2.0, 3.0], [0.0, 1.0]], Radii::Uniform(0.5)),
+            plane(&points, Radii::Uniform(0.25)),
+            plane(&points, Radii::Each(vec![0.5, 0.5].into())),
+        ] {
+            assert_ne!(hash, scene_hash(&other));
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The bodies of a picture: the particles, and behind them the images that a pair touches.
+
+use std::collections::HashMap;
+
+use anyhow::ensure;
+
+use contactbench_core::periodic::{ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Real, array};
+use contactbench_core::with_scene;
+
+/// A particle, or an image of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    pub particle: u32,
+    /// Where the image is, in vectors of the box; 0 for the particle itself.
+    pub image: [i32; 3],
+    /// In the plane the third coordinate is 0.
+    pub centre: [f64; 3],
+    pub r: f64,
+}
+
+impl Body {
+    /// Whether it is an image of a particle.
+    pub fn is_image(&self) -> bool {
+        self.image != [0; 3]
+    }
+}
+
+/// The particles of a scene, in their order.
+pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
+    with_scene!(scene, scene => {
+        let centre = |k: usize| {
+            let centre = array(&scene.centres()[k]);
+            std::array::from_fn(|axis| centre.get(axis).map_or(0.0, |x| x.wide()))
+        };
+        let body = |k: usize| Body {
+            particle: k as u32,
+            image: [0; 3],
+            centre: centre(k),
+            r: scene.radius(k).wide(),
+        };
+        (0..scene.len()).map(body).collect()
+    })
+}
+
+pub struct Bodies {
+    /// The particles, and behind them the images.
+    pub all: Vec<Body>,
+    /// The place of each image.
+    images: HashMap<(u32, [i32; 3]), u32>,
+}
+
+impl Bodies {
+    /// The particles, and the images that these pairs need, whose places are rounded.
+    ///
+    /// # Errors
+    /// An image beyond the range of f64.
+    pub fn new<'a>(
+        periodic: &Periodic<'_>,
+        pairs: impl Iterator<Item = &'a ImagePair>,
+    ) -> anyhow::Result<Bodies> {
+        let mut all = particles(periodic.scene());
+        let (mut images, vectors) = (HashMap::new(), periodic.lattice().vectors());
+        for &ImagePair { i, j, image } in pairs.filter(|pair| pair.image != [0; 3]) {
+            for (particle, image) in [(j, image), (i, image.map(i32::wrapping_neg))] {
+                images.entry((particle, image)).or_insert_with(|| {
+                    let mut body = Body { image, ..all[particle as usize] };
+                    for (vector, times) in vectors.iter().zip(image) {
+                        let moved = |k: usize| body.centre[k] + f64::from(times) * vector[k];
+                        body.centre = if times == 0 { body.centre } else { [0, 1, 2].map(moved) };
+                    }
+                    all.push(body);
+                    (all.len() - 1) as u32
+                });
+            }
+        }
+        let finite = |body: &Body| body.centre.iter().all(|x| x.is_finite());
+        ensure!(all.iter().all(finite), "an image is beyond the range of f64; it cannot be drawn");
+        Ok(Bodies { all, images })
+    }
+
+    /// The lines that show a pair: one, or through a face of the box one from either side.
+    pub fn lines(&self, pair: ImagePair) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let ImagePair { i, j, image } = pair;
+        let to = |of: u32, image: [i32; 3]| self.images.get(&(of, image)).copied();
+        let lines = match image {
+            [0, 0, 0] => [Some([i, j]), None],
+            _ => [
+                to(j, image).map(|body| [i, body]),
+                to(i, image.map(i32::wrapping_neg)).map(|body| [j, body]),
+            ],
+        };
+        lines.into_iter().flatten()
+    }
+}

@@ -1,0 +1,122 @@
+//! Pictures of scenes: discs, or a slice through spheres, with their contacts, and what a detector
+//! got wrong.
+//!
+//! ```
+//! use contactbench::io::pairs::List;
+//! use contactbench::scene::spec::Spec;
+//! use contactbench::scene::touching::in_any_box;
+//! use contactbench::views::draw::{self, Highlighted, Look};
+//!
+//! let scene = in_any_box(&Spec::parse("packed:n=50")?.given()?)?;
+//! let list = List { pairs: vec![[0, 1]], ..List::default() }; // by some detector, in any order
+//! let pairs = Highlighted::compare(&scene, &list, 1 << 30)?;
+//! let picture = draw::svg(&scene, &pairs, &Look::titled("what it missed"))?;
+//! assert!(picture.contains("missed"));
+//! # Ok::<(), anyhow::Error>(())
+//! ```
+//!
+//! There is one path for all boundaries: open space is a box that repeats along no vector. Lengths
+//! in the picture are relative to the scene's extent, so that offsets and scales do not matter.
+//! Particles count from 0.
+//!
+//! * `pairs`: what is drawn between particles, and where it comes from; `bodies`: the particles,
+//!   and the images that a pair touches.
+//! * `plane`: spheres become circles in the plane of the slice; `outline`: the faces of the box.
+//! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
+
+pub(super) mod bodies;
+mod outline;
+pub(super) mod page_coordinates;
+mod pairs;
+pub(super) mod plane;
+mod sheet;
+
+use anyhow::{bail, ensure};
+use bodies::Bodies;
+pub use pairs::Highlighted;
+use plane::Plane;
+pub use plane::Slice;
+
+use contactbench_core::periodic::Periodic;
+use contactbench_terms::number::number;
+
+/// The largest number of particles that is drawn: more are a grey surface, and a file that no
+/// viewer opens.
+pub const MOST_PARTICLES: usize = 200_000;
+/// The largest number of lines between particles.
+pub const MOST_LINES: usize = 2_000_000;
+/// Up to here particles are labelled with their numbers.
+pub const LABELLED: usize = 60;
+
+/// What a picture shows beside particles and pairs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Look {
+    pub title: String,
+    /// The numbers of the particles; if not said, up to [`LABELLED`] particles.
+    pub labels: Option<bool>,
+    /// The cells of a detector.
+    pub grid: bool,
+    /// Where spheres are cut; if not said, through the worst pair that a list got wrong, else
+    /// through the middle along z.
+    pub slice: Option<Slice>,
+    /// All of the scene, also where what a list got wrong is too small to be seen.
+    pub whole: bool,
+}
+
+impl Look {
+    pub fn titled(title: impl Into<String>) -> Look {
+        Look { title: title.into(), ..Look::default() }
+    }
+}
+
+/// The picture as SVG.
+///
+/// # Errors
+/// More than [`MOST_PARTICLES`] particles in the plane or the slice, more than [`MOST_LINES`] pairs
+/// of them, a slice through discs or beside all spheres, and the cells of a box that repeats.
+pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
+    ensure!(
+        !look.grid || !periodic.lattice().repeats(),
+        "--grid shows the cells of open boundaries, and the box repeats; leave it out, or give \
+         --open"
+    );
+    let (dim, count) = (periodic.scene().dim(), periodic.scene().len());
+    ensure!(
+        dim == 3 || look.slice.is_none(),
+        "a slice was asked for, but the scene is of discs; leave out --slice"
+    );
+    if let Some(pair) = pairs.all().find(|pair| pair.j as usize >= count) {
+        bail!("the pair {pair}: the scene has {count} particles, numbered from 0");
+    }
+    let bodies = Bodies::new(periodic, pairs.all())?;
+    let worst = pairs.worst(periodic).and_then(|pair| bodies.lines(pair).last());
+    let through = worst.map(|pair| Slice::through(pair.map(|k| &bodies.all[k as usize])));
+    let mut plane = Plane::new(&bodies.all, dim, look.slice.or(through), count);
+    if let (Some(slice), true, 1..) = (look.slice, plane.circles.is_empty(), count) {
+        let [low, high] = slice.range(&bodies.all).map(number);
+        bail!(
+            "no sphere meets the slice {axis}={}; {axis} goes from {low} to {high}",
+            slice.at,
+            axis = slice.name()
+        );
+    }
+    let detail = worst.filter(|pair| !look.whole && sheet::too_small(&plane, *pair));
+    if let Some(pair) = detail {
+        plane.zoom(pair);
+    }
+    ensure!(
+        plane.circles.len() <= MOST_PARTICLES,
+        "{} particles are too many to be seen; at most {MOST_PARTICLES} are drawn: draw a part of \
+         the scene{}",
+        plane.circles.len(),
+        if dim == 3 { ", or another slice" } else { "" }
+    );
+    let lines = pairs.all().flat_map(|pair| bodies.lines(*pair));
+    let lines = lines.filter(|pair| pair.iter().all(|&k| plane.circle(k).is_some())).count();
+    ensure!(
+        lines <= MOST_LINES,
+        "{lines} pairs are too many to be seen; at most {MOST_LINES} are drawn: draw a part of the \
+         scene, or are the radii in another unit than the coordinates?"
+    );
+    Ok(sheet::Sheet::new(periodic, &bodies, &plane, pairs, look, detail).draw())
+}

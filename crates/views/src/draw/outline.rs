@@ -1,0 +1,102 @@
+//! The faces of a box where they cross the plane that is drawn.
+
+use crate::draw::plane::Plane;
+use contactbench_core::scene::Lattice;
+
+/// A piece of a face, from here to there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    pub ends: [[f64; 2]; 2],
+    /// The box repeats there.
+    pub repeats: bool,
+}
+
+/// The faces of a box in a plane, as far as they lie within `view`, or all.
+pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<[[f64; 2]; 2]>) -> Vec<Face> {
+    let view = view.unwrap_or_else(|| around(plane, lattice));
+    let [[x, y], [right, top]] = view;
+    // A corner, and whether the edge from it is a face, and of which kind.
+    let mut polygon: Vec<([f64; 2], Option<bool>)> =
+        [[x, y], [right, y], [right, top], [x, top]].map(|corner| (corner, None)).to_vec();
+    let whole = closed(lattice, plane.slice.is_some());
+    let dim = if plane.slice.is_some() { 3 } else { 2 };
+    for vector in 0..dim {
+        let repeats = lattice.periodic()[vector];
+        let dual = match &whole {
+            Some(whole) => whole.dual(vector),
+            None if repeats => lattice.dual(vector),
+            None => continue,
+        };
+        // How far along the vector, from 0 to 1 within the box.
+        let along = |point: [f64; 2]| {
+            let mut at = lattice.origin();
+            plane.axes.iter().zip(point).for_each(|(&axis, x)| at[axis] = x / plane.factor);
+            if let Some(slice) = plane.slice {
+                at[slice.axis] = slice.at;
+            }
+            (0..dim).map(|k| dual[k] * (at[k] - lattice.origin()[k])).sum::<f64>()
+        };
+        polygon = cut(&polygon, repeats, along);
+        polygon = cut(&polygon, repeats, |point| 1.0 - along(point));
+    }
+    let next = polygon.iter().cycle().skip(1);
+    let edges = polygon.iter().zip(next);
+    let faces =
+        edges.filter_map(|(&(a, kind), &(b, _))| Some(Face { ends: [a, b], repeats: kind? }));
+    faces.filter(|face| face.ends.as_flattened().iter().all(|x| x.is_finite())).collect()
+}
+
+/// The box with faces along all of its vectors, where it has them.
+fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
+    let mut vectors = *lattice.vectors();
+    if !space {
+        vectors[2] = [0.0, 0.0, 1.0];
+    }
+    Lattice::new(vectors, [true; 3], lattice.origin()).ok()
+}
+
+/// A rectangle around the circles and all corners of the box, and a little more, so that no face
+/// lies in its rim.
+fn around(plane: &Plane, lattice: &Lattice) -> [[f64; 2]; 2] {
+    let circles = plane.bounds().unwrap_or([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
+    let [mut low, mut high] = (0..8).fold(circles, |[mut low, mut high], corner| {
+        for (k, &axis) in plane.axes.iter().enumerate() {
+            let vectors = lattice.vectors().iter().enumerate();
+            let taken = vectors.filter(|(vector, _)| corner >> vector & 1 == 1);
+            let at = taken.fold(lattice.origin()[axis], |at, (_, vector)| at + vector[axis]);
+            low[k] = low[k].min(at * plane.factor);
+            high[k] = high[k].max(at * plane.factor);
+        }
+        [low, high]
+    });
+    for k in 0..2 {
+        let more = 0.01 * (high[k] - low[k]);
+        (low[k], high[k]) = (low[k] - more, high[k] + more);
+    }
+    [low, high]
+}
+
+/// What of a convex polygon lies where a linear function is not negative. The edge that is new is a
+/// face.
+fn cut(
+    polygon: &[([f64; 2], Option<bool>)],
+    repeats: bool,
+    inside: impl Fn([f64; 2]) -> f64,
+) -> Vec<([f64; 2], Option<bool>)> {
+    let mut left = Vec::new();
+    for (k, &(a, edge)) in polygon.iter().enumerate() {
+        let b = polygon[(k + 1) % polygon.len()].0;
+        let (at, then) = (inside(a), inside(b));
+        let part = at / (at - then);
+        let between = [0, 1].map(|k| a[k] + (b[k] - a[k]) * part);
+        if at >= 0.0 {
+            left.push((a, edge));
+        }
+        match (at >= 0.0, then >= 0.0) {
+            (true, false) => left.push((between, Some(repeats))),
+            (false, true) => left.push((between, edge)),
+            _ => {}
+        }
+    }
+    left
+}

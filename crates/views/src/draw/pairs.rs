@@ -1,0 +1,201 @@
+//! The pairs of a picture: contacts, near misses, and what a list got wrong.
+
+use std::collections::HashMap;
+
+use anyhow::{Context, bail, ensure};
+
+use contactbench_core::periodic::{ImagePair, Periodic, depth};
+use contactbench_io::boxes;
+use contactbench_io::pairs::List;
+use contactbench_scenes::touching::{contacts, nearest, nearly};
+
+/// Two particles are nearly tangent if the overlap or the gap is under this part of their mean
+/// radius.
+pub const NEAR: f64 = 1e-6;
+
+/// Pairs of particles, each kind of its own look. Particles count from 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Highlighted {
+    /// Pairs that touch, and were not missed.
+    pub contacts: Vec<ImagePair>,
+    /// Pairs that just do not touch.
+    pub near: Vec<ImagePair>,
+    /// Pairs that touch, and that a list lacks.
+    pub missed: Vec<ImagePair>,
+    /// Pairs that do not touch, and that a list has; also a particle with itself.
+    pub spurious: Vec<ImagePair>,
+    /// Pairs that a list has more than once, once for each time too many.
+    pub duplicates: Vec<ImagePair>,
+}
+
+impl Highlighted {
+    /// The contacts of a scene, decided exactly, and the pairs that just do not touch. A list of
+    /// pairs may take `limit` bytes.
+    ///
+    /// # Errors
+    /// Contacts that cannot be found within the limit.
+    pub fn from_scene(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Highlighted> {
+        let contacts = contacts(periodic, limit)?;
+        let near = nearly(periodic, NEAR, limit);
+        Ok(Highlighted { contacts, near, ..Highlighted::default() })
+    }
+
+    /// The same, and what a list of pairs has missed or added. Of a list without images a pair
+    /// stands for all of its contacts, or where it has none, for the nearest image.
+    ///
+    /// # Errors
+    /// As [`Highlighted::from_scene`]; particles and images that the scene does not have.
+    pub fn compare(
+        periodic: &Periodic<'_>,
+        list: &List,
+        limit: u64,
+    ) -> anyhow::Result<Highlighted> {
+        let pairs = Highlighted::from_scene(periodic, limit)?;
+        let reported = reported(periodic, list, &pairs.contacts)?;
+        Ok(pairs.against(reported))
+    }
+
+    /// What these contacts, in any order, have missed or added of those of the scene.
+    pub fn against(mut self, mut reported: Vec<ImagePair>) -> Highlighted {
+        reported.sort_unstable();
+        for same in reported.chunk_by(|a, b| a == b) {
+            if self.contacts.binary_search(&same[0]).is_err() {
+                self.spurious.push(same[0]);
+            }
+            self.duplicates.extend_from_slice(&same[1..]);
+        }
+        let absent = |pair: &mut ImagePair| reported.binary_search(pair).is_err();
+        self.missed = self.contacts.extract_if(.., absent).collect();
+        self
+    }
+
+    pub fn all(&self) -> impl Iterator<Item = &ImagePair> {
+        let Highlighted { contacts, near, missed, spurious, duplicates } = self;
+        [contacts, near, missed, spurious, duplicates].into_iter().flatten()
+    }
+
+    /// The pair that a list got wrong by most: the deepest that it missed, else the widest apart
+    /// that it has, or one that it has twice.
+    pub fn worst(&self, periodic: &Periodic<'_>) -> Option<ImagePair> {
+        let depth = |pair: &ImagePair| depth(periodic, *pair).abs();
+        let by_depth = |a: &&ImagePair, b: &&ImagePair| depth(a).total_cmp(&depth(b));
+        let missed = self.missed.iter().max_by(by_depth);
+        let worst = missed.or_else(|| self.spurious.iter().max_by(by_depth));
+        worst.or(self.duplicates.first()).copied()
+    }
+}
+
+/// The contacts that a list names.
+fn reported(
+    periodic: &Periodic<'_>,
+    list: &List,
+    contacts: &[ImagePair],
+) -> anyhow::Result<Vec<ImagePair>> {
+    let (axes, n) = (periodic.lattice().periodic(), periodic.scene().len());
+    if periodic.lattice().repeats() {
+        list.understood(periodic.scene().dim(), axes)?;
+        boxes::hold(axes, list.images.as_deref())?;
+    } else if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
+        let [i, j] = list.pairs[k];
+        bail!(
+            "the pair {i},{j} names an image in a box that repeats, and boundaries are open here; \
+             give --box LX,LY,LZ"
+        );
+    }
+    let mut pairs = Vec::new();
+    let room = pairs.try_reserve_exact(list.pairs.len());
+    room.with_context(|| format!("no memory for {} pairs", list.pairs.len()))?;
+    for (k, &[i, j]) in list.pairs.iter().enumerate() {
+        let (Ok(a), Ok(b)) = (u32::try_from(i), u32::try_from(j)) else {
+            bail!(
+                "the pair {i},{j}: particles are numbered from 0; contactbench verify reads other \
+                 numbers"
+            )
+        };
+        ensure!(
+            (a as usize) < n && (b as usize) < n,
+            "the pair {i},{j}: the scene has {n} particles, numbered from 0; the list belongs to \
+             another scene"
+        );
+        let image = list.images.as_ref().map_or([0; 3], |images| images[k]);
+        pairs.push(ImagePair::new(a, b, image));
+    }
+    if list.images.is_none() {
+        pairs = through_images(periodic, pairs, contacts);
+    }
+    Ok(pairs)
+}
+
+/// Pairs without images as contacts: each pair stands for all of its images that touch, or for the
+/// nearest one. Only what is listed more often than that is listed twice.
+fn through_images(
+    periodic: &Periodic<'_>,
+    pairs: Vec<ImagePair>,
+    contacts: &[ImagePair],
+) -> Vec<ImagePair> {
+    let mut counts = HashMap::<[u32; 2], usize>::new();
+    pairs.iter().for_each(|pair| *counts.entry([pair.i, pair.j]).or_default() += 1);
+    let mut reported = Vec::new();
+    for (pair, count) in counts {
+        let start = contacts.partition_point(|other| [other.i, other.j] < pair);
+        let same = contacts[start..].iter().take_while(|other| [other.i, other.j] == pair);
+        let mut images: Vec<ImagePair> = same.copied().collect();
+        if images.is_empty() {
+            images.push(nearest(periodic, pair));
+        }
+        reported.extend(std::iter::repeat_n(images[0], count.saturating_sub(images.len())));
+        reported.append(&mut images);
+    }
+    reported
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_core::scene::{Radii, Scene};
+    use contactbench_io::{Frame, pairs};
+    use contactbench_scenes::touching::in_open_space;
+
+    #[test]
+    fn a_list_is_taken_apart_or_refused_with_the_place() {
+        let centres =
+            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0]].map(nalgebra::Point::from);
+        let scene = Scene::new(centres.to_vec(), Radii::Uniform(0.5)).unwrap().into();
+        let scene = in_open_space(&scene).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pairs.csv");
+        let compare = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let mut list = pairs::read(&path, &[], Frame::Only)?;
+            list.without_box();
+            Highlighted::compare(&scene, &list, 1 << 20)
+        };
+        let open =
+            |pairs: &[ImagePair]| pairs.iter().map(|pair| [pair.i, pair.j]).collect::<Vec<_>>();
+        for text in [
+            "i,j\n2,1\n1,2\n3,0\n0,0\n",
+            "2,1\n\n# more\n1,2,0.25\n3,0\n0,0",
+            "2 1\n1\t2\n3 0\n0 0\n",
+            "i;j\r\n2;1\r\n1;2\r\n3;0\r\n0;0\r\n",
+            "2 1 1 2\n1 2 1 1\n3 0 1 1\n0 0 1 1\n",
+        ] {
+            let found = compare(text).unwrap();
+            assert_eq!(open(&found.contacts), [[1, 2]], "{text:?}");
+            assert_eq!(open(&found.missed), [[0, 1]]);
+            assert_eq!(open(&found.near), [[2, 3]]);
+            assert_eq!(open(&found.spurious), [[0, 0], [0, 3]]);
+            assert_eq!(open(&found.duplicates), [[1, 2]]);
+        }
+        for (text, words) in [
+            ("i,j\n0,1\n2,x\n", "pairs.csv:3: column 2: 'x' is not the number of a particle"),
+            ("i,j\n\n-1,2\n", "the pair -1,2: particles are numbered from 0"),
+            ("0,1\n2,3\n4294967296,1\n", "the pair 4294967296,1: particles"),
+            ("0,4\n", "the pair 0,4: the scene has 4 particles"),
+            ("0,1\n0,2\n5\n", "pairs.csv:3: column 2: '' is not the number"),
+            ("i,j\r0,1\r2,3\r", "pairs.csv:1: a line ends in a carriage return alone"),
+        ] {
+            let error = format!("{:#}", compare(text).unwrap_err());
+            assert!(error.contains(words), "{text:?}: {error}");
+        }
+    }
+}

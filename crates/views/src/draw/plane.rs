@@ -1,0 +1,226 @@
+//! Discs as they are; spheres as circles in the plane of a slice.
+
+use std::str::FromStr;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::draw::bodies::Body;
+
+/// A plane across one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// The axis that the plane cuts: 0, 1 or 2.
+    pub axis: usize,
+    /// The coordinate of the plane along it.
+    pub at: f64,
+}
+
+impl Slice {
+    /// Through both bodies of a pair, where one plane meets both: across the axis along which
+    /// they are nearest, by their radii.
+    pub fn through([a, b]: [&Body; 2]) -> Slice {
+        let apart = |axis: usize| (a.centre[axis] - b.centre[axis]).abs();
+        let axis = [2, 1, 0].into_iter().min_by(|&k, &l| apart(k).total_cmp(&apart(l)));
+        let axis = axis.unwrap_or(2);
+        let part = if a.r + b.r > 0.0 { a.r / (a.r + b.r) } else { 0.5 };
+        Slice { axis, at: a.centre[axis] * (1.0 - part) + b.centre[axis] * part }
+    }
+
+    /// The lowest and the highest coordinate of the bodies along the axis that it cuts.
+    pub fn range(&self, bodies: &[Body]) -> [f64; 2] {
+        let ends =
+            bodies.iter().map(|body| [-1.0, 1.0].map(|s| body.centre[self.axis] + s * body.r));
+        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [from, to]| {
+            [low.min(from), high.max(to)]
+        })
+    }
+
+    pub fn name(&self) -> &'static str {
+        ["x", "y", "z"][self.axis.min(2)]
+    }
+}
+
+impl FromStr for Slice {
+    type Err = anyhow::Error;
+
+    /// As on the command line: `z=0.5`.
+    fn from_str(text: &str) -> anyhow::Result<Slice> {
+        let (name, at) = text
+            .split_once('=')
+            .with_context(|| format!("'{text}' is not a slice; write axis=place, as in z=0.5"))?;
+        let axis = match name.trim() {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            other => bail!("'{text}': the axis is '{other}'; it must be x, y or z, as in z=0.5"),
+        };
+        let place = at.trim().parse::<f64>().ok();
+        let at = place.with_context(|| format!("'{text}': '{at}' is not a number; write z=0.5"))?;
+        ensure!(at.is_finite(), "'{text}': {at} is not a finite number; write z=0.5");
+        Ok(Slice { axis, at })
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// The place of its body.
+    pub id: u32,
+    pub at: [f64; 2],
+    /// The radius in the plane.
+    pub r: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// In the order of the bodies.
+    pub circles: Vec<Circle>,
+    /// For spheres: the slice.
+    pub slice: Option<Slice>,
+    pub axes: [usize; 2],
+    /// Coordinates are those of the scene times this power of two, so that no difference overflows,
+    /// and none vanishes.
+    pub factor: f64,
+    /// The place of each body's circle; `u32::MAX` if it has none.
+    places: Vec<u32>,
+}
+
+impl Plane {
+    /// All discs, or the spheres that meet the slice. If none is given, it goes through the middle
+    /// of the first `count` bodies.
+    pub fn new(bodies: &[Body], dim: usize, slice: Option<Slice>, count: usize) -> Plane {
+        let sizes = bodies.iter().flat_map(|body| body.centre.into_iter().chain([body.r]));
+        let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
+        let factor = if largest > 1e300 {
+            2f64.powi(-30)
+        } else if largest > 0.0 && largest < 1e-290 {
+            2f64.powi(300)
+        } else {
+            1.0
+        };
+        let middle = || {
+            let heights = bodies.iter().take(count).map(|body| body.centre[2]);
+            let low = heights.clone().fold(f64::INFINITY, f64::min);
+            Slice { axis: 2, at: 0.5 * low + 0.5 * heights.fold(f64::NEG_INFINITY, f64::max) }
+        };
+        let slice = (dim == 3 && !bodies.is_empty()).then(|| slice.unwrap_or_else(middle));
+        let axes = match slice.map(|slice| slice.axis) {
+            Some(0) => [1, 2],
+            Some(1) => [0, 2],
+            _ => [0, 1],
+        };
+        let mut circles = Vec::new();
+        for (id, body) in (0..).zip(bodies) {
+            let r = body.r * factor;
+            let away =
+                slice.map_or(0.0, |slice| body.centre[slice.axis] * factor - slice.at * factor);
+            if away.abs() <= r {
+                // (r - away)(r + away) loses no digits, and the root of each factor does not
+                // overflow.
+                let r = (r - away).sqrt() * (r + away).sqrt();
+                circles.push(Circle { id, at: axes.map(|axis| body.centre[axis] * factor), r });
+            }
+        }
+        let mut plane =
+            Plane { circles, slice, axes, factor, places: vec![u32::MAX; bodies.len()] };
+        plane.number();
+        plane
+    }
+
+    fn number(&mut self) {
+        self.places.fill(u32::MAX);
+        for (place, circle) in (0..).zip(&self.circles) {
+            self.places[circle.id as usize] = place;
+        }
+    }
+
+    /// The place of a body's circle, if it has one.
+    pub fn place(&self, body: u32) -> Option<usize> {
+        let place = *self.places.get(body as usize)? as usize;
+        (place < self.circles.len()).then_some(place)
+    }
+
+    /// The circle of a body, if it has one.
+    pub fn circle(&self, body: u32) -> Option<&Circle> {
+        self.circles.get(self.place(body)?)
+    }
+
+    /// Leaves the neighbourhood of a pair; all circles where one of the two has none.
+    pub fn zoom(&mut self, [i, j]: [u32; 2]) {
+        let (Some(a), Some(b)) = (self.circle(i), self.circle(j)) else { return };
+        let apart = [0, 1].map(|k| (a.at[k] - b.at[k]).abs());
+        let reach = 3.0 * a.r.max(b.r) + apart[0].max(apart[1]);
+        let middle = [0, 1].map(|k| 0.5 * a.at[k] + 0.5 * b.at[k]);
+        self.circles.retain(|circle| {
+            let near = (0..2).all(|k| (circle.at[k] - middle[k]).abs() <= reach);
+            circle.id == i || circle.id == j || near
+        });
+        self.number();
+    }
+
+    pub fn bounds(&self) -> Option<[[f64; 2]; 2]> {
+        bounds(&self.circles)
+    }
+}
+
+/// The rectangle around circles; none where there are none.
+pub fn bounds<'a>(circles: impl IntoIterator<Item = &'a Circle>) -> Option<[[f64; 2]; 2]> {
+    circles.into_iter().fold(None, |bounds, circle| {
+        let low = circle.at.map(|x| x - circle.r);
+        let high = circle.at.map(|x| x + circle.r);
+        let Some([least, most]) = bounds else { return Some([low, high]) };
+        let [least, most]: [[f64; 2]; 2] = [least, most];
+        Some([[0, 1].map(|k| least[k].min(low[k])), [0, 1].map(|k| most[k].max(high[k]))])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spheres(centres: &[[f64; 3]], r: f64) -> Vec<Body> {
+        let body = |&centre: &[f64; 3]| Body { particle: 0, image: [0; 3], centre, r };
+        centres.iter().map(body).collect()
+    }
+
+    #[test]
+    fn a_slice_cuts_spheres_into_circles() {
+        let centres = [[0.0, 0.0, 0.0], [10.0, 5.0, 3.0], [20.0, 7.0, 5.5], [30.0, 0.0, 8.0]];
+        let scene = spheres(&centres, 5.0);
+        let cut = |slice| Plane::new(&scene, 3, slice, usize::MAX);
+        let plane = cut(Some("z = 0".parse().unwrap()));
+        let found: Vec<_> = plane.circles.iter().map(|c| (c.id, c.at)).collect();
+        assert_eq!(found, [(0, [0.0, 0.0]), (1, [10.0, 5.0])]);
+        assert!(
+            (plane.circles[0].r - 5.0).abs() < 1e-14 && (plane.circles[1].r - 4.0).abs() < 1e-14
+        );
+        assert_eq!([1, 2, 9].map(|k| plane.circle(k).map(|c| c.id)), [Some(1), None, None]);
+        // Through the middle: z = 4.
+        assert_eq!(cut(None).circles.len(), 4);
+        let plane = cut(Some(Slice { axis: 0, at: 31.0 }));
+        assert_eq!((plane.axes, plane.circles[0].at), ([1, 2], [0.0, 8.0]));
+        // A plane that touches a sphere meets it in a point.
+        assert_eq!(cut(Some(Slice { axis: 0, at: 35.0 })).circles[0].r, 0.0);
+    }
+
+    #[test]
+    fn no_number_is_too_large_or_too_small() {
+        for scale in [f64::MAX, 1e-310, 1e200] {
+            let scene = spheres(&[[scale, -scale, 0.0], [-scale, scale, 0.0]], scale);
+            let plane = Plane::new(&scene, 3, None, usize::MAX);
+            let [low, high] = plane.bounds().unwrap();
+            let extent = high[0] - low[0];
+            assert!(extent.is_finite() && extent > 0.0, "{scale}: {extent}");
+            assert!((plane.circles[0].r / extent - 0.25).abs() < 1e-12, "{scale}");
+        }
+        assert_eq!(Plane::new(&[], 3, None, 0).bounds(), None);
+    }
+
+    #[test]
+    fn slices_are_read_or_refused() {
+        assert_eq!("y=-2.5e3".parse::<Slice>().unwrap(), Slice { axis: 1, at: -2500.0 });
+        for text in ["z", "w=1", "z=", "z=inf", "z=NaN", "=1"] {
+            let error = text.parse::<Slice>().unwrap_err().to_string();
+            assert!(error.contains(&format!("'{text}'")) && error.contains("z=0.5"), "{error}");
+        }
+    }
+}

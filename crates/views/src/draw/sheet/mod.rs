@@ -1,0 +1,313 @@
+//! The picture: title, grid, circles, pairs ([`lines`]), numbers, legend.
+
+mod lines;
+
+use crate::draw::bodies::{Bodies, Body};
+use crate::draw::outline::{Face, faces};
+use crate::draw::page_coordinates::PageCoordinates;
+use crate::draw::plane::{Circle, Plane};
+use crate::draw::{Highlighted, LABELLED, Look};
+use crate::{px, segment};
+use contactbench_core::contact::{Test, any_bodies};
+use contactbench_core::filter::Cells;
+use contactbench_core::periodic::Periodic;
+use contactbench_core::scene::{AnyScene, Real, Scene};
+use contactbench_core::with_scene;
+use contactbench_io::boxes::{along, outside};
+use contactbench_terms::number::wrap;
+use contactbench_terms::text;
+
+/// The most pixels of the drawing, without margins and text.
+const MOST: [f64; 2] = [960.0, 720.0];
+const HEADER: f64 = 46.0;
+const ROW: f64 = 22.0;
+/// From one line of the title to the next, and from one of other text.
+const TITLE: f64 = 20.0;
+const LINE: f64 = 17.0;
+/// Pixels that a letter takes, in the title and elsewhere; and the left and right of the legend.
+const TITLE_LETTER: f64 = 11.0;
+const LETTER: f64 = 8.0;
+const LEGEND: f64 = 74.0;
+/// Circles with a smaller radius than this many pixels are not seen among others.
+const SEEN: f64 = 6.0;
+/// From here on, circles have no outline and lines are thin.
+const CROWD: usize = 3000;
+/// More grid lines than this along an axis are a surface.
+const MOST_LINES: f64 = 400.0;
+
+const DISC: &str = "#dde6f0";
+const RIM: &str = "#73859c";
+/// The images of particles in a box, and the box.
+const IMAGE: &str = "#f6f3ea";
+const IMAGE_RIM: &str = "#b3a987";
+const BOX: &str = "#555";
+const MISSED: &str = "#d11507";
+const SPURIOUS: &str = "#e07b00";
+
+pub struct Sheet<'a> {
+    periodic: &'a Periodic<'a>,
+    bodies: &'a Bodies,
+    plane: &'a Plane,
+    pairs: &'a Highlighted,
+    look: &'a Look,
+    faces: Vec<Face>,
+    page: PageCoordinates,
+    title: Vec<String>,
+    /// The lines under it.
+    subtitle: Vec<String>,
+    /// The pixels of both.
+    header: f64,
+    /// Rows below the drawing: a mark, and what it means.
+    rows: Vec<(String, String)>,
+    body: String,
+}
+
+impl<'a> Sheet<'a> {
+    /// An empty sheet, large enough.
+    pub fn new(
+        periodic: &'a Periodic<'a>,
+        bodies: &'a Bodies,
+        plane: &'a Plane,
+        pairs: &'a Highlighted,
+        look: &'a Look,
+        detail: Option<[u32; 2]>,
+    ) -> Sheet<'a> {
+        let lattice = periodic.lattice();
+        let view = plane.bounds().filter(|_| detail.is_some());
+        let faces = if lattice.repeats() { faces(plane, lattice, view) } else { Vec::new() };
+        let bounds = around(plane, &faces).unwrap_or([[0.0; 2], [1.0; 2]]);
+        let width = PageCoordinates::around(bounds, MOST, HEADER).size[0];
+        let count = periodic.scene().len();
+        let mut subtitle =
+            format!("{count} {}", if periodic.scene().dim() == 2 { "discs" } else { "spheres" });
+        if lattice.repeats() {
+            let centres = bodies.all[..count].iter().map(|body| body.centre);
+            subtitle += &format!(" in a box that repeats along {}", along(lattice.periodic()));
+            subtitle += &match outside(centres, lattice).len() {
+                0 => String::new(),
+                count => format!(", {count} outside it"),
+            };
+        }
+        if let Some(slice) = plane.slice {
+            subtitle += &format!(", slice {} = {}", slice.name(), slice.at);
+            if detail.is_none() {
+                let met = plane.circles.iter().filter(|circle| (circle.id as usize) < count);
+                subtitle += &format!(": {} meet it", met.count());
+            }
+        }
+        if let Some(pair) = detail {
+            let [i, j] = pair.map(|body| bodies.all[body as usize].particle);
+            subtitle += &format!(", around {i} and {j}: the worst mistake");
+        }
+        let title = wrap(&look.title, (width / TITLE_LETTER) as usize);
+        let subtitle = wrap(&subtitle, (width / LETTER) as usize);
+        let header = HEADER + TITLE * (title.len() - 1) as f64 + LINE * (subtitle.len() - 1) as f64;
+        let page = PageCoordinates::around(bounds, MOST, header);
+        let (rows, body) = (Vec::new(), String::new());
+        Sheet {
+            periodic,
+            bodies,
+            plane,
+            pairs,
+            look,
+            faces,
+            page,
+            title,
+            subtitle,
+            header,
+            rows,
+            body,
+        }
+    }
+
+    pub fn draw(mut self) -> String {
+        if self.look.grid {
+            self.grid();
+        }
+        self.circles();
+        self.faces();
+        self.contacts();
+        let pairs = self.pairs;
+        self.wrong(&pairs.duplicates, SPURIOUS, "2 4", "reported more than once");
+        self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
+        self.wrong(&pairs.missed, MISSED, "9 5", "missed: touching, but not reported");
+        let own =
+            self.plane.circles.iter().filter(|circle| !self.body_of(circle).is_image()).count();
+        if self.look.labels.unwrap_or(own <= LABELLED) {
+            self.labels();
+        }
+        self.finish()
+    }
+
+    fn finish(self) -> String {
+        let Sheet { look, page, title, subtitle, header, rows, body, .. } = self;
+        let width = page.size[0];
+        let most = ((width - LEGEND) / LETTER) as usize;
+        let mut legend = String::new();
+        let mut y = header + page.size[1];
+        for (mark, text) in rows {
+            legend += &format!("<g transform=\"translate(16 {})\">{mark}", px(y + 0.5 * ROW));
+            for (k, line) in wrap(&text, most).iter().enumerate() {
+                let at = px(5.0 + LINE * k as f64);
+                legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", text::html(line));
+                y += if k == 0 { ROW } else { LINE };
+            }
+            legend += "</g>\n";
+        }
+        let height = y + 14.0;
+        let (mut texts, mut y) = (String::new(), 22.0);
+        for line in &title {
+            let bold = "font-size=\"16\" font-weight=\"bold\"";
+            let line = text::html(line);
+            texts += &format!("<text x=\"14\" y=\"{}\" {bold}>{line}</text>\n", px(y));
+            y += TITLE;
+        }
+        for line in &subtitle {
+            let (at, line) = (px(y - 1.0), text::html(line));
+            texts += &format!("<text x=\"14\" y=\"{at}\" fill=\"#555\">{line}</text>\n");
+            y += LINE;
+        }
+        let whole = text::html(&look.title);
+        let (w, h) = (px(width), px(height));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 \
+             {w} {h}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-size=\"13\" \
+             fill=\"#222\">\n<title>{whole}</title>\n<rect width=\"{w}\" height=\"{h}\" \
+             fill=\"#fff\"/>\n{texts}{body}{legend}</svg>\n"
+        )
+    }
+
+    fn circles(&mut self) {
+        let crowd = self.plane.circles.len() > CROWD;
+        // Points, and discs too small to be seen, are dots.
+        let least = if crowd { 0.5 } else { 1.6 };
+        for (images, fill, rim) in [
+            (true, IMAGE, format!("{IMAGE_RIM}\" stroke-dasharray=\"4 3")),
+            (false, DISC, RIM.into()),
+        ] {
+            let look = if crowd { String::new() } else { format!(" stroke=\"{rim}\"") };
+            let (mut discs, mut dots) = (String::new(), String::new());
+            let circles = &self.plane.circles;
+            let such = |circle: &&Circle| self.body_of(circle).is_image() == images;
+            for circle in circles.iter().filter(such) {
+                let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
+                if r < least {
+                    dots += &format!("M{x} {y}h0");
+                } else {
+                    discs += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>\n", px(r));
+                }
+            }
+            if !images || !discs.is_empty() {
+                self.body += &format!("<g fill=\"{fill}\"{look}>\n{discs}</g>\n");
+            }
+            if !dots.is_empty() {
+                let (width, rim) = (px(2.0 * least), if images { IMAGE_RIM } else { RIM });
+                self.body += &format!(
+                    "<path d=\"{dots}\" stroke=\"{rim}\" stroke-width=\"{width}\" \
+                     stroke-linecap=\"round\" fill=\"none\"/>\n"
+                );
+            }
+        }
+    }
+
+    fn body_of(&self, circle: &Circle) -> &'a Body {
+        &self.bodies.all[circle.id as usize]
+    }
+
+    /// The outline of the box.
+    fn faces(&mut self) {
+        for (repeats, look, meaning) in [
+            (true, "stroke-width=\"1.6\"", "faces of the box"),
+            (false, "stroke-width=\"1.2\" stroke-dasharray=\"2 5\"", "open faces of the box"),
+        ] {
+            let mut lines = String::new();
+            for face in self.faces.iter().filter(|face| face.repeats == repeats) {
+                let [a, b] = face.ends.map(|end| self.page.at(end));
+                segment(&mut lines, a, b);
+            }
+            if !lines.is_empty() {
+                let look = format!("stroke=\"{BOX}\" {look} fill=\"none\"");
+                self.body += &format!("<path d=\"{lines}\" {look}/>\n");
+                self.rows.push((format!("<path d=\"M0 0H32\" {look}/>"), meaning.into()));
+            }
+        }
+    }
+
+    fn labels(&mut self) {
+        let mut texts = String::new();
+        for circle in &self.plane.circles {
+            let [x, y] = self.page.at(circle.at);
+            let size = (0.8 * self.page.length(circle.r)).clamp(8.0, 17.0);
+            let body = self.body_of(circle);
+            let pale = if body.is_image() { " fill=\"#8a8167\"" } else { "" };
+            texts += &format!(
+                "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{pale}>{}</text>\n",
+                px(x),
+                px(y + 0.36 * size),
+                px(size),
+                body.particle
+            );
+        }
+        self.body += &format!(
+            "<g text-anchor=\"middle\" font-weight=\"bold\" stroke=\"#fff\" stroke-width=\"3\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\">\n{texts}</g>\n"
+        );
+    }
+
+    fn grid(&mut self) {
+        let Some((origin, edge)) = cells(self.periodic.scene()) else { return };
+        let Some([low, high]) = self.plane.bounds() else { return };
+        let look = "stroke=\"#b9b9b0\" stroke-width=\"1\" fill=\"none\"";
+        let edge_here = edge * self.plane.factor;
+        if (0..2).any(|k| (high[k] - low[k]) / edge_here > MOST_LINES) {
+            self.rows.push((
+                String::new(),
+                format!("the cells of edge {edge:e} are too many to be seen"),
+            ));
+            return;
+        }
+        let mut lines = String::new();
+        for k in 0..2 {
+            let first = origin[self.plane.axes[k]] * self.plane.factor;
+            let numbers = ((low[k] - first) / edge_here).ceil() as i64
+                ..=((high[k] - first) / edge_here).floor() as i64;
+            for number in numbers {
+                let at = first + number as f64 * edge_here;
+                let (mut a, mut b) = (low, high);
+                (a[k], b[k]) = (at, at);
+                segment(&mut lines, self.page.at(a), self.page.at(b));
+            }
+        }
+        self.body += &format!("<path d=\"{lines}\" {look}/>\n");
+        self.rows.push((
+            format!("<path d=\"M0 0H32\" {look}/>"),
+            format!("cells of edge {edge}, as detectors use them"),
+        ));
+    }
+}
+
+/// The rectangle around all circles and faces.
+fn around(plane: &Plane, faces: &[Face]) -> Option<[[f64; 2]; 2]> {
+    faces.iter().flat_map(|face| face.ends).fold(plane.bounds(), |bounds, point| {
+        let [low, high] = bounds.unwrap_or([point; 2]);
+        Some([[0, 1].map(|k| low[k].min(point[k])), [0, 1].map(|k| high[k].max(point[k]))])
+    })
+}
+
+/// Is a pair too small to be seen in a picture of all circles?
+pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
+    let Some(bounds) = plane.bounds() else { return false };
+    let page = PageCoordinates::around(bounds, MOST, HEADER);
+    let radii = [i, j].map(|k| plane.circle(k).map_or(f64::INFINITY, |circle| circle.r));
+    page.length(radii[0].min(radii[1])) < SEEN
+}
+
+/// The lowest corner of the cells that detectors use, and their edge; none where there are no
+/// cells.
+fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
+    fn corner<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
+        let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
+        Some((cells.origin().to_vec(), cells.edge()))
+    }
+    with_scene!(scene, scene => corner(scene))
+}

@@ -1,0 +1,202 @@
+//! The arrays of a step as SVG: lists, heads, marks, keys, the tree.
+
+use crate::px;
+use crate::trace::picture::{label, rect};
+use crate::trace::recorder::Step;
+use crate::trace::state::Slot;
+use crate::trace::tree::Tree;
+use crate::trace::{Algorithm, Trace};
+
+pub const WIDTH: f64 = 900.0;
+/// Values side by side.
+const PER_LINE: usize = 20;
+/// The widest box of a value, and the height of all.
+const VALUE: [f64; 2] = [80.0, 38.0];
+/// Height of the number above a value.
+const CAPTION: f64 = 16.0;
+const LINE: f64 = VALUE[1] + CAPTION + 6.0;
+const TITLE: f64 = 26.0;
+
+/// How a block of the panel looks.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// The first particles of lists that lie along an axis.
+    Heads(usize),
+    /// The first particles of the lists of all cells.
+    Matrix,
+    /// One particle for each particle or place.
+    Particles,
+    /// A column (0) or row (1) for each place.
+    Keys(usize),
+    Tree,
+}
+
+/// Letter, kind and title of an array.
+type Array = (char, Kind, &'static str);
+
+const NEXT: Array = ('E', Kind::Particles, "E: next particle in the cell");
+
+/// The blocks of an algorithm, one below the other.
+fn blocks(algorithm: Algorithm) -> &'static [Array] {
+    match algorithm {
+        Algorithm::Nbs => &[
+            ('B', Kind::Heads(1), "B: first particle of each row"),
+            ('Y', Kind::Particles, "Y: next particle in the row"),
+            ('A', Kind::Heads(0), "A: first particle of each column, in the central row"),
+            ('a', Kind::Heads(0), "A&#8242;: first particle of each column, in the row below"),
+            ('X', Kind::Particles, "X: next particle in the cell"),
+        ],
+        Algorithm::Screening => &[('C', Kind::Matrix, "C: first particle of each cell"), NEXT],
+        Algorithm::Sorting => &[
+            ('X', Kind::Keys(0), "X: columns"),
+            ('Y', Kind::Keys(1), "Y: rows"),
+            ('D', Kind::Particles, "D: particles"),
+        ],
+        Algorithm::BinaryTree => &[
+            (' ', Kind::Tree, "The tree; in the boxes, the leaves: the first particle of each"),
+            NEXT,
+        ],
+    }
+}
+
+/// The arrays of a trace, one below the other.
+pub struct Arrays<'a> {
+    trace: &'a Trace,
+    /// The blocks, and where they begin.
+    blocks: Vec<(Array, f64)>,
+    /// Without nodes where the algorithm has none.
+    tree: Tree,
+    width: f64,
+    pub height: f64,
+}
+
+impl<'a> Arrays<'a> {
+    pub fn new(trace: &'a Trace) -> Arrays<'a> {
+        let (tree, n) = (Tree::new(trace), trace.discs.len());
+        let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
+        // As wide as lets the longest array stand in one line, or in lines of equal length.
+        let longest = n.max(columns).max(rows).clamp(1, PER_LINE);
+        let width = (WIDTH / longest as f64).min(VALUE[0]);
+        let lines = |values: usize| values.div_ceil(PER_LINE) as f64 * LINE;
+        let (mut blocks, mut height) = (Vec::new(), 0.0);
+        for &array in self::blocks(trace.algorithm) {
+            blocks.push((array, height));
+            height += TITLE + 14.0;
+            height += match array.1 {
+                Kind::Matrix => matrix_cell(trace)[1] * rows as f64 + 26.0,
+                Kind::Tree => tree.height,
+                Kind::Heads(axis) => lines([columns, rows][axis]),
+                Kind::Particles | Kind::Keys(_) => lines(n),
+            };
+        }
+        Arrays { trace, blocks, tree, width, height }
+    }
+
+    pub fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    pub fn draw(&self, step: &Step) -> Vec<String> {
+        let draw = |&((letter, kind, title), y): &(Array, f64)| {
+            let block = match kind {
+                Kind::Matrix => matrix(self.trace, step),
+                Kind::Tree => self.tree.draw(self.trace, step),
+                _ => self.row(step, letter, kind),
+            };
+            format!(
+                "<g transform=\"translate(0 {})\"><text class=\"name\" y=\"18\">{title}</text><g \
+                 transform=\"translate(0 {TITLE})\">{block}</g></g>",
+                px(y)
+            )
+        };
+        self.blocks.iter().map(draw).collect()
+    }
+
+    /// Values side by side, and below one another where they are many.
+    fn row(&self, step: &Step, letter: char, kind: Kind) -> String {
+        let (names, slots) = (&self.trace.names, step.state.array(letter));
+        let numbers = match kind {
+            Kind::Heads(axis) => self.trace.shown(axis),
+            _ => 0..slots.len() as i64,
+        };
+        let first = match kind {
+            Kind::Heads(axis) => i64::from(names.shift[axis]),
+            _ => i64::from(names.first),
+        };
+        let size = (0.45 * self.width).clamp(17.0, 26.0);
+        let mut svg = String::new();
+        for (k, number) in numbers.enumerate() {
+            let at = usize::try_from(number).ok().filter(|&at| at < slots.len());
+            let slot = at.map_or(Slot::default(), |at| slots[at]);
+            let text = match kind {
+                Kind::Keys(axis) => {
+                    slot.value.map_or(String::new(), |key| names.key(axis, key).to_string())
+                }
+                _ => names.maybe(slot.value),
+            };
+            let class = class(step, letter, at, slot);
+            let [x, y] = [(k % PER_LINE) as f64 * self.width, (k / PER_LINE) as f64 * LINE];
+            let (middle, top) = (x + 0.5 * self.width - 1.5, y + CAPTION);
+            svg += &label("i", [middle, top - 4.0], None, number + first);
+            let size_of_box = [self.width - 4.0, VALUE[1]];
+            svg += &rect(&format!("v{class}"), [x + 1.0, top], size_of_box, " rx=\"3\"");
+            let base = top + 0.5 * VALUE[1] + 0.36 * size;
+            svg += &label(&format!("t{class}"), [middle, base], Some(size), text);
+        }
+        svg
+    }
+}
+
+/// How a place of an array looks: written or read in this step, in the range, empty, marked old.
+fn class(step: &Step, letter: char, at: Option<usize>, slot: Slot) -> String {
+    let marks = &step.marks;
+    let holds = |places: &[(char, usize)]| at.is_some_and(|at| places.contains(&(letter, at)));
+    let within = |[from, to]: [usize; 2]| at.is_some_and(|at| (from..to).contains(&at));
+    let written = holds(&marks.written);
+    let classes = [
+        (marks.range.is_some_and(within), " in"),
+        (slot.value.is_none(), " none"),
+        (slot.old, " old"),
+        (written, " written"),
+        (!written && holds(&marks.read), " read"),
+    ];
+    classes.iter().filter(|(holds, _)| *holds).map(|(_, class)| *class).collect()
+}
+
+fn matrix_cell(trace: &Trace) -> [f64; 2] {
+    let [nx, ny] = [0, 1].map(|axis| trace.shown(axis).count().max(1) as f64);
+    [((WIDTH - 34.0) / nx).min(60.0), (640.0 / ny).clamp(15.0, 36.0)]
+}
+
+/// The heads of all cells, as they lie in the plane.
+fn matrix(trace: &Trace, step: &Step) -> String {
+    let ([width, height], names) = (matrix_cell(trace), &trace.names);
+    let heads = step.state.array('C');
+    let (nx, rows) = (i64::from(trace.cells.count[0]), trace.shown(1).count());
+    let size = (0.6 * height).min(0.42 * width).clamp(8.0, 19.0);
+    let shown = |k: i64, axis: usize| k + i64::from(names.shift[axis]);
+    let mut svg = String::new();
+    for (down, row) in trace.shown(1).rev().enumerate() {
+        let y = down as f64 * height;
+        svg += &label("i", [12.0, y + 0.5 * height + 4.0], None, shown(row, 1));
+        for (right, column) in trace.shown(0).enumerate() {
+            let x = 26.0 + right as f64 * width;
+            let inside = (0..nx).contains(&column) && row >= 0;
+            let at = usize::try_from(row * nx + column).ok();
+            let at = at.filter(|&at| inside && at < heads.len());
+            let head = at.map_or(Slot::default(), |at| heads[at]);
+            let class = class(step, 'C', at, head);
+            svg += &rect(&format!("v{class}"), [x, y], [width - 2.0, height - 2.0], "");
+            // Most cells are empty: their -1 only where there is room for it.
+            if head.value.is_some() || height > 20.0 {
+                let at = [x + 0.5 * width - 1.0, y + 0.5 * height + 0.34 * size];
+                svg += &label(&format!("t{class}"), at, Some(size), names.maybe(head.value));
+            }
+        }
+    }
+    for (right, column) in trace.shown(0).enumerate() {
+        let x = 25.0 + (right as f64 + 0.5) * width;
+        svg += &label("i", [x, rows as f64 * height + 14.0], None, shown(column, 0));
+    }
+    svg
+}

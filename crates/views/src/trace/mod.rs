@@ -1,0 +1,180 @@
+//! What the detectors of the book do, step by step, on small scenes in the plane: for lectures, and
+//! to understand.
+//!
+//! ```
+//! use contactbench::views::trace::{Algorithm, example, trace};
+//!
+//! let trace = trace(Algorithm::Nbs, None)?;
+//! assert_eq!(trace.contacts.len(), 6);
+//! let page = contactbench::views::trace::page::html(&trace, "ten particles");
+//! assert!(page.starts_with("<!doctype html>"));
+//! # Ok::<(), anyhow::Error>(())
+//! ```
+//!
+//! The steps are told by the detectors themselves ([`contactbench_core::event`]): a [`recorder`] is given to
+//! them as a probe, in the place of the tally that counts their operations, and counts them as
+//! well.
+//!
+//! * [`state`]: what stands in the arrays; `words`: what a step does, in a sentence.
+//! * `picture`: the scene and the arrays of a step as SVG; [`page`]: all steps as one HTML page;
+//!   [`still`]: each as a file.
+
+mod arrays;
+pub mod example;
+pub mod page;
+mod picture;
+pub mod recorder;
+pub mod state;
+pub mod still;
+mod tree;
+mod words;
+
+use anyhow::{Context, ensure};
+use recorder::{Names, Recorder, Step};
+
+use contactbench_core::contact::{Arithmetic, any_bodies};
+use contactbench_core::detect::book::binary_tree::BinaryTree;
+use contactbench_core::detect::book::nbs2d::Nbs2d;
+use contactbench_core::detect::book::screening::Screening;
+use contactbench_core::detect::book::sorting::Sorting;
+use contactbench_core::detect::{Declare, Detector, Options};
+use contactbench_core::filter::Cells;
+use contactbench_core::probe::{Op, Silent, Tally};
+use contactbench_core::scene::{AnyScene, Stored, array};
+
+/// The most particles that can be shown.
+pub const MOST_PARTICLES: usize = 60;
+/// The most cells along an axis that can be shown, borders included.
+pub const MOST_CELLS: u32 = 40;
+/// The most steps that can be shown.
+pub const MOST_STEPS: usize = 3000;
+
+/// A detector that tells its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Algorithm {
+    /// Munjiza-NBS
+    #[default]
+    Nbs,
+    /// Sorting with binary search
+    Sorting,
+    /// Screening: a list for every cell
+    Screening,
+    /// The binary tree
+    BinaryTree,
+}
+
+impl Algorithm {
+    pub fn name(self) -> &'static str {
+        match self {
+            Algorithm::Nbs => "nbs",
+            Algorithm::Sorting => "sorting",
+            Algorithm::Screening => "screening",
+            Algorithm::BinaryTree => "binary-tree",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    pub at: [f64; 2],
+    pub r: f64,
+    /// Column and row, as the detector numbers them.
+    pub cell: [u32; 2],
+}
+
+/// A detection, step by step.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    pub algorithm: Algorithm,
+    pub discs: Vec<Disc>,
+    pub cells: Cells<2>,
+    /// How particles and cells are numbered where they are shown.
+    pub names: Names,
+    /// The steps. The first is the beginning, the last the end.
+    pub steps: Vec<Step>,
+    pub parts: Vec<String>,
+    /// The pairs that the detector reported, as it did.
+    pub contacts: Vec<[u32; 2]>,
+    /// All operations, as the counted form counts them.
+    pub tally: Tally,
+}
+
+impl Trace {
+    /// What stands above the trace of a scene with this name.
+    pub fn title(&self, name: &str) -> String {
+        format!("{}: {name}", self.algorithm.name())
+    }
+
+    /// The operations that this detector has, with the words for them.
+    pub fn ops(&self) -> Vec<(Op, String)> {
+        let used = self.tally.iter().filter(|&(_, count)| count > 0);
+        used.map(|(op, _)| (op, op.name().replace('_', " "))).collect()
+    }
+}
+
+/// Lets a detector work on a scene, or on the book's example of it, and tell what it does. Contacts
+/// are decided exactly.
+///
+/// Refuses spheres, more than [`MOST_PARTICLES`] particles, [`MOST_CELLS`] cells along an axis or
+/// [`MOST_STEPS`] steps, and what the detector refuses.
+pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Result<Trace> {
+    let example = example::example(algorithm);
+    let (scene, names) = match scene {
+        None => (example.scene(), Names { first: 1, shift: example.shift, book: true }),
+        Some(scene) => {
+            (scene.stored(Arithmetic::F64)?, Names { first: 0, shift: [0, 0], book: false })
+        }
+    };
+    let AnyScene::Plane(Stored::F64(scene)) = &scene else {
+        anyhow::bail!("steps are shown of discs, and this scene is of spheres; take one with dim=2")
+    };
+    let n = scene.len();
+    ensure!(n > 0, "the scene has no particles; there is nothing to show");
+    ensure!(
+        n <= MOST_PARTICLES,
+        "the scene has {n} particles; the steps of at most {MOST_PARTICLES} can be followed: take \
+         part, or a smaller n"
+    );
+    let bodies = any_bodies(scene, Arithmetic::Exact.test())?;
+    let cells = Cells::new(&bodies)?;
+    let [nx, ny] = cells.count;
+    ensure!(
+        nx.max(ny) <= MOST_CELLS,
+        "the scene has {nx} x {ny} cells; at most {MOST_CELLS} along each axis can be shown: take \
+         a denser scene, or remove particles that are far away"
+    );
+    let discs: Vec<Disc> = (0..n)
+        .map(|k| {
+            let at = *array(&scene.centres()[k]);
+            Disc {
+                at,
+                r: scene.radius(k),
+                cell: [0, 1].map(|axis| cells.index(at[axis], axis, &mut Silent)),
+            }
+        })
+        .collect();
+    let mut recorder = Recorder::new(algorithm, names, cells.count, &discs);
+    let mut contacts: Vec<[u32; 2]> = Vec::new();
+    let (probe, sink) = (&mut recorder, &mut contacts);
+    let options = Options::default();
+    match algorithm {
+        Algorithm::Nbs => Nbs2d::with(options).detect(bodies, probe, sink),
+        Algorithm::Sorting => Sorting::<2>::with(options).detect(bodies, probe, sink),
+        Algorithm::Screening => {
+            Detector::<f64, 2>::detect(&mut Screening::with(options), bodies, probe, sink)
+        }
+        Algorithm::BinaryTree => {
+            Detector::<f64, 2>::detect(&mut BinaryTree::with(options), bodies, probe, sink)
+        }
+    }
+    .with_context(|| format!("{} refuses the scene", algorithm.name()))?;
+    recorder.end();
+    let Recorder { steps, parts, tally, all, .. } = recorder;
+    ensure!(
+        all <= MOST_STEPS,
+        "{} takes {all} steps for this scene; at most {MOST_STEPS} can be shown: take fewer \
+         particles, or a looser scene",
+        algorithm.name()
+    );
+    Ok(Trace { algorithm, discs, cells, names, steps, parts, contacts, tally })
+}

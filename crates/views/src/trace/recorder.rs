@@ -1,0 +1,244 @@
+//! A probe that keeps the events of a detector as steps.
+
+use crate::trace::state::State;
+use crate::trace::{Algorithm, Disc, MOST_STEPS, words};
+use contactbench_core::event::{Event, Part};
+use contactbench_core::probe::{Op, Probe, Tally};
+
+/// How particles and cells are numbered where they are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// The number of the first particle: 1 in the book, else 0.
+    pub first: u32,
+    /// Added to columns and rows.
+    pub shift: [u32; 2],
+    /// An example of the book, in 10 x 10 cells.
+    pub book: bool,
+}
+
+impl Names {
+    pub fn particle(&self, k: u32) -> u32 {
+        k + self.first
+    }
+
+    /// A particle's number, or -1 for none.
+    pub fn maybe(&self, k: Option<u32>) -> String {
+        k.map_or("-1".into(), |k| self.particle(k).to_string())
+    }
+
+    /// A place of sorting: places are numbered as particles are.
+    pub fn place(&self, at: usize) -> u32 {
+        self.particle(at as u32)
+    }
+
+    /// A range of places, from the first to the one after the last.
+    pub fn places(&self, [from, to]: [usize; 2]) -> String {
+        match to - from {
+            1 => format!("place {}", self.place(from)),
+            _ => format!("places {} to {}", self.place(from), self.place(to) - 1),
+        }
+    }
+
+    pub fn key(&self, axis: usize, key: u32) -> u32 {
+        key + self.shift[axis]
+    }
+
+    pub fn cell(&self, [column, row]: [u32; 2]) -> String {
+        format!("({}, {})", self.key(0, column), self.key(1, row))
+    }
+}
+
+/// What is marked in the picture of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    pub row: Option<u32>,
+    pub central: Option<[u32; 2]>,
+    pub cell: Option<[u32; 2]>,
+    pub particle: Option<u32>,
+    /// A pair that is tested, and whether it touches.
+    pub pair: Option<(u32, u32, bool)>,
+    /// Array and place of what was written.
+    pub written: Vec<(char, usize)>,
+    /// Array and place of what was read.
+    pub read: Vec<(char, usize)>,
+    /// Places of sorting that are spoken of.
+    pub range: Option<[usize; 2]>,
+    /// Nodes of the tree that were visited.
+    pub path: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Step {
+    pub words: String,
+    pub part: usize,
+    pub marks: Marks,
+    /// The arrays after it.
+    pub state: State,
+    /// The operations up to it.
+    pub tally: Tally,
+}
+
+/// Listens to a detector.
+#[derive(Default)]
+pub struct Recorder {
+    pub(super) algorithm: Algorithm,
+    pub(super) names: Names,
+    pub(super) count: [u32; 2],
+    pub(super) discs: Vec<Disc>,
+    pub(super) state: State,
+    /// Where the detector is.
+    pub(super) row: Option<u32>,
+    pub(super) central: Option<[u32; 2]>,
+    pub(super) visiting: Option<u32>,
+    /// What has been visited since the last step: places of a search, nodes of a tree.
+    pub(super) places: Vec<usize>,
+    pub(super) path: Vec<u32>,
+    pub(super) made: usize,
+    pub(super) tally: Tally,
+    pub(super) parts: Vec<String>,
+    pub(super) steps: Vec<Step>,
+    /// The number of steps, also of those beyond the limit.
+    pub(super) all: usize,
+}
+
+impl Probe for Recorder {
+    const SILENT: bool = false;
+
+    fn add(&mut self, op: Op, n: u64) {
+        self.tally.add(op, n);
+    }
+
+    fn note(&mut self, event: impl FnOnce() -> Event) {
+        self.event(event());
+    }
+}
+
+impl Recorder {
+    pub(super) fn new(
+        algorithm: Algorithm,
+        names: Names,
+        count: [u32; 2],
+        discs: &[Disc],
+    ) -> Recorder {
+        let state = State::new(algorithm, discs.len(), count.map(|count| count as usize));
+        let (discs, parts) = (discs.to_vec(), vec!["The beginning".into()]);
+        let mut recorder =
+            Recorder { algorithm, names, count, discs, state, parts, ..Recorder::default() };
+        recorder.step(words::beginning(&recorder), Marks::default());
+        recorder
+    }
+
+    /// Takes the last step.
+    pub(super) fn end(&mut self) {
+        self.part("The end".into());
+        (self.row, self.central) = (None, None);
+        self.step(words::end(self), Marks::default());
+    }
+
+    fn part(&mut self, title: String) {
+        if self.parts.last() != Some(&title) {
+            self.parts.push(title);
+        }
+    }
+
+    fn step(&mut self, words: String, mut marks: Marks) {
+        self.all += 1;
+        if self.all > MOST_STEPS {
+            return;
+        }
+        marks.row = marks.row.or(self.row);
+        marks.central = marks.central.or(self.central);
+        marks.path.append(&mut self.path);
+        self.made = 0;
+        self.places.clear();
+        // An equation is not broken at the end of a line.
+        let words = words.replace(" = ", "\u{a0}=\u{a0}");
+        self.steps.push(Step {
+            words,
+            part: self.parts.len() - 1,
+            marks,
+            state: self.state.clone(),
+            tally: self.tally,
+        });
+    }
+
+    fn event(&mut self, event: Event) {
+        let was_empty = match event {
+            Event::Reset { heads, list } => self.state.value(heads, list).is_none(),
+            _ => false,
+        };
+        self.state.apply(&event);
+        match event {
+            Event::Begin(part) => self.begin(part),
+            Event::Visit { particle } => self.visiting = Some(particle),
+            Event::Central { cell } => self.central(cell),
+            Event::Compare { place } => self.places.push(place),
+            Event::Node { node, .. } => self.path.push(node),
+            Event::Made { node, .. } => {
+                self.made += 1;
+                self.path.push(node);
+            }
+            _ => {
+                if matches!(event, Event::Take { heads: 'B', .. }) {
+                    (self.row, self.central) = (None, None);
+                    self.part("Which rows are new?".into());
+                }
+                if let Some((words, marks)) = words::sentence(self, was_empty, &event) {
+                    self.step(words, marks);
+                }
+                if matches!(event, Event::Take { .. }) {
+                    self.visiting = None;
+                }
+            }
+        }
+    }
+
+    fn begin(&mut self, part: Part) {
+        match part {
+            Part::CentralRow { row } => self.row = Some(row),
+            Part::RemoveColumns | Part::RemoveCells => self.central = None,
+            Part::RemoveRows => self.row = None,
+            _ => {}
+        }
+        self.part(words::title(part, self.row, &self.names));
+        if let Part::Tree { halvings } = part {
+            self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
+        }
+    }
+
+    fn central(&mut self, cell: [u32; 2]) {
+        self.central = Some(cell);
+        match self.algorithm {
+            // The step that found it is about it.
+            Algorithm::Nbs | Algorithm::Screening => {
+                if let Some(step) = self.steps.last_mut() {
+                    step.marks.central = Some(cell);
+                }
+            }
+            Algorithm::Sorting => {}
+            Algorithm::BinaryTree => {
+                let cell = self.names.cell(cell);
+                let words = format!(
+                    "The walk over the tree has come to the leaf of cell {cell}: it is central."
+                );
+                self.step(words, Marks::default());
+            }
+        }
+    }
+
+    /// The cell of a list, by the letter of its heads.
+    pub(super) fn cell_of(&self, heads: char, list: usize) -> Option<[u32; 2]> {
+        match heads {
+            'A' => self.row.map(|row| [list as u32, row]),
+            'a' => self.row.map(|row| [list as u32, row.saturating_sub(1)]),
+            'C' => Some([list as u32 % self.count[0], list as u32 / self.count[0]]),
+            _ => None,
+        }
+    }
+
+    /// The particles of a list as they are shown.
+    pub(super) fn chain(&self, links: char, first: Option<u32>) -> String {
+        let names = self.state.chain(links, first).into_iter().map(|k| self.names.particle(k));
+        names.map(|name| name.to_string()).collect::<Vec<_>>().join(" \u{2192} ")
+    }
+}

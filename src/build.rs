@@ -1,0 +1,89 @@
+//! Notes what is compiled, by what and how, for the provenance of results: the compiler, its flags,
+//! the features, and the commit that the sources are of.
+
+use std::path::Path;
+use std::process::Command;
+
+/// All that the program is made of, below the root of the project.
+const SOURCES: [&str; 7] = [
+    "src",
+    "crates",
+    "Cargo.toml",
+    "Cargo.lock",
+    "experiments",
+    "tests/regressions",
+    "rust-toolchain.toml",
+];
+
+fn main() {
+    // Of a satellite, the folder of the workspace.
+    let here = std::env::current_dir().unwrap_or_default();
+    let root = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
+    let root = root.unwrap_or(&here);
+    let _ = std::env::set_current_dir(root);
+    let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+    let version = said(&rustc, &["--version"]);
+    note("RUSTC", &version.unwrap_or_else(|| "unknown".into()));
+    let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default().replace('\u{1f}', " ");
+    note("RUSTFLAGS", &flags);
+    note("PROFILE", &std::env::var("PROFILE").unwrap_or_default());
+    let enabled = std::env::vars_os().filter_map(|(name, _)| {
+        let name = name.to_str()?.strip_prefix("CARGO_FEATURE_")?.to_lowercase().replace('_', "-");
+        (name != "default").then_some(name)
+    });
+    let mut features: Vec<String> = enabled.collect();
+    features.sort();
+    note("FEATURES", &features.join(" "));
+
+    let sources: Vec<&str> = SOURCES.into_iter().filter(|path| Path::new(path).exists()).collect();
+    let commit = commit(&sources);
+    note("REVISION", commit.as_ref().map_or("unknown", |commit| &commit.revision));
+    let dirty = match commit {
+        Some(Commit { dirty: true, .. }) => "true",
+        Some(_) => "false",
+        None => "unknown",
+    };
+    note("DIRTY", dirty);
+    for path in &sources {
+        println!("cargo:rerun-if-changed={}", root.join(path).display());
+    }
+    // Committing changes no source. Only where there is something to commit it matters here: commits
+    // of other files build nothing again.
+    if dirty == "true" {
+        for name in ["HEAD", "logs/HEAD"] {
+            let path = said("git", &["rev-parse", "--git-path", name]);
+            if let Some(path) = path.filter(|path| Path::new(path).exists()) {
+                println!("cargo:rerun-if-changed={}", root.join(path).display());
+            }
+        }
+    }
+}
+
+fn note(name: &str, value: &str) {
+    println!("cargo:rustc-env=CONTACTBENCH_{name}={value}");
+}
+
+/// The state of the sources in their repository.
+struct Commit {
+    /// The last commit that changed one of them.
+    revision: String,
+    /// One differs from it, or is not in it.
+    dirty: bool,
+}
+
+/// None without git, and outside of a repository that has these sources: a package, a tarball.
+fn commit(sources: &[&str]) -> Option<Commit> {
+    said("git", &["ls-files", "--error-unmatch", "build.rs"])?;
+    let with = |arguments: &[&str]| said("git", &[arguments, &["--"], sources].concat());
+    let revision = with(&["log", "-1", "--format=%H"])?;
+    let dirty = !with(&["status", "--porcelain", "--untracked-files=all"])?.is_empty();
+    Some(Commit { revision, dirty }).filter(|commit| !commit.revision.is_empty())
+}
+
+/// What a program says, if it ends well.
+fn said(program: &str, arguments: &[&str]) -> Option<String> {
+    let mut command = Command::new(program);
+    // Looking at a repository is no reason to lock it.
+    let output = command.args(arguments).env("GIT_OPTIONAL_LOCKS", "0").output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+}

@@ -1,0 +1,4 @@
+//! What verbs print of trackers and recommendations.
+
+pub mod recommendation;
+pub mod tracking;

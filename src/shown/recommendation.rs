@@ -1,0 +1,153 @@
+//! What `recommend` prints: a sentence, a table, and all of it for programs.
+
+use serde_json::{Value, json};
+
+use contactbench_record::stats::interval::{Interval, ratio};
+use contactbench_report::table::Table;
+use contactbench_run::recommend::standing::{Race, Standing, fastest};
+use contactbench_run::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
+use contactbench_terms::number::{number, with_interval};
+
+/// Its answer against exact decisions on the scene as given, in words.
+fn error(standing: &Standing) -> String {
+    match standing.errors {
+        None => "not compared".into(),
+        Some(errors) if errors.wrong() == 0 => "exact".into(),
+        Some(errors) => errors.to_string(),
+    }
+}
+
+/// The recommendation in a sentence.
+pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
+    let standings = &race.standings;
+    let name = |k: usize| standings[k].who.name;
+    let choice = &standings[verdict.choice];
+    let mut parts = Vec::new();
+    // Ratios first: they are the same from run to run, and times are not.
+    if let Some((k, ratio)) = &verdict.next {
+        let next =
+            if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
+        let (next, takes) = (format!("{next}, {},", name(*k)), with_interval(ratio));
+        parts.push(format!("{next} takes {takes} times as long"));
+    }
+    if let Some(time) = per_particle(choice, n) {
+        parts.push(format!("{} ns per particle in this run", number(time.median)));
+    }
+    if let Some(bytes) = bytes_per_particle(choice, n) {
+        parts.push(format!("{} bytes per particle", number(bytes)));
+    }
+    parts.push(error(choice));
+    let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
+    for (k, ratio) in &verdict.tied {
+        let takes = ratio.map_or(String::new(), |ratio| {
+            format!(", which takes {} times as long", with_interval(&ratio))
+        });
+        let memory = match bytes_per_particle(&standings[*k], n) {
+            Some(bytes) => format!(" and {} bytes per particle", number(bytes)),
+            None => String::new(),
+        };
+        text += &format!("\n  in time undecided against {}{takes}{memory}", name(*k));
+    }
+    if !verdict.tied.is_empty() {
+        let which = if verdict.is_fastest { "with the shortest median" } else { "leaner" };
+        text += &format!("\n  the one {which} is recommended; more --seconds may decide");
+    }
+    if verdict.next.is_none() && verdict.tied.is_empty() {
+        text += "\n  nobody else has a time: nothing was compared; give more time with --seconds";
+    }
+    text += &match (&race.twin, verdict.floor) {
+        (Some(twin), Some(floor)) => format!(
+            "\n  the same once more, beside itself, takes {} times as long:\n  a factor below \
+             {floor:.2} decides nothing",
+            with_interval(twin)
+        ),
+        _ if race.blocks < 2 => {
+            "\n  one block decides nothing; give more time with --seconds".into()
+        }
+        _ => "\n  the same once more has no times: nothing is decided".into(),
+    };
+    text
+}
+
+/// All who were asked, fastest first; those without a time at the end.
+fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
+    let mut standings: Vec<&Standing> = race.standings.iter().collect();
+    let rank =
+        |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
+    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
+    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    standings
+}
+
+/// Why it has no time; none if it has one.
+fn why_out(standing: &Standing) -> Option<String> {
+    match standing.outcome {
+        _ if !standing.times.is_empty() => None,
+        outcome if outcome.is_good() => Some(format!("out: {}", standing.reason)),
+        outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
+    }
+}
+
+/// The detectors, fastest first; those without a time at the end. An interval of absolute times
+/// would hold in one run alone.
+pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
+    let base = fastest(&race.standings).map(|k| &race.standings[k]);
+    let choice = verdict.map(|verdict| race.standings[verdict.choice].who.name);
+    let name = |standing: &Standing| match standing.who.name {
+        name if choice == Some(name) => format!("{name} <"),
+        name => name.into(),
+    };
+    let to_fastest = |standing: &Standing| match base {
+        Some(base) if base.who.name == standing.who.name => Some("1".into()),
+        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
+        None => None,
+    };
+    Table::of("", ranked(race, n).into_iter())
+        .left("detector", name)
+        .right("time / fastest", to_fastest)
+        .right("ns per particle in this run", |standing| {
+            per_particle(standing, n).map(|time| number(time.median))
+        })
+        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
+        .left("error", |standing| why_out(standing).unwrap_or_else(|| error(standing)))
+        .into()
+}
+
+fn numbers(interval: Interval) -> Value {
+    let Interval { median, low, high, coverage, count } = interval;
+    json!({ "median": median, "low": low, "high": high, "coverage": coverage, "blocks": count })
+}
+
+/// All of it for programs.
+pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
+    let standings = &race.standings;
+    let name = |k: usize| standings[k].who.name;
+    let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
+    let detectors = standings.iter().map(|standing| {
+        json!({
+            "detector": standing.who.name,
+            "threads": standing.who.threads,
+            "outcome": standing.outcome.name(),
+            "reason": standing.reason,
+            "probe_ns": standing.probe_ns,
+            "ns_per_particle": per_particle(standing, n).map(numbers),
+            "ratio_to_fastest": ratio(&standing.times, &base).map(numbers),
+            "peak_bytes": standing.peak_bytes,
+            "bytes_per_particle": bytes_per_particle(standing, n),
+            "formula_bytes": standing.formula_bytes,
+            "errors": standing.errors,
+        })
+    });
+    let next =
+        |(k, ratio): &(usize, Interval)| json!({ "detector": name(*k), "ratio": numbers(*ratio) });
+    let tied = |verdict: &Verdict| verdict.tied.iter().map(|(k, _)| name(*k)).collect::<Vec<_>>();
+    json!({
+        "use": verdict.map(|verdict| name(verdict.choice)),
+        "because": verdict.map(|verdict| sentence(verdict, race, n)),
+        "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
+        "cannot_tell_apart": verdict.map(tied),
+        "blocks": race.blocks,
+        "twin_ratio": race.twin.map(numbers),
+        "detectors": detectors.collect::<Vec<_>>(),
+    })
+}

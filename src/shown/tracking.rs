@@ -1,0 +1,209 @@
+//! What `track` says: what the motion is like, a table of trackers, and all of it for programs.
+
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::track::TrackerSpec;
+use contactbench_report::document::Block;
+use contactbench_report::table::{Cell, Table};
+use contactbench_run::moving::{Followed, Moved, Tracked};
+use contactbench_terms::number::{number, percent, plural, radii};
+
+/// The middle of the times of frames and the longest, in nanoseconds per particle.
+fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
+    let mut times = tracked.times.clone();
+    times.sort_unstable();
+    let per = |time: &Duration| time.as_nanos() as f64 / particles.max(1) as f64;
+    Some([per(times.get(times.len() / 2)?), per(times.last()?)])
+}
+
+/// The time of all frames together, per particle and frame, in nanoseconds.
+fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
+    let all: Duration = tracked.times.iter().sum();
+    let steps = tracked.times.len() as f64 * particles.max(1) as f64;
+    (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
+}
+
+/// What a motion is like from frame to frame; nothing where there is but one.
+pub fn motion(moved: &Moved) -> String {
+    let Moved { frames, contacts, born, ended, tunnelled, uncounted, way, .. } = moved;
+    if moved.steps() == 0 {
+        return String::new();
+    }
+    let mut said = format!(
+        "a particle goes {} diameters per frame, at most {}",
+        number(moved.mean_way()),
+        number(way.longest)
+    );
+    if way.at_rest > 0 {
+        said += &format!(", and {} of them stay where they are", percent(moved.share_at_rest()));
+    }
+    said += &format!(
+        ". Of {} contacts in a frame {} are new and {} end with it.",
+        number(*contacts as f64 / *frames as f64),
+        number(*born as f64 / moved.steps() as f64),
+        number(*ended as f64 / moved.steps() as f64),
+    );
+    said += &match (uncounted, tunnelled) {
+        (Some(why), _) => format!(" What touches between two frames alone was not counted: {why}"),
+        (None, 0) => " No pair touches between two frames alone.".to_string(),
+        (None, _) => format!(
+            " {} more touch between two frames and in neither: {} missed by the time step, not \
+             by a list.",
+            number(*tunnelled as f64 / moved.steps() as f64),
+            plural(*tunnelled as usize, "contact"),
+        ),
+    };
+    said
+}
+
+/// The detector of all trackers, if it is the same.
+fn common(followed: &Followed) -> Option<&DetectorSpec> {
+    let mut all = followed.trackers.iter().map(|it| it.spec.detector());
+    let first = all.next()?;
+    all.all(|other| other == first).then_some(first)
+}
+
+/// A tracker in a table; without its detector where that is the same for all.
+fn label(spec: &TrackerSpec, common: bool) -> String {
+    match spec {
+        _ if !common => spec.to_string(),
+        TrackerSpec::EveryStep(_) => "every step".into(),
+        TrackerSpec::Verlet { skin, rule, .. } => format!("{rule}, {skin}"),
+    }
+}
+
+/// What is said of all of them.
+pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
+    let moved = &followed.moved;
+    let frames = plural(moved.frames as usize, "frame");
+    let mut said = format!("{name}, {} particles, {of}, {frames}", moved.particles);
+    match motion(moved) {
+        none if none.is_empty() => said += ".",
+        motion => said += &format!(": {motion}"),
+    }
+    let mut blocks = vec![Block::paragraph(said)];
+    if let Some(detector) = common(followed) {
+        blocks.push(Block::paragraph(format!(
+            "All over {detector}; behind a rule stands the skin, in diameters."
+        )));
+    }
+    blocks.extend([
+        Block::Table(table(followed)),
+        Block::paragraph(
+            "ns: per particle and frame, all frames together; worst: of the slowest frame. built: \
+             frames in which the detector was asked. listed: pairs looked at for each contact. missed: contacts that were not reported, summed \
+             over the frames, and since which frame; late: the most frames until one was, and how \
+             deep it then was, in mean radii (r). All trackers ran beside each other, once: \
+             times are a first look, not a measurement.",
+        ),
+    ]);
+    for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {
+        blocks.push(Block::paragraph(format!(
+            "{}: {} called dangerous, {} of them after frames with missed contacts; {} came after \
+             such frames in all.",
+            it.spec,
+            plural(it.builds.dangerous as usize, "build"),
+            it.builds.rightly,
+            plural(it.builds.missing as usize, "build"),
+        )));
+    }
+    for it in followed.trackers.iter().filter(|it| it.late.never > 0) {
+        let never = plural(it.late.never as usize, "contact");
+        blocks.push(Block::paragraph(format!("{}: {never} never reported.", it.spec)));
+    }
+    for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
+        blocks.push(Block::Warning(
+            format!(
+                "{} missed {} contacts and reported {} pairs that do not touch, and may do \
+                 neither: a defect.",
+                it.spec, it.late.missed, it.spurious
+            )
+            .into(),
+        ));
+    }
+    for it in &followed.trackers {
+        if let Some(refused) = &it.refused {
+            blocks.push(Block::Warning(format!("{} ended at {refused}", it.spec).into()));
+        }
+    }
+    blocks
+}
+
+/// One row for each tracker.
+pub fn table(followed: &Followed) -> Table {
+    let particles = followed.moved.particles;
+    let common = common(followed).is_some();
+    let late = |it: &Tracked| it.late.latest > 0;
+    Table::of("", &followed.trackers)
+        .left("tracker", |it| label(&it.spec, common))
+        .right("ns", |it| mean(it, particles))
+        .right("worst", |it| times(it, particles).map(|[_, worst]| worst))
+        .right("built", |it| it.builds.built)
+        .right("listed", |it| (it.reported > 0).then(|| it.listed as f64 / it.reported as f64))
+        .right("missed", |it| {
+            let missed = Cell::count(it.late.missed);
+            if it.is_wrong() { missed.wrong() } else { missed }
+        })
+        .right("since", |it| it.late.first.filter(|_| it.late.missed > 0).map(|it| it.to_string()))
+        .right("late", |it| late(it).then(|| it.late.latest.to_string()))
+        .right("depth", |it| late(it).then(|| radii(it.late.deepest)))
+        .into()
+}
+
+/// All of it for programs.
+pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
+    let particles = &followed.moved.particles;
+    let trackers = followed.trackers.iter().map(|it| {
+        let late = &it.late;
+        json!({
+            "tracker": it.spec.to_string(),
+            "safe": it.is_safe,
+            "frames": it.times.len(),
+            "ns_per_particle": mean(it, *particles),
+            "median_ns_per_particle": times(it, *particles).map(|[median, _]| median),
+            "worst_ns_per_particle": times(it, *particles).map(|[_, worst]| worst),
+            "building_ns": it.building.as_nanos() as u64,
+            "built": it.builds.built,
+            "dangerous": it.builds.dangerous,
+            "dangerous_rightly": it.builds.rightly,
+            "missing_builds": it.builds.missing,
+            "listed": it.listed,
+            "reported": it.reported,
+            "spurious": it.spurious,
+            "missed": late.missed,
+            "worst_missed": late.worst,
+            "first_missed_frame": late.first,
+            "frames_missed": late.frames,
+            "never_reported": late.never,
+            "latest": late.latest,
+            "deepest": late.deepest,
+            "formula_bytes": it.bytes,
+            "refused": it.refused,
+        })
+    });
+    let mut all = moved_as_json(&followed.moved);
+    all["scene"] = json!(name);
+    all["motion"] = json!(motion);
+    all["trackers"] = trackers.collect();
+    all
+}
+
+/// What a motion is like, for programs.
+pub fn moved_as_json(moved: &Moved) -> Value {
+    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
+    json!({
+        "particles": particles,
+        "frames": frames,
+        "contacts": contacts,
+        "born": born,
+        "ended": ended,
+        "tunnelled": tunnelled,
+        "uncounted": uncounted,
+        "mean_way": moved.mean_way(),
+        "longest_way": way.longest,
+        "at_rest": way.at_rest,
+    })
+}
