@@ -2,4 +2,4 @@
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| contactbench::check::bytes::fuzz_box(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| contactbench_run::check::bytes::fuzz_box(data));

@@ -51,7 +51,7 @@ use anyhow::{Context, ensure};
 pub use boxes::{Boundaries, Declared};
 pub use chosen::Chosen;
 use formats::gzip::{self, Unpacking};
-pub use formats::{FORMATS, Format};
+pub use formats::{FORMATS, Format, format_names};
 use frames::Choice;
 pub use frames::{Frame, Frames};
 pub use given::Given;

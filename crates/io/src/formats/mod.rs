@@ -252,9 +252,14 @@ fn told(head: &[u8], name: &str, ending: &str, options: Options) -> anyhow::Resu
 
 /// All names, for messages.
 fn names() -> String {
-    let names =
+    format_names().collect::<Vec<_>>().join(", ")
+}
+
+/// The names of the formats on the command line.
+pub fn format_names() -> impl Iterator<Item = String> {
+    let values =
         FORMATS.iter().filter_map(|entry| clap::ValueEnum::to_possible_value(&entry.format));
-    names.map(|value| value.get_name().to_string()).collect::<Vec<_>>().join(", ")
+    values.map(|value| value.get_name().to_string())
 }
 
 /// The doubt about a name that may split the particles into frames, and does not. Dumps and the

@@ -19,7 +19,7 @@ mod held;
 mod readers;
 
 pub use held::{fuzz_box, fuzz_one};
-pub use readers::{fuzz_reader, fuzz_reader_of, reader};
+pub use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
 
 use crate::check::numbers::Numbers;
 use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};

@@ -8,15 +8,18 @@ use contactbench_io::Given;
 /// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what
 /// is beside it.
 pub fn reader(name: &str) -> Option<u8> {
-    match name {
-        "gzip" => Some(14),
-        "pairs" => Some(15),
-        _ => name
-            .parse()
-            .ok()
-            .and_then(|format| io::FORMATS.iter().position(|entry| entry.format == format))
-            .map(|k| k as u8),
-    }
+    BESIDE.iter().find(|(_, beside)| *beside == name).map(|&(number, _)| number).or_else(|| {
+        let format = name.parse().ok()?;
+        io::FORMATS.iter().position(|entry| entry.format == format).map(|k| k as u8)
+    })
+}
+
+/// Readers that are not formats of particles.
+const BESIDE: [(u8, &str); 2] = [(14, "gzip"), (15, "pairs")];
+
+/// The names of all readers, for [`reader`].
+pub fn readers() -> impl Iterator<Item = String> {
+    io::format_names().chain(BESIDE.map(|(_, name)| name.to_string()))
 }
 
 /// As [`fuzz_reader`], with one reader whatever the bytes say.
