@@ -5,11 +5,11 @@
 //! First scenes in motion: all motions, in 2D and 3D, at speeds from 10^-4 to 1 diameters per
 //! frame, packed, loose and clustered, of one size and of many, in every safe arithmetic, their
 //! frames in order or, once in four times, in any. Every detector is asked in every frame and
-//! builds the lists of every safe rule, with skins from 0 to 1 diameters and `auto`. Then couples that come into touch just when their ways have used
-//! up the skin, to the unit, made of whole numbers, at scales from 2^-900 to 2^900 and offsets to
-//! 10^9 diameters. A pair-step is a contact in a frame, counted for each tracker. Controls must be
-//! found to miss some: a rule that looks at no body, and for couples one that is safe but for
-//! rounding. Ends with 1 if there is an error.
+//! builds the lists of every safe rule, with skins from 0 to 1 diameters and `auto`. Then couples
+//! that come into touch just when their ways have used up the skin, to the unit, made of whole
+//! numbers, at scales from 2^-900 to 2^900 and offsets to 10^9 diameters. A pair-step is a contact
+//! in a frame, counted for each tracker. Controls must be found to miss some: a rule that looks at
+//! no body, and for couples one that is safe but for rounding. Ends with 1 if there is an error.
 
 mod campaign;
 

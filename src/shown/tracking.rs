@@ -94,10 +94,11 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
         Block::Table(table(followed)),
         Block::paragraph(
             "ns: per particle and frame, all frames together; worst: of the slowest frame. built: \
-             frames in which the detector was asked. listed: pairs looked at for each contact. missed: contacts that were not reported, summed \
-             over the frames, and since which frame; late: the most frames until one was, and how \
-             deep it then was, in mean radii (r). All trackers ran beside each other, once: \
-             times are a first look, not a measurement.",
+             frames in which the detector was asked. listed: pairs looked at for each contact. \
+             missed: contacts that were not reported, summed over the frames, and since which \
+             frame; late: the most frames until one was, and how deep it then was, in mean radii \
+             (r). All trackers ran beside each other, once: times are a first look, not a \
+             measurement.",
         ),
     ]);
     for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {

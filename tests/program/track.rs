@@ -284,7 +284,7 @@ fn courses_that_make_no_sense_are_refused() {
         ("nbs", "name = \"packed\"\nn = 9\nmotion = \"drum\"", "make the motion 'drum'"),
         ("nbs", "name = \"hard\"\nmotion = \"drift\"", "hard cases stay where they are"),
         ("verlet(nbs,skin=x)", "name = \"packed\"\nn = 9", "skin cannot be 'x'"),
-        ("verlet(nsb)", "name = \"packed\"\nn = 9", "; did you mean nbs?; docs/EXPERIMENTS.md"),
+        ("verlet(nsb)", "name = \"packed\"\nn = 9", "; did you mean nbs?; the detectors are"),
         ("verlt(nbs)", "name = \"packed\"\nn = 9", "'verlt(nbs)' is no tracker"),
     ] {
         let text = format!("{head}detectors = [\"{detector}\"]\n[[scene]]\n{scene}\n");

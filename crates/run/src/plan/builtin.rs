@@ -99,7 +99,8 @@ mod tests {
             let Ok(files) = std::fs::read_dir(folder.join("experiments")) else { continue };
             for file in files {
                 let path = file.unwrap().path();
-                plan::read(&path).unwrap_or_else(|error| panic!("{error:#}"));
+                let copy = plan::text_of(&path).and_then(|text| plan::parse_copy(&text));
+                copy.unwrap_or_else(|error| panic!("{}: {error:#}", path.display()));
                 count += 1;
             }
         }
