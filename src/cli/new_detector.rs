@@ -137,7 +137,7 @@ fn names(given: &str) -> anyhow::Result<Names> {
 /// What the files will be.
 fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     let folder = root.join(FOLDER);
-    let (modules, lines) = (folder.join("mod.rs"), folder.join("table.rs"));
+    let (modules, lines) = (folder.join("mod.rs"), folder.join("table/mod.rs"));
     for path in [&modules, &lines] {
         ensure!(
             path.is_file(),

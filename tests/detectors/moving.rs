@@ -1,9 +1,6 @@
-//! A short run of the campaign on bodies that move (`examples/moving`).
+//! A short run of the campaign on bodies that move (`crates/campaigns`).
 
-#[path = "../../examples/moving/campaign/mod.rs"]
-pub mod campaign;
-
-use campaign::{Plan, couples, courses};
+use contactbench_campaigns::moving::{Plan, couples, courses};
 
 /// One course of each motion, in each dimension and arithmetic.
 #[test]

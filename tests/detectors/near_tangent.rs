@@ -1,12 +1,9 @@
-//! A short run of the near-tangent campaign (`examples/near_tangent`): no error in exact
+//! A short run of the near-tangent campaign (`crates/campaigns`): no error in exact
 //! arithmetic, and many without it.
 
-#[path = "../../examples/near_tangent/campaign/mod.rs"]
-mod campaign;
-
-use campaign::counts::What;
-use campaign::{Plan, boxes, detectors, predicate, table, total};
 use contactbench::contact::Test;
+use contactbench_campaigns::near_tangent::counts::What;
+use contactbench_campaigns::near_tangent::{Plan, boxes, detectors, predicate, table, total};
 
 const PLAN: Plan = Plan { pairs: 30_000, seed: 7, test: Test::Exact };
 

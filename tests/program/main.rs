@@ -38,6 +38,7 @@ mod seeing;
 mod slips;
 mod track;
 mod users;
+mod walls;
 
 // What the file that `new-detector` writes finds around it in the crate of detectors.
 use contactbench::{contact, detect, filter, probe, scene, sink};

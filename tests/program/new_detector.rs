@@ -78,8 +78,8 @@ fn what_is_written_works() {
 fn checkout() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let detect = folder.path().join(FOLDER);
-    std::fs::create_dir_all(&detect).unwrap();
-    for name in ["mod.rs", "table.rs"] {
+    std::fs::create_dir_all(detect.join("table")).unwrap();
+    for name in ["mod.rs", "table/mod.rs"] {
         std::fs::copy(
             Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER).join(name),
             detect.join(name),
@@ -91,15 +91,12 @@ fn checkout() -> tempfile::TempDir {
 
 /// Name to text of all files.
 fn files(checkout: &Path) -> BTreeMap<String, String> {
-    let entries = std::fs::read_dir(checkout.join(FOLDER)).unwrap().map(|entry| entry.unwrap());
-    entries
-        .map(|entry| {
-            (
-                entry.file_name().into_string().unwrap(),
-                std::fs::read_to_string(entry.path()).unwrap(),
-            )
-        })
-        .collect()
+    let folder = checkout.join(FOLDER);
+    let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap());
+    let files = entries.filter(|entry| entry.path().is_file());
+    let names = files.map(|entry| entry.file_name().into_string().unwrap());
+    let names = names.chain(["table/mod.rs".to_string()]);
+    names.map(|name| (name.clone(), std::fs::read_to_string(folder.join(name)).unwrap())).collect()
 }
 
 /// The lines of `after` without those of `before`, which must all be there, in order.
@@ -144,13 +141,13 @@ fn the_lines_come_to_their_places() {
             after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod ")).collect();
         assert!(modules.is_sorted(), "{modules:?}");
         // One entry, before the controls.
-        let lines = added(&before["table.rs"], &after["table.rs"]).join("\n");
+        let lines = added(&before["table/mod.rs"], &after["table/mod.rs"]).join("\n");
         assert!(
             lines.contains(&format!("name: \"{name}\",")) && lines.matches("Entry {").count() == 1,
             "{lines}"
         );
         assert!(lines.contains(&format!("super::{module}::{kind}")), "{lines}");
-        let place = |name: &str| after["table.rs"].find(&format!("name: \"{name}\"")).unwrap();
+        let place = |name: &str| after["table/mod.rs"].find(&format!("name: \"{name}\"")).unwrap();
         assert!(place("kd-tree") < place(name) && place(name) < place("nothing"));
         // Once only.
         let again = run(folder.path(), &["new-detector", given]);
@@ -211,7 +208,7 @@ fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_said() {
         ended.stderr
     );
     for (file, old, words) in [
-        ("table.rs", "pub static TABLE", "constructor: Both::<super::quick_tree::QuickTree"),
+        ("table/mod.rs", "pub static TABLE", "constructor: Both::<super::quick_tree::QuickTree"),
         ("mod.rs", "pub mod ", "pub mod quick_tree;"),
     ] {
         let folder = checkout();

@@ -1,5 +1,5 @@
 //! Lists kept while bodies move: a small reference tracker is made wrong in one way at a time, and
-//! couples at the limit of the skin (`examples/moving`) and a few plain motions must find out each.
+//! couples at the limit of the skin (`crates/campaigns`) and a few plain motions must find out each.
 //!
 //! The reference bounds ways and sums by the least doubles that are no smaller, so that no mistake
 //! hides behind a bound that is wider than it must be.
@@ -10,8 +10,8 @@ use contactbench::contact::exact::compare;
 use rayon::prelude::*;
 use tracker::Tracker;
 
-use crate::moving::campaign::couples::Couple;
-use crate::moving::campaign::draw::{Draw, Sphere};
+use contactbench_campaigns::draw::{Draw, Sphere};
+use contactbench_campaigns::moving::couples::Couple;
 
 ways! {
     // How far bodies have gone.

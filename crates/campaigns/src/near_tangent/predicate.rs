@@ -2,18 +2,18 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::depth::depth;
-use contactbench::contact::exact::{self, Label};
-use contactbench::contact::{Bodies, Test, WithBodies, with_bodies};
-use contactbench::detect::Refusal;
-use contactbench::probe::{Op, Silent, Tally};
-use contactbench::scene::{Radii, Scene};
+use contactbench_core::contact::depth::depth;
+use contactbench_core::contact::exact::{self, Label};
+use contactbench_core::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_core::detect::Refusal;
+use contactbench_core::probe::{Op, Silent, Tally};
+use contactbench_core::scene::{Radii, Scene};
 use nalgebra::Point;
 use num_bigint::BigInt;
 
 use super::counts::{Counts, What};
 use super::couples::{Batch, Couple};
-use super::draw::Draw;
+use crate::draw::Draw;
 
 /// Couples in a batch.
 pub const BATCH: u64 = 4096;

@@ -1,7 +1,7 @@
 //! Is the exact contact test right, and do detectors built on it lose, add or repeat a pair? On
 //! pairs as near to tangency as numbers go.
 //!
-//! `cargo run --release --example near_tangent -- --pairs 1000000000`
+//! `cargo run --release -p contactbench-campaigns --bin near_tangent -- --pairs 1000000000`
 //!
 //! Couples are built from integers, so that apart, tangent or overlapping is known without the
 //! library: Pythagorean triples and quadruples moved by one ulp, random directions whose sum of
@@ -15,15 +15,13 @@
 //! rounded test decides wrongly: the proof that these couples can find an error. Ends with 1 if
 //! there is one.
 
-mod campaign;
-
 use std::process::ExitCode;
 use std::time::Instant;
 
-use campaign::counts::What;
-use campaign::{Line, Plan, boxes, detectors, predicate, table, total};
 use clap::Parser;
-use contactbench::contact::Test;
+use contactbench_campaigns::near_tangent::counts::What;
+use contactbench_campaigns::near_tangent::{Line, Plan, boxes, detectors, predicate, table, total};
+use contactbench_core::contact::Test;
 
 #[derive(Parser)]
 struct Arguments {

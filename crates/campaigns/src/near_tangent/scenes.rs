@@ -11,19 +11,19 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::Test;
-use contactbench::detect::Options;
-use contactbench::detect::any::AnyDetector;
-use contactbench::detect::spec::DetectorSpec;
-use contactbench::detect::table::{Role, TABLE};
-use contactbench::probe::{Op, Tally};
-use contactbench::scene::{AnyScene, Radii, Scene};
-use contactbench::sink::Visit;
+use contactbench_core::contact::Test;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::any::AnyDetector;
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_core::probe::{Op, Tally};
+use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::sink::Visit;
 use nalgebra::Point;
 
 use super::counts::{Counts, What};
-use super::draw::{Draw, Sphere, power};
 use super::near::{Lengths, Near};
+use crate::draw::{Draw, Sphere, power};
 
 /// Every so many scenes of a row, the first included, a small one is given to the detectors that
 /// test all pairs, too.

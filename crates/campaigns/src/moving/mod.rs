@@ -2,24 +2,20 @@
 
 pub mod couples;
 pub mod courses;
-// Tests have both campaigns.
-#[allow(clippy::duplicate_mod)]
-#[path = "../../near_tangent/campaign/draw.rs"]
-pub mod draw;
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-use contactbench::contact::Arithmetic;
-use contactbench::detect::Options;
-use contactbench::detect::table::{self, DetectorSpec, Role, TABLE};
-use contactbench::oracle;
-use contactbench::scene::motion::Kind;
-use contactbench::scene::{AnyScene, Scene};
-use contactbench::sink::normalise;
-use contactbench::track::{Rule, Skin, TrackerSpec};
+use crate::draw::{Draw, Sphere};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::table::{self, DetectorSpec, Role, TABLE};
+use contactbench_core::oracle;
+use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_core::sink::normalise;
+use contactbench_core::track::{Rule, Skin, TrackerSpec};
+use contactbench_scenes::motion::Kind;
 use couples::Couple;
-use draw::{Draw, Sphere};
 use rayon::prelude::*;
 
 /// The rules that miss nothing.

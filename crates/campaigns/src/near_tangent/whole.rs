@@ -2,12 +2,12 @@
 
 use std::cmp::Ordering;
 
-use contactbench::periodic::{ImagePair, Periodic};
-use contactbench::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::periodic::{ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 use nalgebra::Point;
 
-use super::draw::{Draw, power};
 use super::near::gap;
+use crate::draw::{Draw, power};
 
 /// Image `image` of the second of two particles, and how the first meets it.
 pub type Meeting = ([usize; 2], [i64; 3], Ordering);

@@ -12,10 +12,10 @@
 //! few units where the diameter is near 2^58, and ways of a few units beside ways of diameters:
 //! sums and squares lose them.
 
-use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Radii, Scene};
 use nalgebra::Point;
 
-use super::draw::{Draw, Sphere, direction, power, square};
+use crate::draw::{Draw, Sphere, direction, power, square};
 
 /// A few bodies, of which two are the couple, in frames that follow each other.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::draw::{Draw, Sphere, direction, square};
+use crate::draw::{Draw, Sphere, direction, square};
 
 /// The lengths of a scene as whole numbers: coordinates in units, radii in half fine units, in
 /// which the reach has 54 bits. One of them is one ulp of a radius, or less.

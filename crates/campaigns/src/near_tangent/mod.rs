@@ -3,17 +3,16 @@
 pub mod boxes;
 pub mod counts;
 pub mod couples;
-pub mod draw;
 pub mod near;
 pub mod predicate;
 pub mod scenes;
 pub mod whole;
 
+use crate::draw::{Draw, Sphere};
 use boxes::Shape;
-use contactbench::contact::Test;
+use contactbench_core::contact::Test;
 use counts::{Counts, What};
 use couples::{Batch, Family};
-use draw::{Draw, Sphere};
 use rayon::prelude::*;
 
 /// Offsets in diameters: coordinates have at least this magnitude, and less than five times it; 0:

@@ -13,17 +13,17 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::any::AnyDetector;
-use contactbench::periodic::{self, Contacts, Finder, ImagePair, Periodic};
-use contactbench::probe::{Op, Tally};
-use contactbench::scene::{AnyScene, Scene};
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::detect::any::AnyDetector;
+use contactbench_core::periodic::{self, Contacts, Finder, ImagePair, Periodic};
+use contactbench_core::probe::{Op, Tally};
+use contactbench_core::scene::{AnyScene, Scene};
 
 use super::counts::{Counts, What};
-use super::draw::{Draw, Sphere};
 use super::near::{Lengths, Near};
 use super::scenes::detectors;
 use super::whole::Whole;
+use crate::draw::{Draw, Sphere};
 
 /// Bytes of images, and of lists.
 const LIMIT: u64 = 1 << 28;

@@ -1,6 +1,6 @@
 //! Does a tracker that promises to miss no contact miss one? Every frame is held to its truth.
 //!
-//! `cargo run --release --example moving -- --pair-steps 1000000000`
+//! `cargo run --release -p contactbench-campaigns --bin moving -- --pair-steps 1000000000`
 //!
 //! First scenes in motion: all motions, in 2D and 3D, at speeds from 10^-4 to 1 diameters per
 //! frame, packed, loose and clustered, of one size and of many, in every safe arithmetic, their
@@ -11,13 +11,11 @@
 //! in a frame, counted for each tracker. Controls must be found to miss some: a rule that looks at
 //! no body, and for couples one that is safe but for rounding. Ends with 1 if there is an error.
 
-mod campaign;
-
 use std::process::ExitCode;
 use std::time::Instant;
 
-use campaign::{Counts, Plan, Table, couples, courses};
 use clap::Parser;
+use contactbench_campaigns::moving::{Counts, Plan, Table, couples, courses};
 
 #[derive(Parser)]
 struct Arguments {

@@ -1,6 +1,6 @@
 //! Random numbers, integer vectors of known length, and integers as doubles.
 
-use contactbench::sink::splitmix64;
+use contactbench_core::sink::splitmix64;
 
 /// A sequence of random numbers: SplitMix64 from a seed.
 pub struct Draw(u64);

@@ -1,4 +1,4 @@
-//! Files of text, and what is read of them: `cases/*.txt`.
+//! Files of text, and what is read of them: `*.txt` in this folder.
 //!
 //! A line `>>> ENDING` begins a file (`>>> list` a list of contacts), whose lines follow. A line
 //! `<<< NAME=VALUE ...` reads the file with these options, and below it stands what comes of that:
@@ -20,7 +20,7 @@ use super::*;
 use crate::pairs;
 
 macro_rules! files {
-    ($($name:literal),*) => { [$(($name, include_str!(concat!("cases/", $name, ".txt")))),*] };
+    ($($name:literal),*) => { [$(($name, include_str!(concat!($name, ".txt")))),*] };
 }
 const FILES: [(&str, &str); 9] =
     files!["boxes", "codes", "columns", "frames", "lists", "refused", "tables", "vtk", "xyz"];

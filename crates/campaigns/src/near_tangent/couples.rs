@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use super::draw::{Draw, Sphere, direction, power, square};
+use crate::draw::{Draw, Sphere, direction, power, square};
 
 /// How couples come about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,13 +1,13 @@
 //! Scenes in motion, of every kind and in every arithmetic, each frame held to its truth.
 
-use contactbench::contact::Arithmetic;
-use contactbench::detect::table::DetectorSpec;
-use contactbench::scene::motion::{Frames, Kind, Motion};
-use contactbench::scene::spec::Spec;
-use contactbench::track::{Rule, Skin, TrackerSpec};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table::DetectorSpec;
+use contactbench_core::track::{Rule, Skin, TrackerSpec};
+use contactbench_scenes::motion::{Frames, Kind, Motion};
+use contactbench_scenes::spec::Spec;
 
-use super::draw::Draw;
 use super::{Frame, RULES, Table, follow};
+use crate::draw::Draw;
 
 /// Packed, loose and clustered, of one size and of many, and far from zero.
 const SCENES: [&str; 6] = [
