@@ -89,6 +89,24 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// Returns the pages that quote records.
+fn pages() -> Vec<(PathBuf, String)> {
+    let mut pages = ["README.md", "DESIGN.md"].map(|page| root().join(page)).to_vec();
+    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    pages.extend(docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
+    pages.into_iter().map(|page| (page.clone(), read(page))).collect()
+}
+
+/// Returns the paragraphs of a page that link to a record, or to the write-up about it.
+fn quotes<'a>(text: &'a str, record: &Path) -> impl Iterator<Item = &'a str> {
+    let links = [
+        format!("results/{}/", name(record)),
+        format!("results/{}/README", name(write_up(record))),
+    ];
+    let linked = move |part: &&str| links.iter().any(|link| part.contains(link));
+    text.split("\n\n").filter(|part| !part.starts_with("![")).filter(linked)
+}
+
 #[test]
 fn every_record_has_a_page_that_says_what_its_reports_say() {
     let records = committed();
@@ -170,11 +188,7 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
 /// since, and a page that links to such a record names the program, too.
 #[test]
 fn records_of_an_older_program_say_so() {
-    let mut pages = ["README.md", "DESIGN.md", "BIAS.md"].map(|page| root().join(page)).to_vec();
-    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
-    pages.extend(docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
-    let pages: Vec<(PathBuf, String)> =
-        pages.into_iter().map(|page| (page.clone(), read(page))).collect();
+    let pages = pages();
     for record in committed() {
         let Some(revision) = provenance(&record, "revision") else { continue };
         let (Some((date, short)), Some(changed)) =
@@ -192,22 +206,19 @@ fn records_of_an_older_program_say_so() {
         let missing: Vec<&String> =
             changed.iter().filter(|name| !line.contains(&format!("`{name}`"))).collect();
         assert!(missing.is_empty(), "{place}: changed since: {missing:?}");
-        let links =
-            [format!("results/{}/", name(&record)), format!("results/{}/README", name(folder))];
         for (page, text) in pages.iter().filter(|_| !changed.is_empty()) {
-            let quotes = text.split("\n\n");
-            let quotes = quotes.filter(|part| links.iter().any(|link| part.contains(link)));
-            for part in quotes.filter(|part| !part.starts_with("![")) {
+            for part in quotes(text, &record) {
                 let said = part.replace('\n', " ");
                 let named = said.contains(&format!("program of {date}"))
                     || said.contains(&format!("that of {date}"));
-                assert!(named, "{}: no 'program of {date}' at {links:?}", page.display());
+                assert!(named, "{}: no 'program of {date}' beside {place}", page.display());
             }
         }
     }
 }
 
 /// results/README.md has a line for each record, which its provenance, rows and report bear out.
+/// Pages quote only records of committed sources whose times may be quoted.
 #[test]
 fn the_index_names_every_record() {
     let index = read(root().join("results/README.md"));
@@ -221,6 +232,7 @@ fn the_index_names_every_record() {
     let expected: BTreeSet<String> =
         committed().into_iter().map(|record| name(&record) + "/report.md").collect();
     assert_eq!(listed, expected);
+    let pages = pages();
     for row in rows {
         let [_, question, answer, made, day, machine, trust] = row[..] else { panic!("{row:?}") };
         let record = root().join("results").join(link(&row).strip_suffix("/report.md").unwrap());
@@ -238,6 +250,12 @@ fn the_index_names_every_record() {
         ];
         let words: Vec<&str> = words.iter().filter(|(_, is)| *is).map(|(word, _)| *word).collect();
         assert_eq!(trust, words.join(", "), "{row:?}");
+        if pages.iter().any(|(_, text)| quotes(text, &record).next().is_some()) {
+            assert!(trust.starts_with("clean, idle"), "{row:?}");
+            let ancestor = ["merge-base", "--is-ancestor", &revision, "HEAD"];
+            let shallow = git(&["rev-parse", "--is-shallow-repository"]);
+            assert!(shallow.is_none_or(|it| it.trim() == "true") || git(&ancestor).is_some());
+        }
     }
 }
 
