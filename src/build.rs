@@ -47,8 +47,8 @@ fn main() {
     for path in &sources {
         println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
-    // Committing changes no source. Only where there is something to commit it matters here: commits
-    // of other files build nothing again.
+    // Committing changes no source. Only where there is something to commit it matters here:
+    // commits of other files build nothing again.
     if dirty == "true" {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);

@@ -176,7 +176,7 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     for name in detectors(record) {
         let stem = if name == "streamed-nbs" { "streamed".into() } else { name.replace('-', "_") };
         // Wherever the crate stood: a file that was only moved has not changed.
-        let path = format!("*crates/core/src/detect/*{stem}*");
+        let path = format!("*core/src/detect/*{stem}*");
         if git(&["diff", "-M", revision, "--", &path])?.lines().any(is_code) {
             changed.insert(name);
         }

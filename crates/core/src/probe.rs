@@ -1,9 +1,9 @@
 //! Operation counters that cost nothing when nobody listens.
 //!
 //! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
-//! compiles to nothing (shown by `tests/benches/silent_probe.rs`: the same number of instructions as a
-//! hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The words
-//! are the same for all detectors, so that their counts can be compared.
+//! compiles to nothing (shown by `tests/benches/silent_probe.rs`: the same number of instructions
+//! as a hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The
+//! words are the same for all detectors, so that their counts can be compared.
 
 pub use contactbench_terms::op::Op;
 

@@ -103,7 +103,8 @@ pub const OPTIONS: [FileOption; 8] = [
     FileOption {
         name: "open",
         value: "",
-        meaning: "Boundaries are open, whatever the file says: contacts across its box are left out",
+        meaning: "Boundaries are open, whatever the file says: contacts across its box are left \
+        out",
         set: |options, text| {
             options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
             Ok(())

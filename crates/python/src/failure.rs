@@ -17,8 +17,8 @@ pyo3::create_exception!(
     contactbench,
     Refused,
     PyValueError,
-    "A detector cannot answer for this scene: its numbers, its size, or its box are beyond what the \
-     detector or the arithmetic can hold."
+    "A detector cannot answer for this scene: its numbers, its size, or its box are beyond what \
+     the detector or the arithmetic can hold."
 );
 
 /// Why there is no answer, in one sentence.

@@ -1,9 +1,9 @@
 //! Large pages for large arrays.
 //!
 //! A system that hands out memory in pages of 4 KiB does so at the first touch of each: 6,649 times
-//! for the answer of a million packed spheres, which took about a quarter of such a call. numpy asks
-//! for large pages from 4 MiB on; so does this. Where the system has none, or gives none to those
-//! who ask, nothing changes.
+//! for the answer of a million packed spheres, which took about a quarter of such a call. numpy
+//! asks for large pages from 4 MiB on; so does this. Where the system has none, or gives none to
+//! those who ask, nothing changes.
 
 use std::alloc::{GlobalAlloc, Layout};
 

@@ -1,5 +1,5 @@
-//! Records of measurements, what is asked of them, and what they say. No detector is known here: the
-//! wall is this crate, which does not depend on the core.
+//! Records of measurements, what is asked of them, and what they say. No detector is known here:
+//! the wall is this crate, which does not depend on the core.
 
 pub mod cells;
 pub mod experiment;

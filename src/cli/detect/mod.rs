@@ -151,7 +151,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         _ => String::new(),
     };
     say!(
-        "{name}: N = {n}, {}D, {}{across}, {:.3} ms, {} held by the detector, {spec}, {} arithmetic",
+        "{name}: N = {n}, {}D, {}{across}, {:.3} ms, {} held by the detector, {spec}, {} \
+         arithmetic",
         given.scene.dim(),
         plural(pairs.len(), "pair"),
         time.as_secs_f64() * 1e3,

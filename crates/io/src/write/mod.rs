@@ -4,8 +4,8 @@
 //! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]);
 //! scenes as CSV, extended XYZ or npy.
 //!
-//! Pairs are written as given: see [`contactbench_core::sink::normalise`] for the order in which lists are
-//! published. Numbers are the shortest that read back to the same bits.
+//! Pairs are written as given: see [`contactbench_core::sink::normalise`] for the order in which
+//! lists are published. Numbers are the shortest that read back to the same bits.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

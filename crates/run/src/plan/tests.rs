@@ -241,8 +241,8 @@ fn a_runner_is_no_control_whatever_its_name() {
 #[test]
 fn files_are_taken_from_the_folder_of_the_experiment() {
     let text = format!(
-        "{HEAD}[[scene]]\nname = 'loose'\nn = 10\nsizes = 'grading'\ngrading = ['sand.csv', '1 0, 2 \
-         100']\n"
+        "{HEAD}[[scene]]\nname = 'loose'\nn = 10\nsizes = 'grading'\ngrading = ['sand.csv', '1 \
+         0, 2 100']\n"
     );
     let planned = parse(&text, Path::new("/home/a")).unwrap().planned;
     let curves: Vec<String> =

@@ -239,8 +239,8 @@ impl From<Steps> for Found {
 
 impl Found {
     /// The contacts of all frames together, and a digest of their digests, in order: a chain as
-    /// that of [`scene_hash`](contactbench_scenes::stats::scene_hash), over their sums. Those of the last
-    /// detection, where there is one frame.
+    /// that of [`scene_hash`](contactbench_scenes::stats::scene_hash), over their sums. Those of
+    /// the last detection, where there is one frame.
     pub fn whole(&self) -> (u64, String) {
         let Found { contacts, digest, steps } = self;
         // Of one frame it is its own.

@@ -94,17 +94,19 @@ pub struct Case {
 pub enum Expect {
     /// This number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
-    /// What [`contactbench_core::oracle::truth`] says, or in a box [`contactbench_core::periodic::truth()`].
+    /// What [`contactbench_core::oracle::truth`] says, or in a box
+    /// [`contactbench_core::periodic::truth()`].
     Oracle,
-    /// There is no scene: it is refused with a [`contactbench_core::scene::SceneError`] that names the
-    /// particle.
+    /// There is no scene: it is refused with a [`contactbench_core::scene::SceneError`] that names
+    /// the particle.
     Invalid,
 }
 
 /// A kind of [`contactbench_core::detect::Refusal`] that is no fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowed {
-    /// [`contactbench_core::detect::Refusal::Domain`] or [`contactbench_core::detect::Refusal::Extent`].
+    /// [`contactbench_core::detect::Refusal::Domain`] or
+    /// [`contactbench_core::detect::Refusal::Extent`].
     Domain,
     /// [`contactbench_core::detect::Refusal::Memory`].
     Memory,

@@ -1,8 +1,8 @@
 //! The scenes of the book's worked examples (Munjiza 2004, sections 3.6 to 3.8).
 //!
 //! The book gives the cells of its particles, not their centres. Ours are in the same cells of a 10
-//! x 10 grid, of edge 10 (and a little more, see [`contactbench_core::filter::cells`]), with a radius of 5, and
-//! chosen so that some touch: 4 and 10 of the ten particles do exactly.
+//! x 10 grid, of edge 10 (and a little more, see [`contactbench_core::filter::cells`]), with a
+//! radius of 5, and chosen so that some touch: 4 and 10 of the ten particles do exactly.
 
 use nalgebra::Point;
 

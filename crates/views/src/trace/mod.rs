@@ -11,9 +11,9 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! The steps are told by the detectors themselves ([`contactbench_core::event`]): a [`recorder`] is given to
-//! them as a probe, in the place of the tally that counts their operations, and counts them as
-//! well.
+//! The steps are told by the detectors themselves ([`contactbench_core::event`]): a [`recorder`] is
+//! given to them as a probe, in the place of the tally that counts their operations, and counts
+//! them as well.
 //!
 //! * [`state`]: what stands in the arrays; `words`: what a step does, in a sentence.
 //! * `picture`: the scene and the arrays of a step as SVG; [`page`]: all steps as one HTML page;

@@ -21,8 +21,8 @@ const PACKED: &str = ".gz";
 /// The most bytes that a compressed record may unpack to.
 const MOST: u64 = 4 << 30;
 
-/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had no
-/// check of the line.
+/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had
+/// no check of the line.
 pub const SCHEMA: u32 = 4;
 /// The oldest schema that is read.
 const OLDEST: u32 = 3;
