@@ -16,7 +16,7 @@ fn errors_say_where() {
         ),
         (
             DUMP.replace("3 0 0.25 6 5 4 1\n", "3 0 0.25 6 5\n"),
-            "p:11: 5 columns where 7 are expected by ITEM: ATOMS",
+            "p:11: 5 columns where 7 are expected",
         ),
         (
             DUMP.replace("0.25", "-1"),
