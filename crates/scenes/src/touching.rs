@@ -2,6 +2,7 @@
 //! pair. Open space is a box that repeats along no vector.
 
 use contactbench_core::contact::Arithmetic;
+use contactbench_core::crowd;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::periodic::{self, ImagePair, Periodic, depth};
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
@@ -42,8 +43,10 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
 /// the list and the images may take `limit` bytes each.
 ///
 /// # Errors
-/// What the detector refuses.
+/// A scene with more contacts than the limit allows, before they are looked for; what the detector
+/// refuses.
 pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
+    crowd::within(periodic.scene(), limit)?;
     let options = Options { memory_limit: limit, ..Options::default() };
     Ok(periodic::contacts(periodic, &mut *table::robust(options), Arithmetic::Exact, limit)?)
 }
