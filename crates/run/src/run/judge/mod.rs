@@ -224,7 +224,6 @@ impl<'a> Judge<'a> {
         most.or_else(|why| why.nothing().map(|_| 0))
     }
 
-    /// Whether there are frames to be judged.
     pub fn is_moving(&self) -> bool {
         matches!(self.of, Of::Moving(_))
     }
