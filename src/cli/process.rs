@@ -35,6 +35,7 @@ pub fn prepare(build: Build) {
 }
 
 /// The arguments of the process, or the exit code after help or an error was printed.
+#[expect(clippy::print_stderr, reason = "the lines are cleaned first")]
 pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
     Cli::try_parse().map_err(|error| {
         let advice = shell::advice(&error);

@@ -102,7 +102,7 @@ pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
         Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
         None => None,
     };
-    Table::of("", ranked(race, n).into_iter())
+    Table::of("", ranked(race, n))
         .left("detector", name)
         .right("time / fastest", to_fastest)
         .right("ns per particle in this run", |standing| {

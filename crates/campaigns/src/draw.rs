@@ -65,7 +65,7 @@ pub struct Sphere<const D: usize> {
 
 impl<const D: usize> Sphere<D> {
     /// 1105 = 5·13·17 in the plane and 105 = 3·5·7 in space: short lengths with many vectors.
-    pub fn new() -> Sphere<D> {
+    pub fn made() -> Sphere<D> {
         let length = if D == 2 { 1105i64 } else { 105 };
         let mut points = Vec::new();
         let mut point = [0; D];

@@ -127,7 +127,7 @@ fn trials<const D: usize>() -> Vec<Trial<D>> {
             let (centres, radii) = couple.bodies(k);
             Frame { centres, radii, truth: couple.touching(k) }
         };
-        let frames = (0..couple.len()).map(frame).collect();
+        let frames = (0..couple.frame_count()).map(frame).collect();
         Trial { name: couple.name, skin: couple.skin, frames }
     };
     let mut trials: Vec<_> = (0..3_000).map(|_| couple(Couple::new(&sphere, &mut draw))).collect();

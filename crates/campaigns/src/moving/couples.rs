@@ -59,8 +59,7 @@ impl<const D: usize> Couple<D> {
         couple
     }
 
-    /// How many frames there are.
-    pub fn len(&self) -> usize {
+    pub fn frame_count(&self) -> usize {
         self.frames.len()
     }
 
@@ -94,7 +93,7 @@ impl<const D: usize> Couple<D> {
     /// Pairs that touch in the last frame and were farther apart than the skin at the start.
     pub fn came(&self) -> usize {
         let near = self.within(self.start, self.skin_units);
-        self.touching(self.len() - 1).iter().filter(|pair| !near.contains(pair)).count()
+        self.touching(self.frame_count() - 1).iter().filter(|pair| !near.contains(pair)).count()
     }
 
     /// The pairs whose surfaces are at most so many half units apart.

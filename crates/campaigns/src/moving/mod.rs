@@ -180,7 +180,7 @@ pub fn courses(plan: Plan) -> Table {
 
 /// Couples at the limit of the skin.
 pub fn couples(plan: Plan) -> Table {
-    let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let detectors = detectors();
     in_batches(plan, |index| {
         let mut draw = Draw::new(plan.seed, 1 << 62 | index);
@@ -208,7 +208,7 @@ fn couple<const D: usize>(
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     *table.came.entry(couple.name).or_default() += couple.came() as u64;
-    let all = 0..couple.len();
+    let all = 0..couple.frame_count();
     let exact: Vec<Frame> =
         all.clone().map(|k| Frame { scene: couple.scene(k), truth: couple.touching(k) }).collect();
     let rounded = [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64][draw.below(3) as usize];

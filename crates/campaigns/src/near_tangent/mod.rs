@@ -54,7 +54,7 @@ fn families() -> Vec<(Family, usize, f64, u64)> {
 
 /// The contact test on couples.
 pub fn predicate(plan: Plan) -> Vec<Line> {
-    let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let rows = families();
     let shares: u64 = rows.iter().map(|row| row.3).sum();
     let batches = |share: u64| (plan.pairs * share).div_ceil(shares * predicate::BATCH).max(1);
@@ -79,7 +79,7 @@ pub fn predicate(plan: Plan) -> Vec<Line> {
 
 /// Every detector on scenes of couples.
 pub fn detectors(plan: Plan) -> Vec<Line> {
-    let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();
     for dim in [2, 3] {
         for sizes in [false, true] {
@@ -114,7 +114,7 @@ const AWAY: [i64; 3] = [0, 1_000, 1_000_000];
 
 /// Every detector in boxes that repeat.
 pub fn boxes(plan: Plan) -> Vec<Line> {
-    let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();
     for dim in [2, 3] {
         for shape in Shape::ALL {
