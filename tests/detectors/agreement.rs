@@ -120,7 +120,7 @@ fn known_scenes() {
     }
 }
 
-/// Points, of which no detector of ours refuses any number.
+/// None of our detectors refuses points (particles of radius 0), however many there are.
 #[test]
 fn points_are_taken() {
     let points = Spec::parse("loose:n=300").unwrap().make().unwrap();

@@ -172,15 +172,15 @@ size_t contactbench_count(const struct contactbench_detector *detector);
 
 /**
  * The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
- * pair once (in a box once for each image), in no particular order. They are there until the next
- * call.
+ * pair once (in a box once for each image), in no particular order. The pointer is valid until the
+ * next search with this detector.
  */
 const uint32_t *contactbench_pairs(const struct contactbench_detector *detector);
 
 /**
  * In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
- * the second one moved by so many vectors of the box. NULL in open space. They are there until the
- * next call.
+ * the second one moved by so many vectors of the box. NULL in open space. The pointer is valid
+ * until the next search with this detector.
  */
 const int32_t *contactbench_images(const struct contactbench_detector *detector);
 

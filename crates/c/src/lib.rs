@@ -239,8 +239,8 @@ pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detect
 }
 
 /// The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
-/// pair once (in a box once for each image), in no particular order. They are there until the next
-/// call.
+/// pair once (in a box once for each image), in no particular order. The pointer is valid until the
+/// next search with this detector.
 ///
 /// # Safety
 /// The detector is there, or NULL.
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 }
 
 /// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
-/// the second one moved by so many vectors of the box. NULL in open space. They are there until the
-/// next call.
+/// the second one moved by so many vectors of the box. NULL in open space. The pointer is valid
+/// until the next search with this detector.
 ///
 /// # Safety
 /// The detector is there, or NULL.

@@ -36,8 +36,8 @@ pub enum Event {
     /// An integerised coordinate was written into the array of keys of an axis, at the place that
     /// has the particle's number before the sort.
     Key { axis: usize, particle: u32, key: u32 },
-    /// A range of places is to be parted by `mid` along an axis: keys below go left. No key is
-    /// below the first of `values` or above the second.
+    /// A range of places is about to be split along an axis: keys below `mid` go left. No key of
+    /// the range is below the first of `values` or above the second.
     Halve { axis: usize, places: [usize; 2], values: [u32; 2], mid: u32 },
     /// What stands at two places was exchanged, keys of this axis and later ones and particles.
     Swap { axis: usize, places: [usize; 2] },

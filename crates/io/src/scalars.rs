@@ -115,7 +115,7 @@ pub struct Ids {
 }
 
 impl Ids {
-    /// What VTK, ParaView and Exodus call ids, and people with NumPy, in lower case.
+    /// Names of id arrays in VTK, ParaView, Exodus and NumPy files, in lower case.
     const NAMES: [&str; 6] =
         ["ids", "globalid", "globalids", "globalpointids", "globalnodeid", "globalnodeids"];
 

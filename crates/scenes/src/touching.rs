@@ -39,8 +39,8 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
     })
 }
 
-/// All contacts in exact arithmetic, by a detector that copes with sizes and places of every kind;
-/// the list and the images may take `limit` bytes each.
+/// Finds all contacts in exact arithmetic, with a detector that copes with any sizes and positions.
+/// The contact list and the periodic images may take `limit` bytes each.
 ///
 /// # Errors
 /// A scene with more contacts than the limit allows, before they are looked for; what the detector

@@ -49,7 +49,7 @@ pub enum Error {
         text: String,
         /// The key.
         key: String,
-        /// The nearest known key, in words.
+        /// A suggestion such as `; did you mean skin?`, or empty.
         hint: String,
         /// The known keys.
         takes: String,
@@ -63,7 +63,7 @@ pub enum Error {
         key: String,
         /// The value.
         value: String,
-        /// The nearest allowed value, in words.
+        /// A suggestion such as `; did you mean morton?`, or empty.
         hint: String,
         /// The allowed values.
         allowed: String,
@@ -87,8 +87,8 @@ impl<'a> Spec<'a> {
         spec
     }
 
-    /// Splits `name(over,key=value)`, where the keys in [`TRACKER`] belong to the name and all
-    /// other pieces to what it is over; a text without a parenthesis as [`Spec::parse`] does.
+    /// Splits `name(over,key=value)`. The keys in [`TRACKER`] belong to `name`, all other pieces to
+    /// `over`. A text without a parenthesis is split by [`Spec::parse`].
     pub fn parse_tracker(text: &'a str) -> Spec<'a> {
         let Some((name, rest)) = text.trim().split_once('(') else { return Spec::parse(text) };
         let stray = (!rest.ends_with(')')).then_some(text);
@@ -142,8 +142,8 @@ impl<'a> Spec<'a> {
         }
     }
 
-    /// The error of a value that a key does not take. `allowed` says which it takes, `words` are
-    /// those of them that have names.
+    /// Builds the error for a value that `key` does not take. `allowed` describes the allowed
+    /// values; `words` lists those that are names, for the suggestion.
     pub fn wrong(&self, key: &str, value: &str, words: &[&str], allowed: &str) -> Error {
         Error::Value {
             text: self.text.into(),

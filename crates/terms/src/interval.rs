@@ -1,4 +1,4 @@
-//! A median and how far it is trusted.
+//! A median and its confidence interval.
 
 /// A median with an interval that covers the true median with probability `coverage`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

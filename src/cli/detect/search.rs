@@ -45,7 +45,7 @@ pub(super) struct Found {
     /// Images made of particles.
     pub images: usize,
     pub time: Duration,
-    /// Bytes that the detector holds afterwards, where that is measured.
+    /// Bytes that the detector still holds after the search, if measured.
     pub memory: Option<u64>,
 }
 
@@ -70,7 +70,7 @@ impl Pairs {
         Ok(contacts.into())
     }
 
-    /// As [`Pairs::imaged`], one by one.
+    /// Iterates over the same contacts as [`Pairs::imaged`], without building a list.
     pub fn iter(&self) -> Box<dyn Iterator<Item = ImagePair> + '_> {
         match self {
             Pairs::Open(pairs) => Box::new(without_shift(pairs)),

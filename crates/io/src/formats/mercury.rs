@@ -42,7 +42,7 @@ struct Data<'a> {
     header: Header,
 }
 
-/// What stands before the rows of a frame.
+/// The header line of a frame, which precedes its rows.
 #[derive(Default)]
 struct Header {
     n: u64,

@@ -262,8 +262,8 @@ pub fn format_names() -> impl Iterator<Item = String> {
     values.map(|value| value.get_name().to_string())
 }
 
-/// The doubt about a name that may split the particles into frames, and does not. Dumps and the
-/// like have frames of their own.
+/// Returns a notice if an unused column or array may tell frames apart, judging by its name. Dumps
+/// and similar formats have frames of their own.
 pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
     let table = format == "CSV" || format == "YADE text";
     let arrays = ["NumPy", "PLY"].iter().any(|name| format.starts_with(name));

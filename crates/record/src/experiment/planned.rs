@@ -38,7 +38,7 @@ pub struct Entrant {
     pub name: String,
     /// What it is there for; a runner is [`Role::Runner`].
     pub role: Role,
-    /// The arithmetic of a detector; a runner says its own.
+    /// The arithmetic of a detector; `None` for a runner, which reports its own.
     pub arithmetic: Option<Arithmetic>,
     /// Threads given to it.
     pub threads: usize,
@@ -51,8 +51,8 @@ impl Entrant {
         self.role != Role::Runner && !self.role.is_control()
     }
 
-    /// The axes of its measurement of a scene, on no machine yet. The arithmetic of a runner is a
-    /// guess.
+    /// Returns the id of this subject's measurement on `scene`, without a machine. A runner is
+    /// assumed to use the default arithmetic.
     pub fn cell(&self, scene: &CellId) -> CellId {
         let arithmetic = self.arithmetic.unwrap_or_default().name().into();
         let id = CellId { arithmetic, ..scene.clone() };

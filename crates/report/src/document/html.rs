@@ -1,7 +1,7 @@
 use super::{Block, Span, Text};
 use crate::escape;
 
-/// The blocks in HTML. Figures are named; the page shows them.
+/// Returns the blocks as HTML. A figure is replaced by its title; the page adds the picture.
 pub fn html(blocks: &[Block]) -> String {
     blocks.iter().map(block_text).collect()
 }

@@ -328,7 +328,8 @@ pub fn say(row: &mut Row, found: &Found) {
     (row.contacts, row.digest) = (Some(contacts), Some(digest));
 }
 
-/// Counts, or measures the memory, as the row's pass says. `None` if the runner does not.
+/// Counts operations or measures memory, depending on the row's pass. Returns `None` if the runner
+/// does not support this pass.
 fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
     let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
     let found = match (client.ask(&request)?, row.pass) {

@@ -162,7 +162,7 @@ impl Plane {
     }
 }
 
-/// The rectangle around circles; none where there are none.
+/// Returns the smallest rectangle around the circles, or `None` if there are no circles.
 pub fn bounds<'a>(circles: impl IntoIterator<Item = &'a Circle>) -> Option<[[f64; 2]; 2]> {
     circles.into_iter().fold(None, |bounds, circle| {
         let low = circle.at.map(|x| x - circle.r);

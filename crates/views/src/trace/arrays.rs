@@ -17,7 +17,7 @@ const CAPTION: f64 = 16.0;
 const LINE: f64 = VALUE[1] + CAPTION + 6.0;
 const TITLE: f64 = 26.0;
 
-/// How a block of the panel looks.
+/// The layout of one block of the panel.
 #[derive(Clone, Copy)]
 enum Kind {
     /// The first particles of lists that lie along an axis.

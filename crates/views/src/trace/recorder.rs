@@ -1,4 +1,4 @@
-//! A probe that keeps the events of a detector as steps.
+//! A probe that records the events of a detector as the steps of a trace.
 
 use crate::trace::state::State;
 use crate::trace::{Algorithm, Disc, MOST_STEPS, words};

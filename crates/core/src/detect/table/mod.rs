@@ -113,7 +113,7 @@ pub struct Entry {
     pub limits: &'static str,
     /// Can use more than one thread.
     pub threads: bool,
-    /// How its times usually compare with those of the others.
+    /// How the detector's times usually compare with those of other detectors.
     pub speed: Speed,
     /// Where the truth of a scene is asked of it.
     pub judge: Judge,

@@ -59,8 +59,8 @@ fn kind(name: &str) -> Option<Kind> {
     NAMES.iter().find(|(_, names)| names.contains(&&*name)).map(|(kind, _)| *kind)
 }
 
-/// The doubt about a name that may split the particles into frames, and does not: in a `table` one
-/// that is no known name of a frame, in arrays any.
+/// Returns a notice if an unused column or array may tell frames apart, judging by its name. In a
+/// `table`, the names in [`NAMES`] cause no notice.
 pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
     let like = |name: &&String| {
         let lower = name.to_lowercase();
@@ -89,7 +89,7 @@ pub(crate) fn names_a_frame(comment: &str) -> bool {
 #[derive(Default)]
 pub(super) struct Blocks {
     rows: u64,
-    /// Blocks of rows behind the first.
+    /// Number of blocks of rows after the first block.
     more: u64,
     /// A blank line or a comment stands behind the last row.
     ended: bool,

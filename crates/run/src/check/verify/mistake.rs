@@ -60,7 +60,7 @@ pub enum Mistake {
 }
 
 impl Mistake {
-    /// The mistake in words, after "with".
+    /// Returns the mistake as a phrase that can follow the word "with".
     fn words(self) -> String {
         match self {
             Mistake::Numbers(Meaning::Base(base)) => format!("numbers from {base}"),

@@ -158,7 +158,7 @@ fn other_axes<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
     search.boxes(at, other.map(move |flags| Some((Mistake::Along(flags), lattice(flags)?))))
 }
 
-/// A box that no file declares.
+/// Guesses the periods of the box from the listed contacts, if no file declares a box.
 fn guessed<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
     if !search.may_guess || at.space.lattice().repeats() {
         return none();
