@@ -103,7 +103,7 @@ pub enum Verb {
                             packed.csv\nExample: contactbench scene packing.dump --frame last -o \
                             packing.xyz")]
     Scene(scene::Scene),
-    /// Says which detector to use for a scene, or which tracker for frames: measures them there
+    /// Says which detector to use for a scene: measures them there
     #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench \
                             recommend clustered:dim=3,n=100000 --threads 2")]
     Recommend(recommend::Recommend),

@@ -1,5 +1,5 @@
 //! The fuzz targets without a fuzzer: their seeds, mutations of them, and random bytes, the same on
-//! every run. `fuzz/` searches further.
+//! every run. `crates/fuzz` searches further.
 
 use std::path::Path;
 
