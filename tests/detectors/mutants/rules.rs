@@ -121,7 +121,7 @@ fn is_right<const D: usize>(way: Way, rule: Rule, trial: &Trial<D>) -> bool {
 
 /// All couples and motions in one dimension.
 fn trials<const D: usize>() -> Vec<Trial<D>> {
-    let (sphere, mut draw) = (Sphere::new(), Draw::new(D as u64, 0));
+    let (sphere, mut draw) = (Sphere::made(), Draw::new(D as u64, 0));
     let couple = |couple: Couple<D>| {
         let frame = |k: usize| {
             let (centres, radii) = couple.bodies(k);
