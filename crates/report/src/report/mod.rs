@@ -369,7 +369,7 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
         " makes all of it again from the record, and a page, report.html, with the pictures in it.",
     )));
     out.push(Block::paragraph(
-        "BIAS.md, at the root of the project, lists the ways in which this comparison is unfair.",
+        "docs/BIAS.md of the project lists the ways in which this comparison is unfair.",
     ));
     if let Some(Value::Object(fields)) = origin.provenance {
         out.push(Block::heading(2, "Machine and provenance"));

@@ -46,7 +46,7 @@ const PARAMS: [Parameter; 9] = [
 pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],
-    summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
+    summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD",
     own_n: true,
     params: &[&PARAMS],
     make: |inputs| {
