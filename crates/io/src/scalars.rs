@@ -150,10 +150,19 @@ impl Ids {
         Ok(())
     }
 
-    /// The ids of `n` particles: of several arrays those in `id`.
+    /// The ids of `n` particles, from a column of ids if there is one. An array that only its name
+    /// makes ids counts if no number repeats; pieces of a file may each count from 0.
     pub fn of(mut all: Vec<Ids>, n: usize) -> Option<Vec<i64>> {
+        let differ = |values: &[i64]| {
+            let mut seen = values.to_vec();
+            seen.sort_unstable();
+            seen.array_windows().all(|[a, b]| a != b)
+        };
         all.sort_by_key(|ids| !ids.sure);
-        all.into_iter().filter_map(|ids| ids.values).find(|values| values.len() == n)
+        all.into_iter()
+            .filter(|ids| ids.sure || ids.values.as_deref().is_some_and(differ))
+            .filter_map(|ids| ids.values)
+            .find(|values| values.len() == n)
     }
 }
 

@@ -77,11 +77,12 @@ pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
     )))
 }
 
-/// Whether a comment names a frame, a step or a time, and has a number, as in `t = 0.5`.
+/// Whether a comment begins with the name of a frame, a step or a time, and has a number, as in
+/// `t = 0.5`. Other comments among rows are doubted, not refused.
 pub(crate) fn names_a_frame(comment: &str) -> bool {
     let is_between = |c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c);
     let parts = || comment.split(is_between).filter(|part| !part.is_empty());
-    parts().any(|part| kind(part).is_some())
+    parts().next().is_some_and(|part| kind(part).is_some())
         && parts().any(|part| number(part.as_bytes()).is_some())
 }
 

@@ -212,8 +212,9 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                 at()
             ));
         } else if !line.trim_ascii().is_empty() {
-            // What is no JSON is damaged, not old.
-            let schema = serde_json::from_slice(line).map_or(SCHEMA, |it: Version| it.schema);
+            // What is no JSON is damaged, and tells no schema.
+            let version = serde_json::from_slice(line).map(|it: Version| it.schema);
+            let schema = version.as_ref().copied().unwrap_or(newest.max(OLDEST));
             if schema > SCHEMA || schema < OLDEST && newest == 0 {
                 let or = if schema > SCHEMA { ", or a later one" } else { "" };
                 anyhow::bail!(

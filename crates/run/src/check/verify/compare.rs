@@ -111,14 +111,37 @@ impl Against<'_> {
 
     /// The deepest image of each pair that touches.
     pub fn deepest(&self) -> Contacts {
-        let first = |pair: ImagePair| self.deepest_first(self.truth.of([pair.i, pair.j]))[0];
-        self.truth.filtered(|pair| first(pair) == pair)
+        let ends = |pair: &ImagePair| [pair.i, pair.j];
+        let deep = |pair: ImagePair| depth(self.space, pair);
+        let mut shifted = Vec::new();
+        // Places of plain pairs that have a deeper image.
+        let mut beaten = Vec::new();
+        for same in self.truth.shifted.chunk_by(|a, b| ends(a) == ends(b)) {
+            let deeper = |best: (f64, ImagePair), &pair: &ImagePair| match deep(pair) {
+                depth if depth > best.0 => (depth, pair),
+                _ => best,
+            };
+            let (most, best) = same[1..].iter().fold((deep(same[0]), same[0]), deeper);
+            let plain = self.truth.plain.binary_search(&ends(&best)).ok();
+            if plain.is_none() || deep(ImagePair::new(best.i, best.j, [0; 3])) < most {
+                shifted.push(best);
+                beaten.extend(plain);
+            }
+        }
+        let mut beaten = beaten.into_iter().peekable();
+        let plain = self.truth.plain.iter().enumerate();
+        let stays = plain.filter(|(place, _)| beaten.next_if_eq(place).is_none());
+        let plain = stays.map(|(_, &pair)| pair).collect();
+        Contacts { plain, shifted }
     }
 
     fn deepest_first(&self, pairs: impl Iterator<Item = ImagePair>) -> Vec<ImagePair> {
         let mut pairs: Vec<ImagePair> = pairs.collect();
         if pairs.len() > 1 {
-            pairs.sort_by(|a, b| depth(self.space, *b).total_cmp(&depth(self.space, *a)));
+            let deep = |pair| (depth(self.space, pair), pair);
+            let mut by_depth: Vec<(f64, ImagePair)> = pairs.into_iter().map(deep).collect();
+            by_depth.sort_by(|a, b| b.0.total_cmp(&a.0));
+            pairs = by_depth.into_iter().map(|(_, pair)| pair).collect();
         }
         pairs
     }
@@ -130,7 +153,9 @@ impl Against<'_> {
         for same in listed.plain.chunk_by(|a, b| a == b) {
             let pair = same[0];
             let touching = self.deepest_first(self.truth.of(pair));
-            let beside = self.near.of(pair).filter(|it| !touching.contains(it));
+            let mut known = touching.clone();
+            known.sort();
+            let beside = self.near.of(pair).filter(|it| known.binary_search(it).is_err());
             let mut images: Vec<ImagePair> = touching.iter().copied().chain(beside).collect();
             if once {
                 images.truncate(1);
