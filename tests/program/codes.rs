@@ -74,7 +74,7 @@ fn of_the_page(
         let words: Vec<&str> = line.split(' ').collect();
         assert_eq!(words[0], "contactbench");
         let said = good(folder, &words[1..]).stdout;
-        let expected = if words[1] == "verify" { "the same in " } else { "\nuse " };
+        let expected = if words[1] == "verify" { "the same in " } else { "\nevery step " };
         assert!(said.contains(expected), "{line}: {said}");
         assert!(!said.contains(" 0 touching pairs"), "{line}: {said}");
         commands += 1;

@@ -106,7 +106,6 @@ fn every_verb_prints_what_is_doubtful() {
             &["verify", name, "--pairs", "none.csv", "--json"],
             &["draw", name],
             &["track", name, "--frames", "2", "--tracker", "every-step(nbs)"],
-            &["ranks", name, "--ranks", "1", "--steps", "1"],
             &["check", "--scene", name, "--detector", "nbs"],
             &["detect", name, "--frame", "all"],
         ];
