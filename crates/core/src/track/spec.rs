@@ -269,7 +269,7 @@ mod tests {
         for (text, says) in [
             ("verlet(nbs", "is no tracker"),
             ("skin(nbs)", "is no tracker"),
-            ("verlet", "'verlet' is no tracker; write every-step(DETECTOR), verlet("),
+            ("verlet", "'verlet' is no tracker; write every-step(DETECTOR) or verlet("),
             ("verlet(nbx)", "there is no detector 'nbx'"),
             ("verlet()", "there is no detector ''"),
             ("verlet(nbs,skin=-1)", "skin cannot be '-1'"),

@@ -2,10 +2,10 @@
 //! got wrong.
 //!
 //! ```
-//! use contactbench::io::pairs::List;
-//! use contactbench::scene::spec::Spec;
-//! use contactbench::scene::touching::in_any_box;
-//! use contactbench::views::draw::{self, Highlighted, Look};
+//! use contactbench_io::pairs::List;
+//! use contactbench_scenes::spec::Spec;
+//! use contactbench_scenes::touching::in_any_box;
+//! use contactbench_views::draw::{self, Highlighted, Look};
 //!
 //! let scene = in_any_box(&Spec::parse("packed:n=50")?.given()?)?;
 //! let list = List { pairs: vec![[0, 1]], ..List::default() }; // by some detector, in any order

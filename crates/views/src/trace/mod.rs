@@ -2,11 +2,11 @@
 //! to understand.
 //!
 //! ```
-//! use contactbench::views::trace::{Algorithm, example, trace};
+//! use contactbench_views::trace::{Algorithm, example, trace};
 //!
 //! let trace = trace(Algorithm::Nbs, None)?;
 //! assert_eq!(trace.contacts.len(), 6);
-//! let page = contactbench::views::trace::page::html(&trace, "ten particles");
+//! let page = contactbench_views::trace::page::html(&trace, "ten particles");
 //! assert!(page.starts_with("<!doctype html>"));
 //! # Ok::<(), anyhow::Error>(())
 //! ```
