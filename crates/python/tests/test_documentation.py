@@ -42,7 +42,7 @@ def test_everything_is_documented_and_typed():
 
 
 def test_the_version_is_that_of_the_program():
-    root = pathlib.Path(__file__).parents[2]
-    for manifest in ("Cargo.toml", "crates/python/Cargo.toml", "crates/c/Cargo.toml"):
-        version = re.search(r'^version = "(.*)"', (root / manifest).read_text(), re.MULTILINE)
-        assert version[1] == contactbench.__version__, manifest
+    root = pathlib.Path(__file__).parents[3]
+    # The crates take the version of the workspace.
+    version = re.search(r'^version = "(.*)"', (root / "Cargo.toml").read_text(), re.MULTILINE)
+    assert version[1] == contactbench.__version__

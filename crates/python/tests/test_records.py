@@ -9,7 +9,7 @@ import pytest
 
 import contactbench
 
-RESULTS = pathlib.Path(__file__).parents[2] / "results" / "reference-motion" / "buffers"
+RESULTS = pathlib.Path(__file__).parents[3] / "results" / "reference-motion" / "buffers"
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])
