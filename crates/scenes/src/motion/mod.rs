@@ -39,7 +39,7 @@ pub enum Kind {
     Brownian,
     /// One flies, the others rest.
     Bullet,
-    /// A motion of an earlier version, one of [`GONE`]: records have it, and it cannot be made.
+    /// A motion of an earlier version, one of `GONE`: records have it, and it cannot be made.
     Gone(&'static str),
 }
 
