@@ -94,7 +94,8 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
         let list = || finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
         measure(list).1.expect("the counting allocator is installed")
     };
-    let (cold, warm) = (measured(), measured());
+    let cold = measured();
+    let warm = least(&mut measured);
     let (images, formula) = (finder.formula_bytes(), detector.formula_bytes());
     let what = format!("{} on {text} in {arithmetic} in a box of {edge}", entry.name);
     assert!(finder.images() > 0 && !contacts.shifted.is_empty(), "{what}");
@@ -171,7 +172,15 @@ fn cold_and_warm(
             .1
             .expect("the counting allocator is installed")
     };
-    (measured(), measured(), contacts.0)
+    let cold = measured();
+    (cold, least(&mut measured), contacts.0)
+}
+
+/// The least of three warm calls: the harness may still print the end of the test before, which
+/// allocates. What a detector allocates, it allocates in each call.
+fn least(measured: &mut impl FnMut() -> Usage) -> Usage {
+    let calls = [measured(), measured(), measured()];
+    calls.into_iter().min_by_key(|usage| usage.allocations).expect("there are three")
 }
 
 /// The book's numbers for example III at S/D = 200 on 100 x 100 particles (BOOK, section 4), which

@@ -179,7 +179,7 @@ const uint32_t *contactbench_pairs(const struct contactbench_detector *detector)
 
 /**
  * In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
- * the second one moved by so many vectors of the box. NULL in open space. The pointer is valid
+ * the second one moved by this many vectors of the box. NULL in open space. The pointer is valid
  * until the next search with this detector.
  */
 const int32_t *contactbench_images(const struct contactbench_detector *detector);

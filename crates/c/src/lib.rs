@@ -251,7 +251,7 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 }
 
 /// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
-/// the second one moved by so many vectors of the box. NULL in open space. The pointer is valid
+/// the second one moved by this many vectors of the box. NULL in open space. The pointer is valid
 /// until the next search with this detector.
 ///
 /// # Safety

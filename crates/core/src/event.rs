@@ -5,8 +5,8 @@
 //! probe asks for it: with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is
 //! compiled.
 //!
-//! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. Of
-//! cells in space the first two axes are told.
+//! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. An
+//! event names the first two axes of a cell in space.
 
 /// Something that happened. In all events `particle`, `i` and `j` are particles, `cell` is column
 /// and row, `heads` the letter of an array of heads, `list` a place in it and `first` what stands

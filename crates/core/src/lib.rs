@@ -59,8 +59,8 @@
 //!    [`filter`] derives how none of them loses a pair to rounding.
 //! 3. [`detect`]: a detector finds the touching pairs; one file per algorithm, one line each in
 //!    [`detect::table`].
-//! 4. [`probe`] counts operations, or costs nothing when nobody listens; [`event`] tells them one
-//!    by one; [`sink`] makes the contacts a list, a count or a digest; a [`pair_list`] has a limit.
+//! 4. [`probe`] counts operations, or compiles to nothing; [`event`] reports them one by one;
+//!    [`sink`] makes the contacts a list, a count or a digest; a [`pair_list`] has a limit.
 //! 5. [`refusal`]: why a detector will not work on a scene; [`crowd`] knows it before it is tried;
 //!    [`memory`] says what limit fits the machine.
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.

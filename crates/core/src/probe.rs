@@ -1,4 +1,4 @@
-//! Operation counters that cost nothing when nobody listens.
+//! Operation counters that compile to nothing unless a probe counts.
 //!
 //! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
 //! compiles to nothing (shown by `tests/benches/silent_probe.rs`: the same number of instructions

@@ -263,7 +263,7 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
 /// What the options say of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Boundaries {
-    /// Its vectors, in the place of the file's.
+    /// The vectors of the box, instead of the file's.
     pub edges: Option<Edges>,
     /// Along which of them it repeats, whatever the file says.
     pub periodic: Option<Axes>,

@@ -89,7 +89,7 @@ pub const OPTIONS: [FileOption; 8] = [
     FileOption {
         name: "box",
         value: "NUMBERS",
-        meaning: "The box, in the place of the file's: LX,LY[,LZ], with the tilt of LAMMPS \
+        meaning: "The box, instead of the file's: LX,LY[,LZ], with the tilt of LAMMPS \
                   LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)",
         set: |options, text| parsed(text, &mut options.boundaries.edges),
     },

@@ -35,7 +35,7 @@ pub trait Dealt {
     /// As [`Origin::whole`]; a file, a box that repeats.
     fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
 
-    /// The same of so many ranks in one piece.
+    /// The scene of this many ranks, in one piece.
     ///
     /// # Errors
     /// The same.

@@ -178,9 +178,9 @@ impl Tracker for EveryStep {
 /// A detector, and what it needs in boxes.
 struct Search {
     detector: Box<dyn AnyDetector>,
-    /// Of a list of contacts, in bytes.
+    /// Most bytes of a list of contacts.
     limit: u64,
-    /// Of images, where the last frame was in a box.
+    /// Keeps the images if the last frame was in a box.
     finder: Option<Finder>,
 }
 

@@ -227,8 +227,8 @@ impl Particles {
         Ok(Particles::of(Centres::Space(points), radii))
     }
 
-    /// Puts the radius that is given in the place of the file's, turns spheres with z = 0 into
-    /// discs if that is asked for, and refuses what cannot be had.
+    /// Applies the options: the given radius replaces the file's, and spheres with z = 0 become
+    /// discs. Options that contradict the particles are refused.
     pub(crate) fn as_asked(
         &mut self,
         name: &str,

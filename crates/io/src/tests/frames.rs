@@ -3,8 +3,8 @@
 use super::*;
 use crate::pairs;
 
-/// Frames as they are told: number, step, time, ids, and the x of every particle in the order of
-/// ids; then how they end.
+/// Frames as they are read: number, step, time, ids, and the x of every particle in the order of
+/// ids; then the error that ends them, if any.
 type Told = (Vec<(u64, Option<i64>, Option<f64>, Vec<i64>, Vec<f64>)>, String);
 
 fn all(bytes: &[u8], ending: &str, options: Options) -> Told {

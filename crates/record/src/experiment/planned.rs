@@ -16,7 +16,7 @@ pub struct Planned {
     pub scenes: Vec<CellId>,
     /// The same of a quick run.
     pub quick: Vec<CellId>,
-    /// Who looks at every scene, in the order of the record.
+    /// The subjects of every scene, in the order of the record.
     pub entrants: Vec<Entrant>,
     /// Scenes that bring their own particles: their n is 0 unless the experiment gives it.
     pub own_n: BTreeSet<String>,

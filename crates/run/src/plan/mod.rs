@@ -166,7 +166,7 @@ pub fn memory_limit(experiment: &Experiment) -> u64 {
     experiment.memory_limit_mib.map_or_else(default_limit, |mib| mib << 20)
 }
 
-/// Who looks at every scene, in the order of the record.
+/// The subjects of every scene, in the order of the record.
 fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     let Experiment { threads, .. } = experiment;
     let mut all = Vec::new();

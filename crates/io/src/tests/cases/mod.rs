@@ -113,7 +113,7 @@ fn frame(particles: Particles, about: &About, options: Options, out: &mut String
     }
 }
 
-/// What comes of a file of particles.
+/// Prints the particles that are read from a file, or the refusal.
 fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     let mut out = String::new();
     let read = if options.frame == Frame::All {
@@ -132,7 +132,7 @@ fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     out
 }
 
-/// What comes of lists of contacts.
+/// Prints the lists of contacts that are read, or the refusal.
 fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
     let mut out = String::new();
     let list = |list: pairs::List, out: &mut String| {
@@ -162,7 +162,7 @@ fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
     out
 }
 
-/// What comes of a file that is read with these options.
+/// Reads a file with these options, and prints particles, lists or the refusal.
 fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
     match options(text) {
         Err(why) => format!("! {why}\n"),

@@ -84,11 +84,6 @@ impl Hardware {
             memory_bytes: self.memory_bytes.or(other.memory_bytes),
         }
     }
-
-    /// The bytes of the largest cache; 0 where none is known.
-    pub fn last_cache(&self) -> u64 {
-        self.caches.values().filter_map(|size| size_of(size)).max().unwrap_or(0)
-    }
 }
 
 /// The bytes of a size as the system writes it: `48K`, `2M`.
