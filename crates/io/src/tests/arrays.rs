@@ -200,5 +200,8 @@ fn ids_stand_in_arrays_of_many_names() {
     let chosen = Options { radius: Some(0.5), ..columns("id=n") };
     assert_eq!(ids("(2,)", &[7.0, 5.0], "n", chosen), [7, 5]);
     assert_eq!(ids("(2,)", &[7.0, 5.0], "n", HALF), [0; 0]);
+    // Only a column of ids may repeat: what needs single ids then refuses it.
+    assert_eq!(ids("(2,)", &[5.0, 5.0], "ids", HALF), [0; 0]);
+    assert_eq!(ids("(2,)", &[5.0, 5.0], "id", HALF), [5, 5]);
     assert_eq!(ids("(1,)", &[7.0], "id", HALF), [0; 0], "one for two");
 }

@@ -183,3 +183,17 @@ fn a_compressed_record_is_read_and_never_appended_to() {
     std::fs::write(&path, &text).unwrap();
     assert!(refusal(&path).contains("samples.jsonl.gz are both there; delete one of them"));
 }
+
+/// A damaged line tells no schema: the lines behind it stay as they are.
+#[test]
+fn one_damaged_line_is_one_fault() {
+    let text = include_str!("../../../../../tests/records/schema-3/samples.jsonl");
+    let whole = read_text(text).unwrap().rows.len();
+    for line in [1, 3] {
+        let mut lines: Vec<String> = text.lines().map(String::from).collect();
+        lines[line - 1].replace_range(..1, "[");
+        let error = read_text(&(lines.join("\n") + "\n")).err().unwrap();
+        let faults = &error.downcast_ref::<faults::Damaged>().unwrap().0;
+        assert_eq!((whole, faults.len()), (68, 1), "{error}");
+    }
+}

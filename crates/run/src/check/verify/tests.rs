@@ -288,3 +288,17 @@ fn many_particles_are_compared_with_what_two_detectors_say() {
     let reading = reading.unwrap();
     assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Open], 0));
 }
+
+/// A list that has a pair once stands for the deepest of its images.
+#[test]
+fn a_pair_listed_once_is_its_deepest_image() {
+    for (second, inside) in [([1.0, 0.5], true), ([3.5, 0.5], false)] {
+        let space = discs(&[[0.5, 0.5], second], 3.0, [4.0, 4.0]);
+        let (found, _) = in_box(&space, &[[0, 0], [0, 1], [1, 1]], None, GIVEN);
+        assert_eq!((found.taken, counts(&found)), (Taken::Once, [0; 4]), "{second:?}");
+        let touching = found.truth.of([0, 1]);
+        let deepest = touching.max_by(|&a, &b| depth(&space, a).total_cmp(&depth(&space, b)));
+        assert_eq!(deepest.unwrap().image == [0; 3], inside);
+        assert!(found.truth.len() > 10, "{}", found.truth.len());
+    }
+}
