@@ -1,21 +1,21 @@
 //! A silent probe costs nothing: direct checking with [`Silent`] executes as many instructions as a
 //! twin written by hand without any probe.
 //!
-//! `cargo bench --bench silent_probe` runs both under `valgrind --tool=callgrind`, which counts
-//! instructions repeatably whatever else the machine does, takes off what the program needs without
-//! either, and fails if the counts differ by more than 1%. The same with [`Tally`] shows that the
-//! comparison could fail. Without valgrind it says so and compares nothing.
+//! `cargo run --release -p contactbench-campaigns --bin silent_probe` runs both under `valgrind
+//! --tool=callgrind`, which counts instructions repeatably on a busy machine, subtracts what the
+//! program needs without either, and fails if the counts differ by more than 1%. The same with
+//! [`Tally`] shows that the comparison can fail. Without valgrind it compares nothing.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
 
-use contactbench::contact::Test;
-use contactbench::detect::any::run;
-use contactbench::detect::book::direct::Direct;
-use contactbench::detect::{Declare, Options};
-use contactbench::probe::{Silent, Tally};
-use contactbench::scene::spec::Spec;
-use contactbench::scene::{AnyScene, Radii, Scene, Stored, array};
+use contactbench_core::contact::Test;
+use contactbench_core::detect::any::run;
+use contactbench_core::detect::book::direct::Direct;
+use contactbench_core::detect::{Declare, Options};
+use contactbench_core::probe::{Silent, Tally};
+use contactbench_core::scene::{AnyScene, Radii, Scene, Stored, array};
+use contactbench_scenes::spec::Spec;
 
 /// Direct checking, by hand: rounded arithmetic, one radius.
 #[inline(never)]

@@ -1,14 +1,14 @@
 //! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer:
 //! dense pack of spheres, shuffled.
 //!
-//! `cargo bench --bench detectors` prints nanoseconds per detection and particles per second, up to
-//! a million particles. The paired comparison with intervals is the experiment `million`; a time
-//! here is of this machine and gates nothing.
+//! `cargo bench -p contactbench-campaigns --bench detectors` prints nanoseconds per detection and
+//! particles per second, up to a million particles. The paired comparison with intervals is the
+//! experiment `million`; a time printed here belongs to this machine and gates nothing.
 
-use contactbench::contact::Test;
-use contactbench::detect::Options;
-use contactbench::detect::table::{Role, TABLE};
-use contactbench::scene::spec::Spec;
+use contactbench_core::contact::Test;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_scenes::spec::Spec;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn detectors(criterion: &mut Criterion) {

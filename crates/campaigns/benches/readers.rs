@@ -1,5 +1,5 @@
-//! How fast files are read, and in how much memory: `cargo bench --bench readers`, with another
-//! number of particles behind `--`.
+//! Time and memory of reading files: `cargo bench -p contactbench-campaigns --bench readers`, with
+//! another number of particles after `--`.
 //!
 //! Ten million spheres, each with a radius of its own, written as CSV in shortest decimals (17
 //! digits mostly), as npy, and as extended XYZ. Aims: CSV under 10 s, npy under 1 s, at most 2.5
@@ -7,11 +7,11 @@
 
 use std::time::Instant;
 
-use contactbench::io;
-use contactbench::io::{Options, write};
-use contactbench::run::alloc;
-use contactbench::run::alloc::Counting;
-use contactbench::scene::spec::Spec;
+use contactbench_io as io;
+use contactbench_io::{Options, write};
+use contactbench_run::run::alloc;
+use contactbench_run::run::alloc::Counting;
+use contactbench_scenes::spec::Spec;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

@@ -1,19 +1,19 @@
-//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes:
-//! nanoseconds per particle, medians, and the ratio to the widest, block by block.
+//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes: the median
+//! in nanoseconds per particle, and the ratio to the widest set, block by block.
 //!
-//! `cargo bench --bench levels -- [N] [scene ...]`, by default 1000000 and six scenes. Gates
-//! nothing.
+//! `cargo bench -p contactbench-campaigns --bench levels -- [N] [scene ...]`; the default is 1000000
+//! particles and six scenes. It gates nothing.
 
 use std::time::Instant;
 
-use contactbench::contact::Test;
-use contactbench::detect::Options;
-use contactbench::detect::any::run;
-use contactbench::detect::streamed::Streamed;
-use contactbench::probe::Silent;
-use contactbench::scene::spec::Spec;
-use contactbench::scene::{AnyScene, Stored};
-use contactbench::wide::Level;
+use contactbench_core::contact::Test;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::any::run;
+use contactbench_core::detect::streamed::Streamed;
+use contactbench_core::probe::Silent;
+use contactbench_core::scene::{AnyScene, Stored};
+use contactbench_core::wide::Level;
+use contactbench_scenes::spec::Spec;
 
 const BLOCKS: usize = 15;
 const SCENES: [&str; 6] = [
