@@ -12,7 +12,7 @@ use contactbench_core::detect::peers::PEERS;
 use contactbench_core::detect::table::{self, TABLE};
 use contactbench_core::track;
 use contactbench_record::experiment::Experiment;
-use contactbench_report::table::{Cell, Column, Table};
+use contactbench_report::table::Table;
 use contactbench_run::plan::builtin;
 use contactbench_scenes::hard::{self, Case, Expect};
 use contactbench_scenes::motion::Kind;
@@ -105,18 +105,16 @@ impl What {
 
     /// The table for people: each name with the lines about it, and an empty line after them.
     fn table(self) -> anyhow::Result<Table> {
-        let entry = |name: String, lines: Vec<String>| {
-            let lines = lines.into_iter().chain([String::new()]).collect();
-            vec![Cell::from(name), Cell::lines(lines)]
-        };
         let names = PEERS.map(|peer| peer.name).join(", ");
         let libraries = format!("libraries, with the cargo feature peers: {names}");
         let more = self == What::Detectors && !cfg!(feature = "peers");
-        let rows = std::iter::once((String::new(), Vec::new()))
+        let rows: Vec<(String, Vec<String>)> = std::iter::once((String::new(), Vec::new()))
             .chain(self.items()?.into_iter().map(|Item { name, lines, .. }| (name, lines)))
-            .chain(more.then(|| (String::new(), vec![libraries])));
-        let columns = ["", ""].map(Column::left).into();
-        Ok(Table::new(self.names().1, columns).with(rows.map(|(name, lines)| entry(name, lines))))
+            .chain(more.then(|| (String::new(), vec![libraries])))
+            .collect();
+        let lines = |lines: &[String]| [lines, &[String::new()]].concat();
+        let table = Table::of(self.names().1, &rows).left("", |row| row.0.as_str());
+        Ok(table.left("", |row| lines(&row.1)).into())
     }
 }
 

@@ -70,7 +70,7 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
         figure::map::drawn(&title, &axes, &found, &Styles::new(cells.iter()))
     };
     let bytes = match kind {
-        Kind::Svg => picture()?.into_bytes(),
+        Kind::Svg => picture().into_bytes(),
         Kind::Csv => csv(&[sections::map::rows(&name, &found)]).into_bytes(),
     };
     let place = path.display();

@@ -7,9 +7,4 @@ pub mod figure;
 pub mod page;
 pub mod report;
 pub mod sections;
-pub mod svg;
 pub mod table;
-
-#[cfg(test)]
-#[path = "../../../tests/program/committed.rs"]
-mod committed;

@@ -17,7 +17,7 @@ use contactbench_core::oracle::Errors;
 use contactbench_core::periodic::depth;
 use contactbench_io as io;
 use contactbench_io::{Frame, Place, pairs};
-use contactbench_report::table::{Cell, Column, Table};
+use contactbench_report::table::Table;
 use contactbench_run::check::verify::paired::Paired;
 use contactbench_run::check::verify::{Naming, Verification};
 use contactbench_run::moving::Late;
@@ -417,19 +417,19 @@ impl All {
 fn table(rows: &[&Row]) -> Table {
     let steps = rows.iter().any(|row| row.step.is_some());
     let others = rows.iter().any(|row| row.wrong() > row.errors.missed + row.errors.spurious);
-    let right = |name: &str| Column::right(name, "");
-    let mut columns = vec![right(if steps { "step" } else { "frame" })];
-    columns.extend(["touching", "listed", "missed", "spurious"].map(right));
-    columns.extend(others.then(|| right("other")));
-    columns.push(Column::right("deepest missed", "mean radii"));
-    let row = |row: &&Row| {
-        let Errors { missed, spurious, deepest_miss, .. } = row.errors;
-        let at = row.step.map_or(row.frame.to_string(), |step| step.to_string());
-        let mut cells = vec![Cell::from(at), Cell::count(row.contacts)];
-        cells.extend([row.listed as u64, missed, spurious].map(Cell::count));
-        cells.extend(others.then(|| Cell::count(row.wrong() - missed - spurious)));
-        cells.push(if missed > 0 { Cell::number(deepest_miss) } else { Cell::absent() });
-        cells
-    };
-    Table::new("", columns).with(rows.iter().map(row))
+    Table::of("", rows.iter().copied())
+        .right(if steps { "step" } else { "frame" }, |row| {
+            row.step.map_or(row.frame.to_string(), |step| step.to_string())
+        })
+        .right("touching", |row| row.contacts)
+        .right("listed", |row| row.listed)
+        .right("missed", |row| row.errors.missed)
+        .right("spurious", |row| row.errors.spurious)
+        .when(others, |table| {
+            table.right("other", |row| row.wrong() - row.errors.missed - row.errors.spurious)
+        })
+        .unit("deepest missed", "mean radii", |row| {
+            (row.errors.missed > 0).then_some(row.errors.deepest_miss)
+        })
+        .into()
 }

@@ -24,7 +24,7 @@ use contactbench_io as io;
 use contactbench_io::boxes::along;
 use contactbench_io::pairs::{self, List};
 use contactbench_io::{Frame, Place, Without};
-use contactbench_report::table::{Cell, Column, Table};
+use contactbench_report::table::Table;
 use contactbench_run::check::verify::{Meaning, Reading, Taken, Verification, WORST};
 use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
@@ -380,9 +380,9 @@ fn errors(found: &Verification) -> Table {
         let example = format!("such as {i},{j}: not there as {j},{i}");
         rows.push(("from one side", found.one_sided.len() as u64, example));
     }
-    let columns = vec![Column::left(""), Column::right("", ""), Column::left("")];
-    let row = |(kind, count, remark): (&str, u64, String)| {
-        vec![kind.into(), Cell::count(count), remark.into()]
-    };
-    Table::new("", columns).with(rows.into_iter().map(row))
+    Table::of("", &rows)
+        .left("", |row| row.0)
+        .right("", |row| row.1)
+        .left("", |row| row.2.as_str())
+        .into()
 }

@@ -1,17 +1,13 @@
 //! Lines, shapes and text in layout units, as plotters writes them into an SVG.
 
-use anyhow::anyhow;
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
     Color, FontStyle, FontTransform, IntoFont, IntoTextStyle, RGBColor, ShapeStyle,
 };
 
-use crate::figure::style::{Colour, FAINT, INK, Marker};
-use crate::svg::font::Font;
-
-/// Plotters writes text of this height per em.
-const LINE_HEIGHT: f64 = 1.24;
+pub use crate::figure::font::width;
+use crate::figure::style::{Colour, FAINT, INK, Marker, WHITE, ink_on};
 
 /// A point, in layout units.
 pub type Point = (f64, f64);
@@ -19,165 +15,170 @@ pub type Point = (f64, f64);
 /// Where text is placed, and how.
 #[derive(Clone, Copy)]
 pub struct Text {
-    pub size: f64,
-    pub colour: Colour,
-    pub bold: bool,
-    /// Which part of the text the point is: -1 left, 0 centre, 1 right.
-    pub anchor: i8,
+    size: f64,
+    colour: Colour,
+    bold: bool,
+    /// Which part of the text the point is.
+    anchor: HPos,
     /// Reads from bottom to top.
-    pub upright: bool,
+    upright: bool,
 }
 
 impl Text {
     /// Regular text that begins at the point.
-    pub fn new(size: f64, colour: Colour) -> Text {
-        Text { size, colour, bold: false, anchor: -1, upright: false }
+    pub const fn new(size: f64, colour: Colour) -> Text {
+        Text { size, colour, bold: false, anchor: HPos::Left, upright: false }
     }
-    /// The same, with the point at its centre (0) or end (1).
-    pub fn anchor(self, anchor: i8) -> Text {
-        Text { anchor, ..self }
+    /// The same, with the point at its centre.
+    pub const fn centred(self) -> Text {
+        Text { anchor: HPos::Center, ..self }
     }
-    pub fn bold(self) -> Text {
-        Text { bold: true, ..self }
+    /// The same, which ends at the point.
+    pub const fn ending(self) -> Text {
+        Text { anchor: HPos::Right, ..self }
+    }
+    pub const fn of_size(self, size: f64) -> Text {
+        Text { size, ..self }
+    }
+    pub const fn bold(self) -> Text {
+        self.bold_if(true)
+    }
+    pub const fn bold_if(self, bold: bool) -> Text {
+        Text { bold, ..self }
+    }
+    pub const fn upright(self) -> Text {
+        Text { upright: true, ..self.centred() }
     }
 }
 
-/// What a figure is drawn on.
+/// What a figure is drawn on. Nothing fails: plotters writes to a string.
 pub struct Canvas<'a>(SVGBackend<'a>);
 
 /// Draws an SVG on a white ground: viewers may have a dark one.
-pub fn svg(
-    size: (u32, u32),
-    draw: impl FnOnce(&mut Canvas) -> anyhow::Result<()>,
-) -> anyhow::Result<String> {
-    let mut text = String::new();
+pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String {
+    let (mut text, size) = (String::new(), (width as u32, height as u32));
     let mut canvas = Canvas(SVGBackend::with_string(&mut text, size));
-    canvas.rect((0.0, 0.0), (f64::from(size.0), f64::from(size.1)), (255, 255, 255))?;
-    draw(&mut canvas)?;
-    canvas.0.present().map_err(failed)?;
+    canvas.rect((0.0, 0.0), (size.0.into(), size.1.into()), WHITE);
+    draw(&mut canvas);
     drop(canvas);
-    Ok(text)
-}
-
-/// The width of a text, in layout units.
-pub fn width(text: &str, size: f64, bold: bool) -> anyhow::Result<f64> {
-    Ok(Font::new(size / LINE_HEIGHT, bold)?.width(text))
+    text
 }
 
 /// The margin of a sheet.
 pub const MARGIN: f64 = 24.0;
+/// The title of a panel.
+pub const HEADING: Text = Text::new(19.0, INK).bold();
+/// The name of an axis.
+pub const AXIS: Text = Text::new(19.0, INK).centred();
 
 impl Canvas<'_> {
     /// The title of a sheet, and the lines below it.
-    pub fn heading(&mut self, title: &str, subtitle: &[String]) -> anyhow::Result<()> {
-        self.text(title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
+    pub fn heading(&mut self, title: &str, subtitle: &[String]) {
+        self.text(title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold());
         for (k, line) in subtitle.iter().enumerate() {
-            self.text(line, (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT))?;
+            self.text(line, (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT));
         }
-        Ok(())
     }
 
-    /// A line of this width; `dash` is (drawn, skipped), or none.
-    pub fn line(
-        &mut self,
-        points: &[Point],
-        colour: Colour,
-        width: f64,
-        dash: Option<Point>,
-    ) -> anyhow::Result<()> {
+    pub fn line(&mut self, points: &[Point], colour: Colour, width: f64) {
         let style = ShapeStyle {
             color: rgb(colour).to_rgba(),
             filled: false,
             stroke_width: width.round().max(1.0) as u32,
         };
-        let pieces = match dash {
-            None => vec![points.to_vec()],
-            Some(dash) => dashes(points, dash),
+        let _ = match pixels(points).as_slice() {
+            [] => Ok(()),
+            &[from, to] => self.0.draw_line(from, to, &style),
+            path => self.0.draw_path(path.iter().copied(), &style),
         };
-        for piece in pieces {
-            match pixels(&piece).as_slice() {
-                [] => {}
-                &[from, to] => self.0.draw_line(from, to, &style).map_err(failed)?,
-                path => self.0.draw_path(path.iter().copied(), &style).map_err(failed)?,
+    }
+
+    /// A line in pieces: how much is drawn, and how much skipped; without these a whole one.
+    pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Point>) {
+        match dash {
+            None => self.line(points, colour, width),
+            Some(dash) => {
+                dashes(points, dash).iter().for_each(|piece| self.line(piece, colour, width));
             }
         }
-        Ok(())
     }
 
-    pub fn fill(&mut self, points: &[Point], colour: Colour) -> anyhow::Result<()> {
-        self.0.fill_polygon(pixels(points), &rgb(colour)).map_err(failed)
+    pub fn fill(&mut self, points: &[Point], colour: Colour) {
+        let _ = self.0.fill_polygon(pixels(points), &rgb(colour));
     }
 
-    pub fn rect(&mut self, low: Point, high: Point, colour: Colour) -> anyhow::Result<()> {
-        self.fill(&[low, (high.0, low.1), high, (low.0, high.1)], colour)
+    pub fn rect(&mut self, low: Point, high: Point, colour: Colour) {
+        self.fill(&corners(low, high)[..4], colour);
     }
 
-    pub fn disc(&mut self, at: Point, radius: f64, colour: Colour) -> anyhow::Result<()> {
-        let radius = radius.round() as u32;
-        self.0.draw_circle(pixel(at), radius, &rgb(colour), true).map_err(failed)
+    /// The outline of a rectangle.
+    pub fn frame(&mut self, low: Point, high: Point, width: f64, colour: Colour) {
+        self.line(&corners(low, high), colour, width);
+    }
+
+    pub fn disc(&mut self, at: Point, radius: f64, colour: Colour) {
+        let _ = self.0.draw_circle(pixel(at), radius.round() as u32, &rgb(colour), true);
     }
 
     /// One line of text, vertically centred on the point.
-    pub fn text(&mut self, text: &str, at: Point, style: Text) -> anyhow::Result<()> {
+    pub fn text(&mut self, text: &str, at: Point, style: Text) {
         let face = if style.bold { FontStyle::Bold } else { FontStyle::Normal };
-        let anchor = match style.anchor {
-            0 => HPos::Center,
-            1 => HPos::Right,
-            _ => HPos::Left,
-        };
         let turn = if style.upright { FontTransform::Rotate270 } else { FontTransform::None };
         let style = ("sans-serif", style.size, face)
             .into_font()
             .transform(turn)
             .color(&rgb(style.colour))
-            .pos(Pos::new(anchor, VPos::Center))
+            .pos(Pos::new(style.anchor, VPos::Center))
             .into_text_style(&(1, 1));
-        self.0.draw_text(text, &style, pixel(at)).map_err(failed)
+        let _ = self.0.draw_text(text, &style, pixel(at));
+    }
+
+    /// A letter in a disc: the mark of a cell without a value.
+    pub fn badge(&mut self, at: Point, letter: &str, colour: Colour) {
+        self.disc(at, 7.5, colour);
+        self.text(letter, at, Text::new(13.0, ink_on(colour)).bold().centred());
+    }
+
+    /// Two lines that cross.
+    pub fn cross(&mut self, [a, b, c, d]: [Point; 4], colour: Colour) {
+        self.line(&[a, b], colour, 2.0);
+        self.line(&[c, d], colour, 2.0);
     }
 
     /// A detector's marker, with a white rim that keeps crossing lines apart.
-    pub fn marker(
-        &mut self,
-        (x, y): Point,
-        r: f64,
-        marker: Marker,
-        colour: Colour,
-    ) -> anyhow::Result<()> {
-        let shape = |r: f64| -> Vec<Point> {
-            match marker {
-                Marker::Square => {
-                    vec![(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)]
-                }
-                Marker::Up => {
-                    vec![(x, y - 1.25 * r), (x + 1.2 * r, y + 0.9 * r), (x - 1.2 * r, y + 0.9 * r)]
-                }
-                Marker::Down => {
-                    vec![(x, y + 1.25 * r), (x + 1.2 * r, y - 0.9 * r), (x - 1.2 * r, y - 0.9 * r)]
-                }
-                _ => {
-                    vec![(x, y - 1.35 * r), (x + 1.35 * r, y), (x, y + 1.35 * r), (x - 1.35 * r, y)]
-                }
-            }
+    pub fn marker(&mut self, (x, y): Point, r: f64, marker: Marker, colour: Colour) {
+        let shape = |r: f64, corners: &[Point]| -> Vec<Point> {
+            corners.iter().map(|corner| (x + corner.0 * r, y + corner.1 * r)).collect()
         };
-        match marker {
+        let corners = match marker {
             Marker::Circle => {
-                self.disc((x, y), 1.1 * r + 1.5, (255, 255, 255))?;
-                self.disc((x, y), 1.1 * r, colour)
+                self.disc((x, y), 1.1 * r + 1.5, WHITE);
+                return self.disc((x, y), 1.1 * r, colour);
             }
-            Marker::Cross => {
-                self.line(&[(x - r, y - r), (x + r, y + r)], colour, 2.0, None)?;
-                self.line(&[(x - r, y + r), (x + r, y - r)], colour, 2.0, None)
-            }
-            Marker::Plus => {
-                self.line(&[(x - 1.2 * r, y), (x + 1.2 * r, y)], colour, 2.0, None)?;
-                self.line(&[(x, y - 1.2 * r), (x, y + 1.2 * r)], colour, 2.0, None)
-            }
-            _ => {
-                self.fill(&shape(r + 1.5), (255, 255, 255))?;
-                self.fill(&shape(r), colour)
-            }
-        }
+            Marker::Cross => return self.cross(slanted((x, y), r), colour),
+            Marker::Plus => return self.cross(upright((x, y), 1.2 * r), colour),
+            Marker::Square => &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][..],
+            Marker::Up => &[(0.0, -1.25), (1.2, 0.9), (-1.2, 0.9)],
+            Marker::Down => &[(0.0, 1.25), (1.2, -0.9), (-1.2, -0.9)],
+            Marker::Diamond => &[(0.0, -1.35), (1.35, 0.0), (0.0, 1.35), (-1.35, 0.0)],
+        };
+        self.fill(&shape(r + 1.5, corners), WHITE);
+        self.fill(&shape(r, corners), colour);
     }
+}
+
+/// The ends of the lines of an x, and of a plus.
+pub fn slanted((x, y): Point, r: f64) -> [Point; 4] {
+    [(x - r, y - r), (x + r, y + r), (x - r, y + r), (x + r, y - r)]
+}
+
+pub fn upright((x, y): Point, r: f64) -> [Point; 4] {
+    [(x - r, y), (x + r, y), (x, y - r), (x, y + r)]
+}
+
+/// The corners of a rectangle, the first again at the end.
+fn corners(low: Point, high: Point) -> [Point; 5] {
+    [low, (high.0, low.1), high, (low.0, high.1), low]
 }
 
 /// The cast saturates; not a number becomes 0.
@@ -193,17 +194,13 @@ fn rgb((r, g, b): Colour) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-fn failed(error: impl std::fmt::Display) -> anyhow::Error {
-    anyhow!("drawing failed: {error}")
-}
-
 /// The drawn pieces of a dashed line.
 fn dashes(points: &[Point], (on, off): Point) -> Vec<Vec<Point>> {
     let (mut pieces, mut phase) = (Vec::new(), 0.0);
     for pair in points.windows(2) {
         let &[(x0, y0), (x1, y1)] = pair else { continue };
         let length = (x1 - x0).hypot(y1 - y0);
-        if !length.is_finite() || length <= 0.0 || on + off < 1.0 {
+        if !length.is_finite() || length <= 0.0 {
             continue;
         }
         let at = |s: f64| (x0 + (x1 - x0) * s / length, y0 + (y1 - y0) * s / length);

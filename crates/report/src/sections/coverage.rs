@@ -2,25 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use crate::document::{Block, Text};
+use crate::document::Block;
 use contactbench_record::findings::coverage::{Gap, Short, Summary, Uncovered, Why};
 use contactbench_record::record::value::AxisValue;
 use contactbench_terms::number::plural;
 
 /// For the head of a report: a warning for each experiment that is not whole, or one sentence that
 /// all are.
-pub fn blocks(found: &[Summary]) -> Vec<Block> {
+pub fn blocks<'a>(found: impl Iterator<Item = &'a Summary>) -> Vec<Block> {
     // An experiment without a plan asks for nothing.
-    let found: Vec<&Summary> = found.iter().filter(|found| found.cells[1] > 0).collect();
-    let parts: Vec<Block> = found
-        .iter()
-        .filter_map(|found| partial(found))
-        .map(|words| Block::Warning(words.into()))
-        .collect();
-    if !parts.is_empty() || found.is_empty() {
-        return parts;
+    let found: Vec<&Summary> = found.filter(|found| found.cells[1] > 0).collect();
+    let parts: Vec<String> = found.iter().filter_map(|found| partial(found)).collect();
+    match parts.is_empty() && !found.is_empty() {
+        true => vec![Block::paragraph(whole(&found))],
+        false => parts.into_iter().map(|words| Block::Warning(words.into())).collect(),
     }
-    vec![Block::Paragraph(Text::from(whole(&found)))]
 }
 
 /// `All of the plan is there: 9 scenes, 54 cells.`

@@ -49,7 +49,7 @@ fn table(found: &ErrorTable) -> Table {
         .right("search", cause(|causes| &causes.search))
         .right("together", |line| counts(&line.sum.errors))
         .right("error rate", |line| {
-            Cell::share(line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0))
+            Cell::Share(line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0))
         })
         .right("deepest miss", |line| depth(line.sum.errors.missed, line.sum.errors.deepest_miss))
         .right("widest false", |line| depth(line.sum.errors.spurious, line.sum.errors.widest_false))
@@ -76,8 +76,7 @@ fn counts(errors: &Errors) -> String {
 mod tests {
     use super::*;
     use contactbench_record::cells;
-    use contactbench_record::cells::testing::Lab;
-    use contactbench_record::findings::errors::testing::{errors, lab};
+    use contactbench_record::findings::errors::testing::lab;
 
     #[test]
     fn the_table_tells_causes_apart_and_folds_what_is_the_same() {
@@ -101,22 +100,6 @@ mod tests {
                 "| sorting | textbook | packed 2D, offset = 1000 | 250 | 0 | 0 | 0 | 0 | 0% | – | \
                  – |  |",
             ]
-        );
-    }
-
-    #[test]
-    fn a_record_without_causes_still_has_its_errors() {
-        let mut lab = Lab::new("e", "packed");
-        lab.count(&[]).edit(|row| row.errors = Some(errors(3, 0)));
-        let cells = cells::cells(&lab.rows());
-        assert_eq!(
-            (cells[0].variable("missed", None), cells[0].variable("representation_missed", None)),
-            (Some(3.0), None)
-        );
-        let table = table(&ErrorTable::new(&[&cells[0]]).unwrap()).markdown();
-        assert!(
-            table.contains("| all | exact | packed 2D | 250 | – | – | – | 3 / 0 | 1.2% |"),
-            "{table}"
         );
     }
 }

@@ -40,17 +40,15 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Those of an experiment that can be drawn, from all cells of a record.
-    pub fn all(experiment: &Experiment, cells: &[contactbench_record::cells::Cell]) -> Vec<Drawn> {
-        let own: Vec<_> =
-            cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
+    /// Those of an experiment that can be drawn, from its cells.
+    pub fn all(experiment: &Experiment, own: &[contactbench_record::cells::Cell]) -> Vec<Drawn> {
         let drawn = |figure: &Figure| match &figure.kind {
             // Why one cannot be drawn is said where its figure is drawn.
             FigureKind::Map(axes) => Some(Drawn {
                 name: figure.name.clone(),
                 title: figure.title.clone(),
                 labels: axes.labels().map(String::from),
-                map: Map::new(axes, &figure.filter, &own).ok()?,
+                map: Map::new(axes, &figure.filter, own).ok()?,
             }),
             _ => None,
         };
@@ -195,21 +193,5 @@ mod tests {
         assert!(lines[3].contains(",no,nbs,exact,1,10,sorting,1.0"), "{}", lines[3]);
         assert!(lines[3].ends_with(",15,sorting,ok"), "{}", lines[3]);
         assert!(lines[4].ends_with("fraction,0.6,1000,,,,,,,,,,,,timeout"), "{}", lines[4]);
-    }
-
-    #[test]
-    fn a_place_is_told_in_a_sentence() {
-        let map = made_up();
-        let panel = &map.panels[0];
-        let said: Vec<String> =
-            panel.spots.iter().map(|spot| sentence(&map, panel, spot)).collect();
-        assert_eq!(
-            said[0],
-            "packed, 2D, n = 100, fraction = 0.1: the fastest is nbs, 10 ns per particle; sorting \
-             2.00 (2.00 to 2.00)"
-        );
-        assert!(said[2].ends_with("sorting 1.01 (1.01 to 1.01) undecided"), "{}", said[2]);
-        assert!(said[3].ends_with("nobody has a time (timeout)"), "{}", said[3]);
-        assert_eq!(either(&["a", "b", "c", "d"]), "a or b or 2 more");
     }
 }

@@ -13,17 +13,16 @@ pub mod map;
 mod noise;
 mod operations;
 mod overhead;
-mod ratios;
+pub mod ratios;
 mod scenes;
 mod threads;
 pub mod verdicts;
 pub mod winners;
 
-use crate::document::{Block, Text};
+use crate::document::Block;
 use crate::table::Table;
 use contactbench_record::cells::{Cell, by_machine};
 use contactbench_record::experiment::Experiment;
-use contactbench_record::findings::ratios::Ratios;
 use contactbench_record::findings::winners::Winners;
 
 /// What the sections of an experiment are about.
@@ -98,19 +97,4 @@ fn retired(about: &About<'_>) -> Option<Section> {
     );
     let blocks = vec![Block::paragraph(words)];
     (!keys.is_empty()).then(|| Section::new("No longer computed", blocks))
-}
-
-/// The sentence at the head of a report, if the experiment asks for a comparison.
-pub struct Headline {
-    pub text: Text,
-    /// Is it what the experiment asks, so that who the fastest of all is need not be said?
-    pub answers: bool,
-}
-
-impl Headline {
-    pub fn new(experiment: &Experiment, own: &[&Cell]) -> Option<Headline> {
-        let found = Ratios::new(own, experiment.ratios_to.as_deref()?)?;
-        let answers = !found.libraries.is_empty();
-        Some(Headline { text: ratios::headline(&found), answers })
-    }
 }

@@ -31,25 +31,3 @@ fn sentence(found: &Overhead) -> String {
         None => format!("The harness adds MORE than {least} at every N: {control} up to {at}."),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_share_is_said_or_that_it_is_too_large() {
-        let said = |share, clear_from| {
-            let (detector, scene) = ("nbs".into(), "packed, 2D".into());
-            sentence(&Overhead { share, n: 10, detector, scene, clear_from })
-        };
-        let place = "of the time of the fastest detector at N = 10 (nbs, packed, 2D)";
-        assert!(said(0.001, Some(10)).contains(&format!(
-            "to every time: the control that does nothing takes at most 0.1% {place}"
-        )));
-        assert!(
-            said(0.05, Some(1000))
-                .contains(&format!("up to 5.0% {place}, and less than 1.0% from N = 1000 on"))
-        );
-        assert!(said(5.0, None).contains("adds MORE than 1.0% at every N"));
-    }
-}

@@ -193,10 +193,10 @@ fn cell(n: u64, entry: &Entry) -> Cell {
         (outcome, ..) if !outcome.is_good() => outcome.name().into(),
         (_, Some(_), Some(time)) if entry.is_base => format!("1 = {}", per(time)).into(),
         (Outcome::Lossy, Some(ratio), _) => format!("{} lossy", with_interval(&ratio)).into(),
-        (_, Some(ratio), _) => Cell::ratio(&ratio),
+        (_, Some(ratio), _) => ratio.into(),
         // It has a time, but nothing to compare it with.
         (_, None, Some(time)) => per(time).into(),
-        (_, None, None) => Cell::absent(),
+        (_, None, None) => Cell::Absent,
     }
 }
 

@@ -14,7 +14,7 @@ pub const ALL: &str = "Scene by scene";
 pub fn blocks(winners: &Winners) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
     let shown = shown(winners);
-    let table = compared(winners).then(|| Block::Table(table(&shown)));
+    let table = compared(winners).then(|| Block::Table(table(&shown, false)));
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
@@ -27,7 +27,10 @@ pub fn section(about: &About<'_>) -> Option<Section> {
         return None;
     }
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
-    Some(Section::new(ALL, sentence.into_iter().chain([Block::Table(table(&all))]).collect()))
+    Some(Section::new(
+        ALL,
+        sentence.into_iter().chain([Block::Table(table(&all, false))]).collect(),
+    ))
 }
 
 /// Was any detector compared with another?
@@ -167,7 +170,8 @@ pub fn brief(winners: &Winners) -> Text {
     }
 }
 
-pub fn table(contests: &[&Contest]) -> Table {
+/// A line per scene; with a column for pictures on a page.
+pub fn table(contests: &[&Contest], pictures: bool) -> Table {
     fn next(contest: &Contest) -> Option<&Contender> {
         contest.others.first()
     }
@@ -179,6 +183,7 @@ pub fn table(contests: &[&Contest]) -> Table {
             if it.decided() { first.strong() } else { first }
         })
         .unit("time / N", "ns", |it| it.first.per_particle)
+        .when(pictures, |table| table.left("", |_| ""))
         .left("next", |it| next(it).map_or("alone", |next| &*next.name))
         .right("next / fastest", |it| next(it).and_then(|next| next.ratio))
         .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
@@ -190,7 +195,7 @@ pub fn table(contests: &[&Contest]) -> Table {
 fn decided(contest: &Contest) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {
-        0 => Cell::absent(),
+        0 => Cell::Absent,
         _ if contest.decided() => "yes".into(),
         _ => undecided(open.map(|other| &other.name)),
     }
@@ -209,36 +214,12 @@ mod tests {
     use super::*;
     use crate::document::markdown;
     use contactbench_record::cells;
-    use contactbench_record::cells::testing::{self, Lab};
+    use contactbench_record::cells::testing::Lab;
     use contactbench_record::findings::winners::winners;
 
     fn said(lab: &Lab) -> String {
         let cells = cells::cells(&lab.rows());
         markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>())))
-    }
-
-    #[test]
-    fn the_fastest_is_named_with_its_margin() {
-        let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
-        lab.scene("loose", 2).detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
-        let text = said(&lab);
-        assert!(
-            text.starts_with(
-                "**nbs** is the fastest in **1 of 2 scenes**; the next takes **2.5 times** as \
-                 long; undecided in 1.\n"
-            ),
-            "{text}"
-        );
-        assert!(
-            text.contains(
-                "| packed, 2D, N = 100 | **nbs** | 10 | sorting | 2.50 (2.50 to 2.50) | yes |"
-            ),
-            "{text}"
-        );
-        let undecided =
-            "| loose, 2D, N = 100 | nbs | 1 | sorting | 1.00 (1.00 to 1.00) | undecided: sorting |";
-        assert!(text.contains(undecided), "{text}");
     }
 
     #[test]
@@ -252,24 +233,6 @@ mod tests {
         let mut lab = Lab::new("e", "loose");
         lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
         assert!(said(&lab).starts_with("Undecided: 3 blocks decide nothing"));
-    }
-
-    #[test]
-    fn scenes_that_are_not_shown_are_counted_and_stand_in_the_details() {
-        let mut lab = Lab::new("e", "packed");
-        for n in 1..=35 {
-            lab.n(n).detector("nbs").time(&[100; 5]).detector("sorting").time(&[250; 5]);
-        }
-        let cells = cells::cells(&lab.rows());
-        let found = winners(&cells.iter().collect::<Vec<_>>());
-        let text = markdown(&blocks(&found));
-        assert!(text.contains("in **35 of 35 scenes**"), "{text}");
-        assert!(text.contains("2 of 35 scenes are shown"), "{text}");
-        assert_eq!(text.matches("| packed").count(), 2);
-        let experiment = &testing::experiment("");
-        let about = About { experiment, cells: &[], maps: &[], winners: &found };
-        let details = section(&about).unwrap();
-        assert_eq!(markdown(&details.blocks).matches("| packed").count(), 35);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-use super::{Table, Value};
+use super::{Cell, Table};
 use contactbench_terms::text::csv_cell;
 
 /// A CSV file of tables with the same columns: a line of names, then all rows. Numbers have all
@@ -15,30 +15,29 @@ pub fn csv(tables: &[Table]) -> String {
     }
     // Writing to memory cannot fail.
     let _ = writer.write_record(head);
-    for table in tables {
-        for row in &table.rows {
-            let mut fields = Vec::new();
-            for (cell, column) in row.iter().zip(&table.columns) {
-                fields.push(field(&cell.value));
-                if let (true, Value::Ratio(ratio)) = (column.interval, &cell.value) {
-                    fields.extend([ratio.low.to_string(), ratio.high.to_string()]);
-                } else if column.interval {
-                    fields.extend([String::new(), String::new()]);
-                }
+    for row in tables.iter().flat_map(|table| &table.rows) {
+        let mut fields = Vec::new();
+        for (cell, column) in row.iter().zip(&first.columns) {
+            fields.push(field(cell));
+            if column.interval {
+                fields.extend(match cell {
+                    Cell::Ratio(ratio) => [ratio.low, ratio.high].map(|end| end.to_string()),
+                    _ => [const { String::new() }; 2],
+                });
             }
-            let _ = writer.write_record(fields);
         }
+        let _ = writer.write_record(fields);
     }
-    writer
-        .into_inner()
-        .map_or_else(|_| String::new(), |bytes| String::from_utf8_lossy(&bytes).into_owned())
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
-fn field(value: &Value) -> String {
-    match value {
-        Value::Absent | Value::Wrong(_) => String::new(),
-        Value::Number(number) | Value::Share(number) => number.to_string(),
-        Value::Ratio(ratio) => ratio.median.to_string(),
-        value => csv_cell(&value.to_string()).into_owned(),
+fn field(cell: &Cell) -> String {
+    match cell {
+        Cell::Absent | Cell::Wrong(_) => String::new(),
+        Cell::Number(number) | Cell::Share(number) => number.to_string(),
+        Cell::Ratio(ratio) => ratio.median.to_string(),
+        Cell::Strong(cell) => field(cell),
+        cell => csv_cell(&cell.to_string()).into_owned(),
     }
 }

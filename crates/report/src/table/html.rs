@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use super::{Align, Cell, Table};
+use super::Table;
 use crate::escape;
 
 impl Table {
@@ -19,35 +19,28 @@ impl Table {
     ) -> String {
         let mut out = String::from("<div class=\"scroll\" tabindex=\"0\"><table");
         if !class.is_empty() {
-            let _ = write!(out, " class=\"{}\"", escape::html(class));
+            let _ = write!(out, " class=\"{class}\"");
         }
         out.push('>');
         if !self.title.is_empty() {
             let _ = write!(out, "<caption>{}</caption>", escape::html(&self.title));
         }
+        let sides = self.columns.iter().map(|it| if it.right { " class=\"number\"" } else { "" });
         out += "<thead><tr>";
-        let side = |column: usize| match self.columns.get(column).map(|column| column.align) {
-            Some(Align::Right) => " class=\"number\"",
-            _ => "",
-        };
-        for (k, column) in self.columns.iter().enumerate() {
-            let (side, before) = (side(k), before(None, k));
-            let _ = write!(out, "<th{side}>{before}{}</th>", escape::html(&column.head()));
+        for (k, (column, side)) in self.columns.iter().zip(sides.clone()).enumerate() {
+            let head = escape::html(&column.head());
+            let _ = write!(out, "<th{side}>{}{head}</th>", before(None, k));
         }
         out += "</tr></thead><tbody>\n";
         for (j, row) in self.rows.iter().enumerate() {
             out += "<tr>";
-            for (k, cell) in row.iter().enumerate() {
-                let _ = write!(out, "<td{}>{}{}</td>", side(k), before(Some(j), k), shown(cell));
+            for (k, (cell, side)) in row.iter().zip(sides.clone()).enumerate() {
+                let lines: Vec<String> = cell.lines().iter().map(|it| escape::html(it)).collect();
+                let text = cell.shown(lines.join("<br>"), ["<strong>", "</strong>"]);
+                let _ = write!(out, "<td{side}>{}{text}</td>", before(Some(j), k));
             }
             out += "</tr>\n";
         }
         out + "</tbody></table></div>\n"
     }
-}
-
-fn shown(cell: &Cell) -> String {
-    let lines: Vec<String> = cell.value.lines().iter().map(|line| escape::html(line)).collect();
-    let text = lines.join("<br>");
-    if cell.strong && !text.is_empty() { format!("<strong>{text}</strong>") } else { text }
 }

@@ -1,4 +1,4 @@
-use super::{Align, Cell, Table};
+use super::{Cell, Column, Table};
 use crate::escape;
 
 impl Table {
@@ -9,17 +9,11 @@ impl Table {
             "" => String::new(),
             title => format!("**{}**\n\n", escape::markdown(title)),
         };
+        let rule = |column: &Column| if column.right { "---:" } else { "---" }.to_string();
         out += &line(self.columns.iter().map(|it| escape::markdown(&it.head())).collect());
-        let rule = |align| if align == Align::Right { "---:" } else { "---" };
-        out += &line(self.columns.iter().map(|column| rule(column.align).into()).collect());
-        for row in &self.rows {
-            out += &line(row.iter().map(shown).collect());
-        }
+        out += &line(self.columns.iter().map(rule).collect());
+        let shown = |cell: &Cell| cell.shown(escape::markdown(&cell.to_string()), ["**"; 2]);
+        out.extend(self.rows.iter().map(|row| line(row.iter().map(shown).collect())));
         out
     }
-}
-
-fn shown(cell: &Cell) -> String {
-    let text = escape::markdown(&cell.value.to_string());
-    if cell.strong && !text.is_empty() { format!("**{text}**") } else { text }
 }

@@ -16,40 +16,26 @@ use contactbench_terms::number::{number, percent, with_interval};
 pub struct Table {
     /// Stands above it; may be empty.
     pub title: String,
-    pub columns: Vec<Column>,
+    columns: Vec<Column>,
     /// From top to bottom; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Column {
+struct Column {
     /// Its head; in a CSV file its name.
-    pub name: String,
+    name: String,
     /// The unit of its numbers, shown in brackets; not in a CSV file.
-    pub unit: &'static str,
-    /// Words to the left, numbers to the right.
-    pub align: Align,
+    unit: &'static str,
+    /// Numbers stand to the right, words to the left.
+    right: bool,
     /// In a CSV file it is three columns: `name`, `name_low`, `name_high`.
-    pub interval: bool,
-}
-
-/// The side on which cells of a column line up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Align {
-    Left,
-    Right,
+    interval: bool,
 }
 
 /// One value of a table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
-    pub value: Value,
-    /// Printed bold, where there is such a thing.
-    pub strong: bool,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum Cell {
     /// Nothing was measured: a dash; an empty field of a CSV file.
     Absent,
     Text(String),
@@ -62,9 +48,11 @@ pub enum Value {
     /// A ratio with its interval.
     Ratio(Interval),
     /// What a wrong answer would have given; compared with nothing, and no value of a CSV file.
-    Wrong(Box<Value>),
+    Wrong(Box<Cell>),
     /// Several texts, one below the other where that is possible.
     Lines(Vec<String>),
+    /// Printed bold, where there is such a thing.
+    Strong(Box<Cell>),
 }
 
 /// A table that is being made column by column: each head comes with the function that makes the
@@ -75,7 +63,7 @@ pub struct Rows<R> {
 }
 
 impl<R: Copy> Rows<R> {
-    pub fn column<C: Into<Cell>>(mut self, column: Column, cell: impl Fn(R) -> C) -> Rows<R> {
+    fn column<C: Into<Cell>>(mut self, column: Column, cell: impl Fn(R) -> C) -> Rows<R> {
         self.table.columns.push(column);
         for (&row, cells) in self.rows.iter().zip(&mut self.table.rows) {
             cells.push(cell(row).into());
@@ -85,12 +73,13 @@ impl<R: Copy> Rows<R> {
 
     /// Adds a column of words.
     pub fn left<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
-        self.column(Column::left(name), cell)
+        let name = name.into();
+        self.column(Column { name, unit: "", right: false, interval: false }, cell)
     }
 
     /// Adds a column of numbers without a unit.
     pub fn right<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
-        self.column(Column::right(name, ""), cell)
+        self.unit(name, "", cell)
     }
 
     /// Adds a column of numbers with their unit.
@@ -100,12 +89,12 @@ impl<R: Copy> Rows<R> {
         unit: &'static str,
         cell: impl Fn(R) -> C,
     ) -> Rows<R> {
-        self.column(Column::right(name, unit), cell)
+        self.column(Column { name: name.into(), unit, right: true, interval: false }, cell)
     }
 
     /// Adds a column of ratios, three columns in a CSV file.
     pub fn ratio<C: Into<Cell>>(self, name: &str, cell: impl Fn(R) -> C) -> Rows<R> {
-        self.column(Column::ratio(name), cell)
+        self.column(Column { name: name.into(), unit: "", right: true, interval: true }, cell)
     }
 
     /// Adds these columns on this condition.
@@ -133,150 +122,87 @@ impl Table {
     /// Begins a table with a row for each of these.
     pub fn of<R>(title: impl Into<String>, rows: impl IntoIterator<Item = R>) -> Rows<R> {
         let rows: Vec<R> = rows.into_iter().collect();
-        let cells = rows.iter().map(|_| Vec::new());
-        let table = Table::new(title, Vec::new()).with(cells);
-        Rows { rows, table }
-    }
-
-    pub fn new(title: impl Into<String>, columns: Vec<Column>) -> Table {
-        Table { title: title.into(), columns, rows: Vec::new() }
-    }
-
-    /// The same with these rows.
-    pub fn with(mut self, rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
-        self.rows.extend(rows);
-        self
+        let cells = vec![Vec::new(); rows.len()];
+        Rows { rows, table: Table { title: title.into(), columns: Vec::new(), rows: cells } }
     }
 }
 
 impl Column {
-    pub fn left(name: impl Into<String>) -> Column {
-        Column { name: name.into(), unit: "", align: Align::Left, interval: false }
-    }
-
-    /// A column of numbers; their unit may be empty.
-    pub fn right(name: impl Into<String>, unit: &'static str) -> Column {
-        Column { name: name.into(), unit, align: Align::Right, interval: false }
-    }
-
-    /// A column of ratios with their intervals.
-    pub fn ratio(name: impl Into<String>) -> Column {
-        Column { interval: true, ..Column::right(name, "") }
-    }
-
     /// `time / N (ns)`.
     fn head(&self) -> String {
-        match (self.name.as_str(), self.unit) {
-            (name, "") => name.into(),
-            (name, unit) => format!("{name} ({unit})"),
+        match self.unit {
+            "" => self.name.clone(),
+            unit => format!("{} ({unit})", self.name),
         }
     }
 }
 
 impl Cell {
-    pub fn count(value: u64) -> Cell {
-        Value::Count(value).into()
-    }
-
-    pub fn number(value: f64) -> Cell {
-        Value::Number(value).into()
-    }
-
-    /// A fraction, shown as a percentage.
-    pub fn share(value: f64) -> Cell {
-        Value::Share(value).into()
-    }
-
-    /// A ratio with its interval.
-    pub fn ratio(value: &Interval) -> Cell {
-        Value::Ratio(*value).into()
-    }
-
-    pub fn absent() -> Cell {
-        Value::Absent.into()
-    }
-
-    pub fn lines(lines: Vec<String>) -> Cell {
-        Value::Lines(lines).into()
-    }
-
-    /// The same, of a wrong answer.
     pub fn wrong(self) -> Cell {
-        Cell { value: Value::Wrong(Box::new(self.value)), strong: self.strong }
+        Cell::Wrong(Box::new(self))
     }
 
     pub fn strong(self) -> Cell {
-        Cell { strong: true, ..self }
+        Cell::Strong(Box::new(self))
     }
-}
 
-impl From<Value> for Cell {
-    fn from(value: Value) -> Cell {
-        Cell { value, strong: false }
+    /// The text as every language shows it, made bold where it is strong and not empty.
+    fn shown(&self, text: String, bold: [&str; 2]) -> String {
+        let [open, close] = if text.is_empty() { [""; 2] } else { bold };
+        if matches!(self, Cell::Strong(_)) { format!("{open}{text}{close}") } else { text }
     }
-}
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Cell {
-        Value::Text(text.into()).into()
-    }
-}
-
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Value::Text(text).into()
-    }
-}
-
-impl From<u64> for Cell {
-    fn from(value: u64) -> Cell {
-        Cell::count(value)
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(value: f64) -> Cell {
-        Cell::number(value)
-    }
-}
-
-impl From<Interval> for Cell {
-    fn from(value: Interval) -> Cell {
-        Cell::ratio(&value)
-    }
-}
-
-/// The value if there is one.
-impl<T: Into<Cell>> From<Option<T>> for Cell {
-    fn from(value: Option<T>) -> Cell {
-        value.map_or_else(Cell::absent, T::into)
-    }
-}
-
-impl Value {
-    /// The texts that all languages show; more than one only for [`Value::Lines`].
+    /// The texts that all languages show; more than one only for [`Cell::Lines`].
     fn lines(&self) -> Vec<String> {
         match self {
-            Value::Lines(lines) => lines.clone(),
-            value => vec![value.to_string()],
+            Cell::Lines(lines) => lines.clone(),
+            cell => vec![cell.to_string()],
         }
     }
 }
 
 /// In one line, as every language shows it.
-impl std::fmt::Display for Value {
+impl std::fmt::Display for Cell {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let text = match self {
-            Value::Absent => "–".into(),
-            Value::Text(text) => text.clone(),
-            Value::Count(count) => count.to_string(),
-            Value::Number(value) => number(*value),
-            Value::Share(share) => percent(*share),
-            Value::Ratio(ratio) => with_interval(ratio),
-            Value::Wrong(value) => format!("wrong ({value})"),
-            Value::Lines(lines) => lines.join("; "),
-        };
-        f.write_str(&text)
+        match self {
+            Cell::Absent => f.write_str("–"),
+            Cell::Text(text) => f.write_str(text),
+            Cell::Count(count) => write!(f, "{count}"),
+            Cell::Number(value) => f.write_str(&number(*value)),
+            Cell::Share(share) => f.write_str(&percent(*share)),
+            Cell::Ratio(ratio) => f.write_str(&with_interval(ratio)),
+            Cell::Wrong(cell) => write!(f, "wrong ({cell})"),
+            Cell::Lines(lines) => f.write_str(&lines.join("; ")),
+            Cell::Strong(cell) => cell.fmt(f),
+        }
+    }
+}
+
+macro_rules! cells {
+    ($($value:ty => $cell:expr;)*) => { $(
+        impl From<$value> for Cell {
+            fn from(value: $value) -> Cell {
+                $cell(value)
+            }
+        }
+    )* };
+}
+
+cells! {
+    &str => |text: &str| Cell::Text(text.into());
+    String => Cell::Text;
+    Vec<String> => Cell::Lines;
+    u32 => |count: u32| Cell::Count(count.into());
+    u64 => Cell::Count;
+    usize => |count: usize| Cell::Count(count as u64);
+    f64 => Cell::Number;
+    Interval => Cell::Ratio;
+}
+
+/// The value if there is one.
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Cell {
+        value.map_or(Cell::Absent, T::into)
     }
 }
 

@@ -1,4 +1,4 @@
-use super::{Align, Table};
+use super::Table;
 use contactbench_terms::number::wrap;
 
 const GAP: usize = 2;
@@ -12,7 +12,7 @@ impl Table {
         let heads: Vec<Vec<String>> =
             self.columns.iter().map(|column| vec![column.head()]).collect();
         let titled = self.columns.iter().any(|column| !column.head().is_empty());
-        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.value.lines()).collect());
+        let body = self.rows.iter().map(|row| row.iter().map(|cell| cell.lines()).collect());
         let rows: Vec<Vec<Vec<String>>> = titled.then_some(heads).into_iter().chain(body).collect();
         let widths = self.widths(&rows, width);
         let mut out = String::new();
@@ -29,9 +29,9 @@ impl Table {
                 let mut text = String::new();
                 for ((cell, &width), column) in cells.iter().zip(&widths).zip(&self.columns) {
                     let piece = cell.get(k).map_or("", String::as_str);
-                    text += &match column.align {
-                        Align::Left => format!("{piece:<width$}"),
-                        Align::Right => format!("{piece:>width$}"),
+                    text += &match column.right {
+                        true => format!("{piece:>width$}"),
+                        false => format!("{piece:<width$}"),
                     };
                     text.extend([' '; GAP]);
                 }
@@ -51,7 +51,7 @@ impl Table {
         let mut widths: Vec<usize> = (0..self.columns.len()).map(longest).collect();
         let room = limit.saturating_sub(GAP * self.columns.len().saturating_sub(1));
         while widths.iter().sum::<usize>() > room.max(self.columns.len()) {
-            let words = |k: &usize| self.columns[*k].align == Align::Left && widths[*k] > NARROW;
+            let words = |k: &usize| !self.columns[*k].right && widths[*k] > NARROW;
             let widest = |all: &mut dyn Iterator<Item = usize>| all.max_by_key(|&k| widths[k]);
             let at = widest(&mut (0..widths.len()).filter(words))
                 .or_else(|| widest(&mut (0..widths.len())));

@@ -4,14 +4,19 @@
 use crate::figure::axis::Axis;
 use crate::figure::canvas::{Canvas, Point, Text, width};
 use crate::figure::lines::data::{Curve, CurveKey, Panel};
-use crate::figure::outcome::{badge, letter};
-use crate::figure::style::{CACHE, CACHE_NAME, FAINT, GRID, INK, STRIP, Style, Styles};
+use crate::figure::style::{
+    CACHE, CACHE_NAME, FAINT, FRAME, GRID, INK, STRIP, Style, Styles, letter,
+};
 use contactbench_record::stats::growth::Model;
 
 /// Height of one detector's row in the strip of marks.
 pub const ROW: f64 = 17.0;
+const LABEL: Text = Text::new(17.0, INK);
+const SLOPE: Text = Text::new(15.0, FAINT);
 
-pub struct Shared {
+/// What all panels share.
+pub struct Shared<'a> {
+    pub styles: &'a Styles,
     pub x: Axis,
     pub y: Axis,
     /// Height of the strip at the top; 0 if no panel has marks.
@@ -23,11 +28,12 @@ pub struct Shared {
     /// y is per particle: the slopes, too.
     pub per_particle: bool,
     /// Name and bytes of the caches to be marked; x is the number of particles.
-    pub caches: Vec<(String, u64)>,
+    pub caches: &'a [(String, u64)],
 }
 
 /// Where a panel is drawn.
-pub struct Area {
+pub struct Area<'a> {
+    pub shared: &'a Shared<'a>,
     pub low: Point,
     pub high: Point,
     pub y_labels: bool,
@@ -51,140 +57,108 @@ pub fn outgrown(bytes: u64, dim: u32) -> f64 {
     bytes as f64 / (8.0 * f64::from(dim.max(1)))
 }
 
-impl Area {
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        panel: &Panel,
-        shared: &Shared,
-        styles: &Styles,
-    ) -> anyhow::Result<()> {
-        self.grid(canvas, shared)?;
-        self.caches(canvas, panel.dim, shared)?;
-        if shared.slopes {
-            self.slopes(canvas, panel, shared, styles)?;
+impl Area<'_> {
+    pub fn draw(&self, canvas: &mut Canvas, panel: &Panel) {
+        let styles = self.shared.styles;
+        self.grid(canvas);
+        self.caches(canvas, panel.dim);
+        if self.shared.slopes {
+            self.slopes(canvas, panel);
         }
         // controls first: they stay behind the detectors
         let mut lines: Vec<_> = panel.lines.iter().collect();
         lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.get(&key.detector).control));
-        for (key, line) in &lines {
-            let style = styles.get(&key.detector);
-            self.line(canvas, line, shared, style, key)?;
+        for (key, line) in lines {
+            self.line(canvas, line, key);
         }
-        let corners =
-            [self.low, (self.high.0, self.low.1), self.high, (self.low.0, self.high.1), self.low];
-        canvas.line(&corners, (170, 170, 170), 1.0, None)?;
+        canvas.frame(self.low, self.high, 1.0, FRAME);
         let marked = panel.lines.iter().filter(|(_, line)| !line.marks.is_empty());
         for (row, (key, line)) in marked.enumerate() {
             let y = self.low.1 + 2.0 + ROW * (row as f64 + 0.5);
             for &(x, outcome) in &line.marks {
-                if let Some(x) = self.x(shared, x) {
-                    badge(canvas, (x, y), letter(outcome).0, styles.get(&key.detector).colour)?;
+                if let Some(x) = self.x(x) {
+                    canvas.badge((x, y), letter(outcome).0, styles.get(&key.detector).colour);
                 }
             }
         }
-        Ok(())
     }
 
-    fn x(&self, shared: &Shared, value: f64) -> Option<f64> {
-        Some(self.low.0 + shared.x.place(value)? * (self.high.0 - self.low.0))
+    fn x(&self, value: f64) -> Option<f64> {
+        Some(self.low.0 + self.shared.x.place(value)? * (self.high.0 - self.low.0))
     }
 
     /// The top of the strip's lower edge and the bottom of the scale.
-    fn scale(&self, shared: &Shared) -> (f64, f64) {
-        (self.low.1 + shared.strip, self.high.1 - shared.zero)
+    fn scale(&self) -> (f64, f64) {
+        (self.low.1 + self.shared.strip, self.high.1 - self.shared.zero)
     }
 
-    fn y(&self, shared: &Shared, value: f64) -> Option<f64> {
-        if shared.zero > 0.0 && value <= 0.0 {
-            return Some(self.high.1 - shared.zero / 2.0);
+    fn y(&self, value: f64) -> Option<f64> {
+        if self.shared.zero > 0.0 && value <= 0.0 {
+            return Some(self.high.1 - self.shared.zero / 2.0);
         }
-        let (top, bottom) = self.scale(shared);
-        Some(bottom - shared.y.place(value)? * (bottom - top))
+        let (top, bottom) = self.scale();
+        Some(bottom - self.shared.y.place(value)? * (bottom - top))
     }
 
-    fn grid(&self, canvas: &mut Canvas, shared: &Shared) -> anyhow::Result<()> {
-        let (top, bottom) = self.scale(shared);
-        let labels = Text::new(17.0, INK);
+    fn grid(&self, canvas: &mut Canvas) {
+        let (shared, (left, right)) = (self.shared, (self.low.0, self.high.0));
+        let (top, bottom) = self.scale();
         if shared.strip > 0.0 {
-            canvas.rect(self.low, (self.high.0, top), STRIP)?;
-            canvas.line(&[(self.low.0, top), (self.high.0, top)], (170, 170, 170), 1.0, None)?;
+            canvas.rect(self.low, (right, top), STRIP);
+            canvas.line(&[(left, top), (right, top)], FRAME, 1.0);
         }
         if shared.zero > 0.0 {
-            canvas.rect((self.low.0, bottom), self.high, STRIP)?;
+            canvas.rect((left, bottom), self.high, STRIP);
             if self.y_labels {
-                canvas.text(
-                    "0",
-                    (self.low.0 - 8.0, self.high.1 - shared.zero / 2.0),
-                    labels.anchor(1),
-                )?;
+                let at = (left - 8.0, self.high.1 - shared.zero / 2.0);
+                canvas.text("0", at, LABEL.ending());
             }
         }
-        for (value, label) in shared.x.ticks(self.high.0 - self.low.0, 58.0) {
-            let Some(x) = self.x(shared, value) else { continue };
-            canvas.line(&[(x, top), (x, self.high.1)], GRID, 1.0, None)?;
+        for (value, label) in shared.x.ticks(right - left, 58.0) {
+            let Some(x) = self.x(value) else { continue };
+            canvas.line(&[(x, top), (x, self.high.1)], GRID, 1.0);
             if let Some(label) = label.filter(|_| self.x_labels) {
-                canvas.text(&label, (x, self.high.1 + 16.0), labels.anchor(0))?;
+                canvas.text(&label, (x, self.high.1 + 16.0), LABEL.centred());
             }
         }
         for (value, label) in shared.y.ticks(bottom - top, 30.0) {
-            let Some(y) = self.y(shared, value) else { continue };
-            canvas.line(&[(self.low.0, y), (self.high.0, y)], GRID, 1.0, None)?;
+            let Some(y) = self.y(value) else { continue };
+            canvas.line(&[(left, y), (right, y)], GRID, 1.0);
             if let Some(label) = label.filter(|_| self.y_labels) {
-                canvas.text(&label, (self.low.0 - 8.0, y), labels.anchor(1))?;
+                canvas.text(&label, (left - 8.0, y), LABEL.ending());
             }
         }
-        Ok(())
     }
 
     /// Where the coordinates alone outgrow a cache: a light line, its name at the foot of the
     /// panel, right of it.
-    fn caches(&self, canvas: &mut Canvas, dim: u32, shared: &Shared) -> anyhow::Result<()> {
-        let (top, bottom) = self.scale(shared);
-        for (name, bytes) in &shared.caches {
-            let Some(x) = self
-                .x(shared, outgrown(*bytes, dim))
-                .filter(|x| *x > self.low.0 + 2.0 && *x < self.high.0 - 2.0)
-            else {
-                continue;
-            };
-            canvas.line(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)))?;
-            let words = format!("> {name}");
+    fn caches(&self, canvas: &mut Canvas, dim: u32) {
+        let (top, bottom) = self.scale();
+        let inside = self.low.0 + 2.0..self.high.0 - 2.0;
+        for (name, bytes) in self.shared.caches {
+            let x = self.x(outgrown(*bytes, dim)).filter(|x| inside.contains(x));
+            let Some(x) = x else { continue };
+            canvas.dashed(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)));
+            let (words, text) = (format!("> {name}"), Text::new(15.0, CACHE_NAME).bold());
             // Where it would leave the panel, it stands left of the line.
-            let (at, anchor) = if x + 6.0 + width(&words, 15.0, true)? < self.high.0 {
-                (x + 5.0, -1)
-            } else {
-                (x - 5.0, 1)
-            };
-            canvas.text(
-                &words,
-                (at, bottom - 11.0),
-                Text::new(15.0, CACHE_NAME).bold().anchor(anchor),
-            )?;
+            let right = x + 6.0 + width(&words, 15.0, true) < self.high.0;
+            let (at, text) = if right { (x + 5.0, text) } else { (x - 5.0, text.ending()) };
+            canvas.text(&words, (at, bottom - 11.0), text);
         }
-        Ok(())
     }
 
     /// What algorithms of cost N, N log N and N² look like, all from the lowest first point of a
     /// detector: from a little below it, so that they do not hide the data, unless they are per
     /// particle, where the slope N is the flat floor of the panel.
-    fn slopes(
-        &self,
-        canvas: &mut Canvas,
-        panel: &Panel,
-        shared: &Shared,
-        styles: &Styles,
-    ) -> anyhow::Result<()> {
-        let lines = panel.lines.iter().filter(|(key, _)| !styles.get(&key.detector).control);
+    fn slopes(&self, canvas: &mut Canvas, panel: &Panel) {
+        let shared = self.shared;
+        let lines = panel.lines.iter().filter(|(key, _)| !shared.styles.get(&key.detector).control);
         let firsts = lines.filter_map(|(_, line)| {
             line.points.iter().find(|point| point.y > 0.0 && point.x >= 2.0)
         });
-        let Some(first) = firsts.min_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)))
-        else {
-            return Ok(());
-        };
-        let (top, bottom) = self.scale(shared);
-        let mut last = f64::NEG_INFINITY;
+        let first = firsts.min_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let Some(first) = first else { return };
+        let ((top, bottom), mut last) = (self.scale(), f64::NEG_INFINITY);
         let start = shared.x.place(first.x).unwrap_or(0.0);
         for (model, name) in
             [(Model::Quadratic, "N²"), (Model::Linearithmic, "N log N"), (Model::Linear, "N")]
@@ -199,61 +173,49 @@ impl Area {
                 } else {
                     0.5 * first.y * growth
                 };
-                let Some(y) = self.y(shared, value).filter(|y| *y >= top) else { break };
-                if y > bottom {
-                    continue;
+                let Some(y) = self.y(value).filter(|y| *y >= top) else { break };
+                if y <= bottom {
+                    path.push((self.low.0 + place * (self.high.0 - self.low.0), y));
                 }
-                path.push((self.low.0 + place * (self.high.0 - self.low.0), y));
             }
-            canvas.line(&path, (175, 175, 175), 1.0, Some((6.0, 4.0)))?;
-            if let Some(&(x, y)) = path.last().filter(|_| path.len() > 1) {
-                if x < self.high.0 - 1.0 {
-                    canvas.text(name, (x + 7.0, y.max(top + 9.0)), Text::new(15.0, FAINT))?;
-                } else {
-                    // beside the panel, kept apart
-                    let y = y.max(last + 14.0);
-                    last = y;
-                    canvas.text(name, (self.high.0 + 4.0, y), Text::new(15.0, FAINT))?;
+            canvas.dashed(&path, (175, 175, 175), 1.0, Some((6.0, 4.0)));
+            match path.last().filter(|_| path.len() > 1) {
+                Some(&(x, y)) if x < self.high.0 - 1.0 => {
+                    canvas.text(name, (x + 7.0, y.max(top + 9.0)), SLOPE);
                 }
+                // Beside the panel, kept apart.
+                Some(&(_, y)) => {
+                    last = y.max(last + 14.0);
+                    canvas.text(name, (self.high.0 + 4.0, last), SLOPE);
+                }
+                None => {}
             }
         }
-        Ok(())
     }
 
-    fn line(
-        &self,
-        canvas: &mut Canvas,
-        curve: &Curve,
-        shared: &Shared,
-        style: Style,
-        key: &CurveKey,
-    ) -> anyhow::Result<()> {
+    fn line(&self, canvas: &mut Canvas, curve: &Curve, key: &CurveKey) {
+        let style = self.shared.styles.get(&key.detector);
         let (width, dash) = dash_of(style, key);
-        let at = |x: f64, y: f64| Some((self.x(shared, x)?, self.y(shared, y)?));
+        let at = |x: f64, y: f64| Some((self.x(x)?, self.y(y)?));
         // a mark between two points breaks the line: nothing was measured there
         let broken = |a: f64, b: f64| curve.marks.iter().any(|mark| mark.0 > a && mark.0 < b);
         for piece in curve.points.chunk_by(|a, b| !broken(a.x, b.x)) {
             let path: Vec<Point> = piece.iter().filter_map(|point| at(point.x, point.y)).collect();
-            canvas.line(&path, style.colour, width, dash)?;
+            canvas.dashed(&path, style.colour, width, dash);
         }
         for point in &curve.points {
             if let (Some(low), Some(high)) = (at(point.x, point.low), at(point.x, point.high))
                 && low.1 - high.1 > 1.0
             {
-                canvas.line(&[low, high], style.colour, 1.5, None)?;
+                canvas.line(&[low, high], style.colour, 1.5);
                 for (x, y) in [low, high] {
-                    canvas.line(&[(x - 4.0, y), (x + 4.0, y)], style.colour, 1.5, None)?;
+                    canvas.line(&[(x - 4.0, y), (x + 4.0, y)], style.colour, 1.5);
                 }
             }
             if let Some(at) = at(point.x, point.y) {
-                canvas.marker(
-                    at,
-                    if style.control { 2.5 } else { 4.5 },
-                    style.marker,
-                    style.colour,
-                )?;
+                let size = if style.control { 2.5 } else { 4.5 };
+                canvas.marker(at, size, style.marker, style.colour);
             }
         }
-        Ok(())
     }
 }

@@ -6,13 +6,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use contactbench_record::cells::{AxisValue, Cell, CellId, errors, label, select};
-use contactbench_record::experiment::{Against, SpeedError, Where};
+use crate::figure::style::ranked;
+use crate::figure::{About, axis};
+use contactbench_record::cells::{AxisValue, Cell, errors, label, select};
+use contactbench_record::experiment::{Against, SpeedError};
 use contactbench_record::record::row::{Outcome, Pass};
 use contactbench_terms::arithmetic::Arithmetic;
 
 /// A detector in an arithmetic.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Default)]
 pub struct Mark {
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
@@ -21,9 +23,8 @@ pub struct Mark {
     pub skin: Option<String>,
     /// Median time per particle, ns.
     pub time: f64,
-    /// Lower end of its interval.
+    /// Ends of its interval.
     pub low: f64,
-    /// Upper end of its interval.
     pub high: f64,
     /// Wrong pairs per true contact, in percent.
     pub rate: f64,
@@ -31,7 +32,7 @@ pub struct Mark {
     pub front: bool,
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Default)]
 pub struct Panel {
     /// The value of the parameter that makes the columns.
     pub title: String,
@@ -39,7 +40,6 @@ pub struct Panel {
     pub missing: Vec<(String, Outcome)>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Scene, dimension and the other parameters.
     pub title: String,
@@ -48,7 +48,6 @@ pub struct Row {
 }
 
 /// All panels of a figure.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     pub rows: Vec<Row>,
     /// Those of the chosen cells, from the least to the most accurate.
@@ -58,111 +57,86 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// Collects the figure's data from the experiment's cells, its scenes in this order; none if no
-    /// cell has time and errors.
-    pub fn new(
-        options: &SpeedError,
-        filter: &Where,
-        scenes: &[&str],
-        cells: &[Cell],
-    ) -> anyhow::Result<Option<Plot>> {
-        let mut chosen = select::select(cells, filter)?;
+    /// Collects the figure's data from the experiment's cells; none if no cell has time and errors.
+    pub fn new(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<Plot>> {
+        let mut chosen = select::select(about.cells, &about.figure.filter)?;
         chosen.retain(|cell| !cell.role.is_control());
-        let names: BTreeSet<&str> = chosen.iter().map(|cell| cell.id.arithmetic.as_str()).collect();
-        let rank = |name: &str| {
-            Arithmetic::ALL
-                .iter()
-                .position(|known| known.name() == name)
-                .unwrap_or(Arithmetic::ALL.len())
-        };
+        let names: BTreeSet<&str> = chosen.iter().map(|cell| &*cell.id.arithmetic).collect();
+        let known = |name: &str| Arithmetic::ALL.iter().position(|known| known.name() == name);
         let mut arithmetics: Vec<String> = names.into_iter().map(String::from).collect();
-        arithmetics.sort_by_key(|name| rank(name));
-        let ranked: BTreeSet<(usize, String)> =
-            chosen.iter().map(|cell| (crate::figure::style::rank(cell), detector(cell))).collect();
-        let detectors: Vec<String> = ranked.into_iter().map(|(_, name)| name).collect();
-
+        arithmetics.sort_by_key(|name| known(name).unwrap_or(Arithmetic::ALL.len()));
         let across = across(options, &chosen);
-        let mut fields: Vec<String> = label::varying(&chosen)
-            .into_iter()
-            .filter(|name| Some(name) != across.as_ref())
-            .collect();
-        fields.retain(|name| {
-            !["experiment", "scene", "dim", "detector", "arithmetic"].contains(&name.as_str())
-        });
-        let title = |key: &CellId| {
-            let more = if fields.is_empty() { String::new() } else { label::place(key, &fields) };
-            [format!("{}, {}D", key.scene, key.dim), more]
-                .into_iter()
-                .filter(|part| !part.is_empty())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        type Row<'a> = BTreeMap<Column, Vec<&'a Cell>>;
-        let mut rows: BTreeMap<(usize, u32, Vec<Option<AxisValue>>), Row> = BTreeMap::new();
+        let plain = ["experiment", "scene", "dim", "detector", "arithmetic"];
+        let mut fields = label::varying(&chosen);
+        fields.retain(|name| Some(name) != across.as_ref() && !plain.contains(&name.as_str()));
+        let mut rows: BTreeMap<_, BTreeMap<_, Vec<&Cell>>> = BTreeMap::new();
         for &cell in &chosen {
-            let scene =
-                scenes.iter().position(|known| *known == cell.id.scene).unwrap_or(scenes.len());
-            let others = fields.iter().map(|name| cell.id.axis(name)).collect();
-            let column = Column::new(across.as_ref().and_then(|name| cell.id.axis(name)));
-            rows.entry((scene, cell.id.dim, others))
-                .or_default()
-                .entry(column)
-                .or_default()
-                .push(cell);
+            let others: Vec<_> = fields.iter().map(|name| cell.id.axis(name)).collect();
+            let value = across.as_ref().and_then(|name| cell.id.axis(name));
+            // Numbers by size, so that all rows begin with none, whatever their sign.
+            let size: Option<AxisValue> =
+                value.as_ref().and_then(AxisValue::number).map(|size| size.abs().into());
+            let row = rows.entry((about.place(cell), cell.id.dim, others)).or_default();
+            row.entry((size, value)).or_default().push(cell);
         }
-        let panel = |(column, cells): (&Column, &Vec<&Cell>)| {
-            let name = across.as_deref().unwrap_or_default();
-            let title = column
-                .value
-                .as_ref()
-                .map_or(String::new(), |value| format!("{name} = {}", shown(value)));
-            let mut panel = Panel { title, ..Panel::default() };
-            for cell in cells {
-                match mark(cell, options.against, &arithmetics) {
-                    Some(mark) => panel.marks.push(mark),
-                    None => panel.missing.push((detector(cell), cell.outcome(&[Pass::Time]).0)),
+        let rows = rows.into_values().map(|columns| {
+            let title = columns.values().flatten().next().map_or(String::new(), |cell| {
+                let scene = format!("{}, {}D", cell.id.scene, cell.id.dim);
+                match label::place(&cell.id, &fields) {
+                    more if fields.is_empty() || more.is_empty() => scene,
+                    more => format!("{scene}, {more}"),
                 }
-            }
-            panel.missing.retain(|(_, outcome)| !outcome.is_good());
-            find_front(&mut panel.marks);
-            panel
-        };
-        let row = |columns: &Row| {
-            let title =
-                columns.values().flatten().next().map_or(String::new(), |cell| title(&cell.id));
-            self::Row { title, panels: columns.iter().map(panel).collect() }
-        };
-        let rows: Vec<self::Row> = rows.values().map(row).collect();
-        let some = rows.iter().flat_map(|row| &row.panels).any(|panel| !panel.marks.is_empty());
-        Ok(some.then_some(Plot { rows, arithmetics, detectors }))
+            });
+            let name = across.as_deref().unwrap_or_default();
+            let panels = columns.iter().map(|((_, value), cells)| {
+                let title = value.as_ref().map(|value| format!("{name} = {}", shown(value)));
+                Panel::new(title.unwrap_or_default(), cells, options.against, &arithmetics)
+            });
+            Row { title, panels: panels.collect() }
+        });
+        let rows: Vec<Row> = rows.collect();
+        let detectors = ranked(chosen, detector);
+        let plot = Plot { rows, arithmetics, detectors };
+        let some = plot.marks().next().is_some();
+        Ok(some.then_some(plot))
     }
 
-    pub fn marks(&self) -> impl Iterator<Item = &Mark> {
-        self.rows.iter().flat_map(|row| &row.panels).flat_map(|panel| &panel.marks)
+    fn panels(&self) -> impl Iterator<Item = &Panel> + Clone {
+        self.rows.iter().flat_map(|row| &row.panels)
+    }
+
+    pub fn marks(&self) -> impl Iterator<Item = &Mark> + Clone {
+        self.panels().flat_map(|panel| &panel.marks)
+    }
+
+    /// Whether marks have skins.
+    pub fn skins(&self) -> bool {
+        self.marks().any(|mark| mark.skin.is_some())
+    }
+
+    /// The most panels of a row.
+    pub fn columns(&self) -> f64 {
+        self.rows.iter().map(|row| row.panels.len()).max().unwrap_or(1).max(1) as f64
     }
 
     /// The outcomes of cells without a mark.
     pub fn outcomes(&self) -> BTreeSet<Outcome> {
-        self.rows
-            .iter()
-            .flat_map(|row| &row.panels)
-            .flat_map(|panel| panel.missing.iter().map(|missing| missing.1))
-            .collect()
+        self.panels().flat_map(|panel| &panel.missing).map(|missing| missing.1).collect()
     }
 }
 
-/// The place of a panel in its row: numbers by size, so that all begin with none, whatever their
-/// sign.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Column {
-    size: Option<AxisValue>,
-    value: Option<AxisValue>,
-}
-
-impl Column {
-    fn new(value: Option<AxisValue>) -> Column {
-        let size = value.as_ref().and_then(AxisValue::number).map(|size| size.abs().into());
-        Column { size, value }
+impl Panel {
+    fn new(title: String, cells: &[&Cell], against: Against, arithmetics: &[String]) -> Panel {
+        let mut panel = Panel { title, ..Panel::default() };
+        for cell in cells {
+            match mark(cell, against, arithmetics) {
+                Some(mark) => panel.marks.push(mark),
+                None => panel.missing.push((detector(cell), cell.outcome(&[Pass::Time]).0)),
+            }
+        }
+        panel.missing.retain(|(_, outcome)| !outcome.is_good());
+        find_front(&mut panel.marks);
+        panel
     }
 }
 
@@ -178,7 +152,7 @@ fn across(options: &SpeedError, cells: &[&Cell]) -> Option<String> {
 }
 
 fn shown(value: &AxisValue) -> String {
-    value.number().map_or_else(|| value.to_string(), crate::figure::axis::plain)
+    value.number().map_or_else(|| value.to_string(), axis::plain)
 }
 
 /// Who is shown in one colour.
@@ -215,37 +189,13 @@ fn find_front(marks: &mut [Mark]) {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_front_has_neither_slower_nor_worse() {
-        let mark = |(time, rate): &(f64, f64)| Mark {
-            detector: "nbs".into(),
-            arithmetic: 0,
-            skin: None,
-            time: *time,
-            low: *time,
-            high: *time,
-            rate: *rate,
-            front: false,
-        };
-        // equal errors, equal times, a twin, dominated ones, and the slow one without errors
-        let points = [
-            (5.0, 3.0),
-            (4.0, 3.0),
-            (4.0, 9.0),
-            (2.0, 7.0),
-            (2.0, 7.0),
-            (3.0, 8.0),
-            (9.0, 0.0),
-            (12.0, 0.0),
-        ];
-        let mut marks: Vec<Mark> = points.iter().map(mark).collect();
-        find_front(&mut marks);
-        let front: Vec<(f64, f64)> =
-            marks.iter().filter(|mark| mark.front).map(|mark| (mark.time, mark.rate)).collect();
-        assert_eq!(front, [(2.0, 7.0), (4.0, 3.0), (9.0, 0.0)]);
-    }
+#[test]
+fn the_front_has_neither_slower_nor_worse() {
+    // equal errors, equal times, a twin, dominated ones, and the slow one without errors
+    let points = [(5, 3), (4, 3), (4, 9), (2, 7), (2, 7), (3, 8), (9, 0), (12, 0)];
+    let points = points.map(|(time, rate)| (f64::from(time), f64::from(rate)));
+    let mut marks = points.map(|(time, rate)| Mark { time, rate, ..Mark::default() });
+    find_front(&mut marks);
+    let front = marks.iter().filter(|mark| mark.front).map(|mark| (mark.time, mark.rate));
+    assert_eq!(front.collect::<Vec<_>>(), [(2.0, 7.0), (4.0, 3.0), (9.0, 0.0)]);
 }
