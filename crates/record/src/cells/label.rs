@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::cells::Cell;
-use crate::record::id::{Axes, CellId, FIELDS, MACHINE, OVER, split_contender};
+use crate::record::id::{CellId, FIELDS, MACHINE, OVER, Projection, split_contender};
 use crate::record::value::AxisValue;
 use contactbench_terms::number;
 
@@ -25,7 +25,8 @@ pub fn family(id: &CellId) -> (&str, u32, [Option<String>; 2]) {
 
 /// The scene's name: of a file its own, without folders; where there are several machines, with the
 /// machine.
-pub fn scene(id: &impl Axes) -> String {
+pub fn scene(id: impl Into<Projection>) -> String {
+    let id = id.into();
     let text = |name: &str| id.axis(name).map(|value| value.to_string());
     let path = text("path");
     let file = path.as_deref().and_then(|path| Path::new(path).file_name());
@@ -41,14 +42,15 @@ pub fn scene(id: &impl Axes) -> String {
 
 /// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other axes where they
 /// are not the usual ones.
-pub fn title(id: &impl Axes, swept: &[String]) -> String {
-    let mut title = scene(id);
+pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
+    let id = id.into();
+    let mut title = scene(&id);
     let text = |name: &str| id.axis(name).map(|value| value.to_string());
     title += &text("dim").map_or(String::new(), |dim| format!(", {dim}D"));
     title += &text("n").map_or(String::new(), |n| format!(", N = {n}"));
     for (name, value) in id.parameters() {
         // Those of the scene's name are said by it.
-        if swept.contains(&name) && !["path", MACHINE].contains(&name.as_str()) {
+        if swept.contains(name) && !["path", MACHINE].contains(&name.as_str()) {
             title += &format!(", {name} = {value}");
         }
     }
@@ -97,10 +99,10 @@ pub fn varying(cells: &[&Cell]) -> Vec<String> {
 }
 
 /// `nbs, packed, 2D, n = 1000, s = 2`, of these fields.
-pub fn place(id: &impl Axes, fields: &[String]) -> String {
+pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
+    let id = id.into();
     let part = |name: &String| match (name.as_str(), id.axis(name)?) {
-        ("detector", _) => id.contender(),
-        ("scene" | "arithmetic" | "order", value) => Some(value.to_string()),
+        ("detector" | "scene" | "arithmetic" | "order", value) => Some(value.to_string()),
         ("dim", value) => Some(format!("{value}D")),
         (name, value) => Some(format!("{name} = {value}")),
     };

@@ -28,7 +28,6 @@ use contactbench_terms::scene::Stats;
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     pub id: CellId,
-    /// What its detector is there for.
     pub role: Role,
     /// How each pass ended, with the reason.
     pub passes: BTreeMap<Pass, (Outcome, String)>,

@@ -17,7 +17,6 @@ pub struct Line {
     pub detector: String,
     pub arithmetic: String,
     pub threads: u32,
-    /// What it is there for.
     pub role: Role,
 }
 
@@ -42,7 +41,6 @@ pub struct BySize<T> {
     pub lines: Vec<LineValues<T>>,
 }
 
-/// The values of a contender.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineValues<T> {
     pub line: Line,
@@ -83,7 +81,6 @@ pub fn labels(cells: &[&Cell]) -> impl Fn(&Line) -> String + Copy {
 }
 
 impl Line {
-    /// The line that a cell belongs to.
     pub fn new(cell: &Cell) -> Line {
         Line {
             detector: cell.id.contender(),
@@ -99,7 +96,6 @@ impl<'a> Group<'a> {
         self.lines.values().flat_map(|cells| cells.keys().copied()).collect()
     }
 
-    /// The cells at one N.
     pub fn cells(&self, n: u64) -> impl Iterator<Item = &'a Cell> {
         self.lines.values().filter_map(move |sizes| sizes.get(&n)).flatten().copied()
     }

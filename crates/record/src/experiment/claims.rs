@@ -17,17 +17,12 @@ pub type Where = BTreeMap<String, List<toml::Value>>;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
-    /// The sentence in the verdict table.
     pub name: String,
-    /// What is checked.
     pub kind: ClaimKind,
-    /// Which rows; all without.
     #[serde(rename = "where", default)]
     pub filter: Where,
-    /// When its limit was set.
     #[serde(default)]
     pub set: Set,
-    /// Where the claim comes from.
     #[serde(default)]
     pub source: String,
     /// What it answers to the experiment's question if it holds: `yes`, say.
@@ -42,11 +37,8 @@ pub enum Set {
     /// The experiment does not say.
     #[default]
     Unknown,
-    /// By a publication.
     Published,
-    /// Before the first record of the experiment.
     Before,
-    /// After it.
     After,
 }
 
@@ -58,27 +50,20 @@ pub enum Set {
 pub enum ClaimKind {
     /// The largest value over the smallest, less 1, is at most `within`.
     Constant {
-        /// A positive quantity.
         value: Expression,
-        /// Relative tolerance.
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
     /// The two sides differ by at most `within`, relative to `to`, in every cell.
     Equal {
-        /// One side.
         value: Expression,
-        /// The other.
         to: Expression,
-        /// Relative tolerance.
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
     /// `value` <= `to` in every cell; with `than` that of another detector in the same scene.
     AtMost {
-        /// The smaller side.
         value: Expression,
-        /// The limit.
         to: Expression,
         /// Whose `to`; the cell's own without.
         #[serde(default)]
@@ -95,7 +80,6 @@ pub enum ClaimKind {
     },
     /// The ratio of times, detector over `than`, is below 1 in every cell; below 1 / `by`.
     Faster {
-        /// The other detector.
         than: String,
         /// So many times as fast.
         #[serde(default = "once", deserialize_with = "times")]

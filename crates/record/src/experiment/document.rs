@@ -179,7 +179,7 @@ fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
     what: &str,
     default: Option<&'static str>,
 ) -> Result<(), Problem> {
-    let kinds = keys::variants::<Kind>();
+    let kinds = keys::fields::<Kind>();
     let list = || kinds.join(", ");
     let (place, kind) = match table.remove("kind") {
         Some(value) => {

@@ -6,17 +6,12 @@ use crate::experiment::claims::Where;
 use crate::experiment::expression::Expression;
 use crate::record::id::variable;
 
-/// A figure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Figure {
-    /// The file name, without ending.
     pub name: String,
-    /// The heading.
     pub title: String,
-    /// What is drawn.
     pub kind: FigureKind,
-    /// Which rows; all without.
     #[serde(rename = "where", default)]
     pub filter: Where,
 }
@@ -36,17 +31,36 @@ pub enum FigureKind {
     Map(MapAxes),
 }
 
+impl FigureKind {
+    /// The expression that is read in every cell.
+    pub fn expression(&self) -> Option<&Expression> {
+        match self {
+            FigureKind::Lines(lines) => Some(&lines.y),
+            _ => None,
+        }
+    }
+
+    /// The options that name an axis: key, name, and whether it must be one of scenes.
+    pub fn axes(&self) -> Vec<(&'static str, &str, bool)> {
+        match self {
+            FigureKind::Lines(lines) => vec![("x", &lines.x, false)],
+            FigureKind::SpeedError(figure) if !figure.columns.is_empty() => {
+                vec![("columns", &figure.columns, false)]
+            }
+            FigureKind::Map(map) => vec![("x", &map.x, true), ("y", &map.y, true)],
+            FigureKind::SpeedError(_) | FigureKind::Bars(_) => Vec::new(),
+        }
+    }
+}
+
 /// Options of a figure of lines.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Lines {
-    /// n or a parameter of the scenes.
     pub x: String,
-    /// The label of the x axis, with unit.
     pub x_label: String,
     /// `time_ns` is the median over blocks, drawn with its interval.
     pub y: Expression,
-    /// The label of the y axis, with unit.
     pub y_label: String,
     /// Both axes logarithmic, or both linear.
     #[serde(default = "logarithmic")]
@@ -91,7 +105,6 @@ pub struct Bars {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpeedError {
-    /// Which errors.
     pub against: Against,
     /// The parameter that makes the columns; without, the one with the most values.
     pub columns: String,

@@ -7,13 +7,8 @@ use serde::de::{self, DeserializeSeed, Deserializer, IntoDeserializer, Visitor};
 
 type Names = &'static [&'static str];
 
-/// The keys of a struct.
+/// The keys of a struct, or the variants of an enum.
 pub fn fields<'de, T: Deserialize<'de>>() -> Names {
-    ask::<T>(None)
-}
-
-/// The variants of an enum.
-pub fn variants<'de, T: Deserialize<'de>>() -> Names {
     ask::<T>(None)
 }
 

@@ -1,10 +1,10 @@
-//! Names in claims and figures that no row of the run will have: said before it begins.
+//! Names in claims and figures that no row of the run will have: reported before it begins.
 
 use std::collections::BTreeSet;
 
 use crate::experiment::document::Document;
 use crate::experiment::expression::Expression;
-use crate::experiment::{ClaimKind, Experiment, FigureKind, Planned, Where};
+use crate::experiment::{Experiment, Planned, Where};
 use crate::record::column::{COLUMNS, Column};
 use crate::record::id::{CellId, FIELDS, MACHINE, variable};
 use crate::record::value::AxisValue;
@@ -16,39 +16,21 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
     for (k, claim) in experiment.claims.iter().enumerate() {
         let problem = |words| document.claim(k, words);
         known.filter(&claim.filter).map_err(problem)?;
-        let expressions = match &claim.kind {
-            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
-                vec![value, to]
-            }
-            ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => vec![value],
-            ClaimKind::Faster { .. } => Vec::new(),
-        };
-        expressions.into_iter().try_for_each(|it| known.expression(it)).map_err(problem)?;
+        claim.kind.sides().into_iter().try_for_each(|it| known.expression(it)).map_err(problem)?;
     }
     for (k, figure) in experiment.figures.iter().enumerate() {
         let problem = |words| document.figure(k, words);
         known.filter(&figure.filter).map_err(problem)?;
-        match &figure.kind {
-            FigureKind::Lines(lines) => {
-                known.expression(&lines.y).map_err(problem)?;
-                known.axis("x", &lines.x).map_err(problem)?;
+        figure.kind.expression().map_or(Ok(()), |it| known.expression(it)).map_err(problem)?;
+        for (key, name, of_scenes) in figure.kind.axes() {
+            let column = Column::find(&variable(name)).filter(|column| column.pass.is_some());
+            if of_scenes && column.is_some() {
+                return Err(problem(format!(
+                    "{key} = \"{name}\" is measured of detectors; a map is over fields and \
+                     parameters, and what is measured of scenes"
+                )));
             }
-            FigureKind::SpeedError(figure) if !figure.columns.is_empty() => {
-                known.axis("columns", &figure.columns).map_err(problem)?
-            }
-            FigureKind::Map(map) => {
-                for (key, name) in [("x", &map.x), ("y", &map.y)] {
-                    let column = Column::find(&variable(name));
-                    if column.is_some_and(|column| column.pass.is_some()) {
-                        return Err(problem(format!(
-                            "{key} = \"{name}\" is measured of detectors; a map is over fields and \
-                             parameters, and what is measured of scenes"
-                        )));
-                    }
-                    known.axis(key, name).map_err(problem)?;
-                }
-            }
-            FigureKind::SpeedError(_) | FigureKind::Bars(_) => {}
+            known.axis(key, name).map_err(problem)?;
         }
     }
     Ok(())
@@ -56,10 +38,18 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
 
 /// What rows of the run will have.
 struct Known {
-    /// Every scene with one contender, and every contender with one scene.
+    /// Every scene with one subject, and every subject with one scene.
     ids: Vec<CellId>,
-    /// Runners say their arithmetic themselves.
+    /// Runners report their arithmetic themselves.
     runners: bool,
+}
+
+fn list<'a>(names: impl IntoIterator<Item = &'a String>) -> String {
+    names.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+fn meant(name: &str, names: &BTreeSet<String>) -> String {
+    format!("{}; there are: {}", hint(name, names.iter().map(String::as_str)), list(names))
 }
 
 impl Known {
@@ -68,8 +58,7 @@ impl Known {
         let mut ids: Vec<CellId> = Vec::new();
         for (k, entrant) in entrants.iter().enumerate() {
             let scenes = scenes.iter().chain(quick).take(if k == 0 { usize::MAX } else { 1 });
-            let cell = |scene| entrant.cell(scene).with_threads(1);
-            ids.extend(scenes.map(cell));
+            ids.extend(scenes.map(|scene| entrant.cell(scene).with_threads(1)));
         }
         Known { ids, runners: !experiment.runners.is_empty() }
     }
@@ -83,36 +72,23 @@ impl Known {
         self.ids.iter().flat_map(CellId::names).collect()
     }
 
-    /// What expressions may use.
-    fn variables(&self) -> BTreeSet<String> {
-        let fixed = ["n", "dim", "seed", "threads"].into_iter();
-        let fixed = fixed.chain(COLUMNS.iter().map(|column| &*column.name)).map(String::from);
-        let parameters = self.names().into_iter().filter(|name| self.is_number(name));
-        fixed.chain(parameters).collect()
-    }
-
-    fn is_number(&self, name: &str) -> bool {
-        !FIELDS.contains(&name) && self.values(name).iter().any(|value| value.number().is_some())
-    }
-
     fn expression(&self, expression: &Expression) -> Result<(), String> {
-        // Without a scene or a contender there is nothing to know.
-        let fixed = |name: &str| ["n", "dim", "seed", "threads"].contains(&name);
-        let unknown =
-            |name: &str| Column::find(name).is_none() && !fixed(name) && !self.is_number(name);
-        let Some((name, column)) = expression.variables().find(|(name, _)| unknown(name)) else {
-            return Ok(());
+        let is_number = |name: &str| {
+            let mut values = self.values(name).into_iter();
+            !FIELDS.contains(&name) && values.any(|value| value.number().is_some())
         };
-        if self.ids.is_empty() {
-            return Ok(());
-        }
-        let all = self.variables();
-        let all: Vec<&str> = all.iter().map(String::as_str).collect();
-        Err(format!(
-            "there is no variable '{name}', at column {column} of '{expression}'{}; there are: {}",
-            hint(name, all.iter().copied()),
-            all.join(", ")
-        ))
+        let fixed = ["n", "dim", "seed", "threads"];
+        let unknown =
+            |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
+        let found = expression.variables().find(|(name, _)| unknown(name));
+        // Without a scene or a subject nothing is known.
+        let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
+        let columns = COLUMNS.iter().map(|column| &*column.name);
+        let mut all: BTreeSet<String> =
+            fixed.into_iter().chain(columns).map(String::from).collect();
+        all.extend(self.names().into_iter().filter(|name| is_number(name)));
+        let meant = meant(name, &all);
+        Err(format!("there is no variable '{name}', at column {column} of '{expression}'{meant}"))
     }
 
     fn axis(&self, key: &str, name: &str) -> Result<(), String> {
@@ -121,13 +97,8 @@ impl Known {
         if known || self.ids.is_empty() {
             return Ok(());
         }
-        let names = self.names();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        Err(format!(
-            "{key} = \"{name}\" is no field or parameter of the scenes{}; there are: {}",
-            hint(&plain, names.iter().copied()),
-            names.join(", ")
-        ))
+        let meant = meant(&plain, &self.names());
+        Err(format!("{key} = \"{name}\" is no field or parameter of the scenes{meant}"))
     }
 
     fn filter(&self, filter: &Where) -> Result<(), String> {
@@ -138,32 +109,21 @@ impl Known {
             }
             let found = self.values(&plain);
             if found.is_empty() {
-                let names = self.names();
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                return Err(format!(
-                    "where names '{name}', which no row will have{}; there are: {}",
-                    hint(&plain, names.iter().copied()),
-                    names.join(", ")
-                ));
-            }
-            if plain == "arithmetic" && self.runners {
-                continue;
+                let meant = meant(&plain, &self.names());
+                return Err(format!("where names '{name}', which no row will have{meant}"));
             }
             // Words are compared as they stand; numbers may be compared otherwise.
-            let words: BTreeSet<String> = found.iter().map(AxisValue::to_string).collect();
             let is_word = found.iter().all(|value| value.number().is_none());
-            let text = |value: &toml::Value| match value {
-                toml::Value::String(text) => text.clone(),
-                other => other.to_string(),
-            };
+            if !is_word || plain == "arithmetic" && self.runners {
+                continue;
+            }
+            let words: BTreeSet<String> = found.iter().map(AxisValue::to_string).collect();
+            let text = |value: &toml::Value| value.as_str().map_or(value.to_string(), String::from);
             let wanted: Vec<String> = wanted.iter().map(text).collect();
-            if is_word && !wanted.iter().any(|value| words.contains(value)) {
-                let wanted = wanted.join(", ");
-                return Err(format!(
-                    "where: no row will have {name} = {wanted}{}; there are: {}",
-                    hint(&wanted, words.iter().map(String::as_str)),
-                    words.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
-                ));
+            if !wanted.iter().any(|value| words.contains(value)) {
+                let wanted = list(&wanted);
+                let meant = meant(&wanted, &words);
+                return Err(format!("where: no row will have {name} = {wanted}{meant}"));
             }
         }
         Ok(())

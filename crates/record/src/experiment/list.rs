@@ -4,8 +4,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
 
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::de::{Error, IntoDeserializer, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
 /// Values to sweep over; in a file, `3` means the same as `[3]`.
@@ -27,112 +26,75 @@ impl<T> From<T> for List<T> {
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for List<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<List<T>, D::Error> {
-        deserializer.deserialize_any(Values(PhantomData))
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<List<T>, D::Error> {
+        from.deserialize_any(Values::<T, true>(PhantomData)).map(List)
     }
 }
 
-struct Values<T>(PhantomData<T>);
+/// Reads one value; if `MANY`, also a list of values.
+struct Values<T, const MANY: bool>(PhantomData<T>);
 
-impl<'de, T: Deserialize<'de>> Visitor<'de> for Values<T> {
-    type Value = List<T>;
+impl<'de, T: Deserialize<'de>, const MANY: bool> Visitor<'de> for Values<T, MANY> {
+    type Value = Vec<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a value or a list of values")
+        f.write_str(if MANY { "a value or a list of values" } else { "a value" })
     }
 
-    fn visit_bool<E: Error>(self, value: bool) -> Result<List<T>, E> {
-        T::deserialize(value.into_deserializer()).map(List::from)
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Vec<T>, E> {
+        Ok(vec![T::deserialize(value.into_deserializer())?])
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<List<T>, E> {
-        T::deserialize(value.into_deserializer()).map(List::from)
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Vec<T>, E> {
+        Ok(vec![T::deserialize(value.into_deserializer())?])
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<List<T>, E> {
-        match whole(value) {
-            Some(value) => self.visit_i64(value),
-            None => T::deserialize(value.into_deserializer()).map(List::from),
+    /// `1e6` is a whole number.
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Vec<T>, E> {
+        if value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64 {
+            return self.visit_i64(value as i64);
         }
+        Ok(vec![T::deserialize(value.into_deserializer())?])
     }
 
-    fn visit_str<E: Error>(self, value: &str) -> Result<List<T>, E> {
-        T::deserialize(value.into_deserializer()).map(List::from)
+    fn visit_str<E: Error>(self, value: &str) -> Result<Vec<T>, E> {
+        Ok(vec![T::deserialize(value.into_deserializer())?])
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<List<T>, A::Error> {
-        let items = Vec::<Item<T>>::deserialize(SeqAccessDeserializer::new(values))?;
-        Ok(List(items.into_iter().map(|item| item.0).collect()))
+    fn visit_seq<A: SeqAccess<'de>>(self, mut values: A) -> Result<Vec<T>, A::Error> {
+        if !MANY {
+            return Err(A::Error::invalid_type(Unexpected::Seq, &self));
+        }
+        let mut items = Vec::new();
+        while let Some(Item(item)) = values.next_element()? {
+            items.push(item);
+        }
+        Ok(items)
     }
 }
 
-/// The whole number that a float such as `1e6` is.
-fn whole(value: f64) -> Option<i64> {
-    let exact = value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64;
-    exact.then_some(value as i64)
-}
-
-/// One value of a list.
 struct Item<T>(T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Item<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Item<T>, D::Error> {
-        deserializer.deserialize_any(OneValue(PhantomData))
-    }
-}
-
-struct OneValue<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for OneValue<T> {
-    type Value = Item<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a value")
-    }
-
-    fn visit_bool<E: Error>(self, value: bool) -> Result<Item<T>, E> {
-        T::deserialize(value.into_deserializer()).map(Item)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Item<T>, E> {
-        T::deserialize(value.into_deserializer()).map(Item)
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Item<T>, E> {
-        match whole(value) {
-            Some(value) => self.visit_i64(value),
-            None => T::deserialize(value.into_deserializer()).map(Item),
-        }
-    }
-
-    fn visit_str<E: Error>(self, value: &str) -> Result<Item<T>, E> {
-        T::deserialize(value.into_deserializer()).map(Item)
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Item<T>, D::Error> {
+        let one = from.deserialize_any(Values::<T, false>(PhantomData))?.pop();
+        one.map(Item).ok_or_else(|| D::Error::custom("a value is missing"))
     }
 }
 
 /// For a key with one value: `1e6` is a whole number there, too.
-pub fn one<'de, D, T>(deserializer: D) -> Result<T, D::Error>
-where
-    D: Deserializer<'de>,
-    T: Deserialize<'de>,
-{
-    Item::deserialize(deserializer).map(|item| item.0)
+pub fn one<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<T, D::Error> {
+    Item::deserialize(from).map(|item| item.0)
 }
 
 /// As [`one`], for a key that may be absent.
-pub fn some<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
-where
-    D: Deserializer<'de>,
-    T: Deserialize<'de>,
-{
-    one(deserializer).map(Some)
+pub fn some<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    from: D,
+) -> Result<Option<T>, D::Error> {
+    one(from).map(Some)
 }
 
 /// For a key with a list, where one value may stand without brackets.
-pub fn many<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
-where
-    D: Deserializer<'de>,
-    T: Deserialize<'de>,
-{
-    List::deserialize(deserializer).map(|list| list.0)
+pub fn many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
+    List::deserialize(from).map(|list| list.0)
 }

@@ -33,20 +33,14 @@ use contactbench_terms::arithmetic::Arithmetic;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Experiment {
-    /// The name in records; also the name of the file.
     pub name: String,
-    /// One line for figures and reports.
     pub title: String,
-    /// What is asked.
     pub question: String,
-    /// How to read the figures.
     pub reading: String,
-    /// Part of the standard reproduction.
     pub standard: bool,
     /// Detectors of the table, with their parameters; groups are resolved.
     #[serde(deserialize_with = "list::many")]
     pub detectors: Vec<String>,
-    /// Arithmetics to run each detector with.
     #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
     /// Threads given to the detectors; those that cannot use several run once, with one.
@@ -69,16 +63,12 @@ pub struct Experiment {
     /// runner's address space. `None`: the machine's.
     #[serde(deserialize_with = "list::some")]
     pub memory_limit_mib: Option<u64>,
-    /// Scenes, each swept over its lists.
     #[serde(rename = "scene")]
     pub scenes: Vec<SceneSweep>,
-    /// Runners in other languages.
     #[serde(rename = "runner")]
     pub runners: Vec<ExternalRunner>,
-    /// What is expected.
     #[serde(rename = "claim")]
     pub claims: Vec<Claim>,
-    /// What is drawn.
     #[serde(rename = "figure")]
     pub figures: Vec<Figure>,
     /// A table shown after the run and in the report, besides the usual ones.
@@ -140,7 +130,6 @@ impl Default for Experiment {
     }
 }
 
-/// Kinds of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
@@ -167,7 +156,6 @@ pub struct ExternalRunner {
 }
 
 impl ExternalRunner {
-    /// Whether a run in which it cannot be started has failed in nothing.
     pub fn is_optional(&self) -> bool {
         self.optional || !self.install.is_empty()
     }

@@ -9,12 +9,10 @@ use crate::record::id::CellId;
 use crate::record::role::Role;
 use crate::record::value::AxisValue;
 
-/// The scenes and entrants of an experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Planned {
     /// The axes of every scene of a whole run, in the order run. n is 0 where the scene decides.
     pub scenes: Vec<CellId>,
-    /// The same of a quick run.
     pub quick: Vec<CellId>,
     /// The subjects of every scene, in the order of the record.
     pub entrants: Vec<Entrant>,
@@ -25,7 +23,6 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// The scenes of a whole run, or of a quick one.
     pub fn scenes(&self, quick: bool) -> &[CellId] {
         if quick { &self.quick } else { &self.scenes }
     }
@@ -40,7 +37,6 @@ pub struct Entrant {
     pub role: Role,
     /// The arithmetic of a detector; `None` for a runner, which reports its own.
     pub arithmetic: Option<Arithmetic>,
-    /// Threads given to it.
     pub threads: usize,
 }
 

@@ -16,11 +16,9 @@ pub struct SceneSweep {
     /// The generator: packed, loose, clustered, pack-a ... pack-d; file; or hard, which without a
     /// `case` means all cases.
     pub name: String,
-    /// Dimensions.
     pub dim: List<u32>,
     /// Numbers of particles; not for `file` and `hard`, which bring their own.
     pub n: Option<List<u64>>,
-    /// Seeds.
     pub seed: List<u64>,
     /// Orders of the particles, by name.
     pub order: List<String>,
@@ -52,20 +50,14 @@ impl Default for SceneSweep {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Quick {
-    /// Dimensions.
     pub dim: Option<List<u32>>,
-    /// Numbers of particles.
     pub n: Option<List<u64>>,
-    /// Seeds.
     pub seed: Option<List<u64>>,
-    /// Orders of the particles.
     pub order: Option<List<String>>,
-    /// The generator's parameters.
     pub params: Params,
 }
 
 impl SceneSweep {
-    /// The sweep of a quick run.
     pub fn quickened(&self) -> SceneSweep {
         let mut sweep = self.clone();
         let quick = self.quick.clone();

@@ -6,13 +6,11 @@ use crate::cells::label::{brief, swept, title};
 use crate::cells::{Cell, CellId};
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// All courses of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Courses {
     pub trackers: Vec<String>,
     /// The arithmetic, where there are several.
     pub arithmetic: Option<String>,
-    /// One for each scene and motion.
     pub courses: Vec<Course>,
 }
 

@@ -13,11 +13,9 @@ use contactbench_terms::errors::{Causes, Errors};
 /// the same errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorTable {
-    /// In the order of scenes.
     pub lines: Vec<ErrorLine>,
 }
 
-/// The errors of detectors that make the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorLine {
     /// Their names, or `all`, or `all but` one.

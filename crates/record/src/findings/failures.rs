@@ -12,7 +12,6 @@ use crate::record::row::Outcome;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     pub name: String,
-    /// The scene and its dimension.
     pub scene: String,
     pub outcome: Outcome,
     pub sizes: BTreeSet<u64>,
@@ -48,7 +47,6 @@ pub struct Culprits {
 }
 
 impl Culprits {
-    /// From the cells of these experiments.
     pub fn new(cells: &[&Cell], experiments: &[Experiment]) -> Culprits {
         let runner = |culprit: &Culprit| {
             let own = experiments.iter().filter(|it| it.name == culprit.id.experiment);

@@ -21,7 +21,6 @@ pub const SURE: f64 = 0.9;
 /// The largest of fewer cells than this is a matter of luck.
 const FEW: usize = 5;
 
-/// Every twin against its original.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     pub twins: Vec<Twin>,

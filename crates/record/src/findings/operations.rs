@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use crate::cells::{Cell, CellId, label};
-use crate::record::id::{Axes, Projection};
+use crate::record::id::Projection;
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice};
 use contactbench_terms::op::Op;
@@ -44,7 +44,7 @@ pub fn operations(cells: &[&Cell]) -> Vec<Operations> {
         ["scene".to_string(), "dim".to_string()].into_iter().chain(more).collect();
     let line = |(key, points): (&Projection, &Vec<(f64, f64)>)| Operations {
         scene: label::place(key, &fields),
-        detector: key.contender().unwrap_or_default(),
+        detector: key.axis("detector").map(|it| it.to_string()).unwrap_or_default(),
         choice: growth::choose(points),
     };
     series.iter().map(line).collect()

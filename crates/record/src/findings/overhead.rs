@@ -17,7 +17,6 @@ pub const LEAST: f64 = 0.01;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overhead {
     pub share: f64,
-    /// The N of that scene.
     pub n: u64,
     pub detector: String,
     pub scene: String,

@@ -8,7 +8,6 @@ use crate::findings::winners::{by_ratio, time};
 use crate::record::row::Outcome;
 use crate::stats::interval::Interval;
 
-/// All contenders of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneResults {
     /// `packed, 3D, N = 1000`.
@@ -19,7 +18,6 @@ pub struct SceneResults {
 /// What was measured of a contender; numbers are per particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
-    /// The detector; its arithmetic and threads where there are several.
     pub name: String,
     /// Nanoseconds; of a wrong answer, too.
     pub time: Option<f64>,

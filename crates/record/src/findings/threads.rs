@@ -25,7 +25,6 @@ pub struct Threads {
 /// What a detector gains with so many threads, over all scenes and N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Typical {
-    /// The detector with its threads.
     pub name: String,
     /// How many scenes, each N counted.
     pub scenes: usize,
@@ -41,14 +40,12 @@ pub struct Typical {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
     pub experiment: String,
-    /// The scene, without its N.
     pub scene: String,
     pub n: u64,
     /// The detector, its arithmetic, and k.
     pub line: Line,
     /// How the detector is called, without its threads.
     pub name: String,
-    /// Time with one thread over time with k.
     pub speedup: Interval,
     /// The throughput of k copies over that of one.
     pub ceiling: Option<Interval>,

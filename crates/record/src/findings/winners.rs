@@ -26,7 +26,6 @@ use crate::record::row::Outcome;
 use crate::stats::interval::{Interval, median};
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// The contests of an experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Winners {
     /// All scenes, also those in which no detector has a time.
@@ -35,7 +34,6 @@ pub struct Winners {
     pub contests: Vec<Contest>,
 }
 
-/// The detectors of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contest {
     /// `packed, 3D, N = 1000`.
@@ -79,7 +77,6 @@ pub struct Tally {
     pub alone: Option<Alone>,
 }
 
-/// The only detector with a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alone {
     pub name: String,

@@ -12,11 +12,8 @@ pub struct Build {
     pub revision: &'static str,
     /// Whether the sources differ from that commit: `true`, `false` or `unknown`.
     pub dirty: &'static str,
-    /// Enabled features, separated by spaces.
     pub features: &'static str,
-    /// The compiler's version.
     pub rustc: &'static str,
-    /// Flags of the compiler.
     pub rustflags: &'static str,
     /// The profile: `release` or `debug`.
     pub profile: &'static str,

@@ -1,7 +1,7 @@
 //! The numbers of a row: their names, units, the passes that measure them, and how they are read.
 //!
-//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone;
-//! docs/RECORD.md describes each.
+//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone. Most
+//! of it is stated in [`crate::record::row`]; docs/RECORD.md describes each.
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -20,14 +20,8 @@ pub struct Column {
     pub pass: Option<Pass>,
     /// Its unit; empty for a ratio or a plain count.
     pub unit: &'static str,
-    read: Box<Read>,
+    read: Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>,
 }
-
-type Read = dyn Fn(&Row) -> Option<f64> + Send + Sync;
-/// The errors of one cause.
-type Whose = fn(&Causes) -> &Errors;
-/// One of the numbers of errors.
-type Which = fn(&Errors) -> f64;
 
 /// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
@@ -42,6 +36,11 @@ pub const BUILDING: &str = "building_ns";
 pub const MEDIAN_STEP: &str = "median_step_ns";
 /// The time of the slowest frame.
 pub const WORST_STEP: &str = "worst_step_ns";
+
+/// The errors of one cause.
+type Whose = fn(&Causes) -> &Errors;
+/// One of the numbers of errors.
+type Which = fn(&Errors) -> f64;
 
 /// The causes of error: the prefix of their columns, and the prefix that these had before.
 const CAUSES: [(&str, &str, Whose); 3] = [
@@ -60,100 +59,65 @@ const ERRORS: [(&str, &str, Which); 7] = [
     ("wrong", "pairs", |errors| errors.wrong() as f64),
 ];
 
+/// How a scene moves.
+const MOVED: [(&str, &str, fn(&Moved) -> Option<f64>); 6] = [
+    ("mean_way", "diameters", |it| Some(it.mean_way())),
+    ("longest_way", "diameters", |it| Some(it.way.longest)),
+    ("born", "pairs", |it| Some(it.born as f64)),
+    ("ended", "pairs", |it| Some(it.ended as f64)),
+    ("at_rest", "", |it| Some(it.share_at_rest())),
+    ("tunnelled", "pairs", |it| it.uncounted.is_none().then_some(it.tunnelled as f64)),
+];
+
 fn columns() -> Vec<Column> {
-    use Pass::{Memory, Time};
-    let number = |name: &'static str, pass, unit, read: fn(&Row) -> Option<f64>| Column {
-        name: name.into(),
-        pass,
-        unit,
-        read: Box::new(read),
+    let of_row = |pass: Option<Pass>| {
+        let own = Row::COLUMNS.iter().filter(move |(_, by, ..)| *by == pass);
+        own.map(|&(name, pass, unit, read)| Column::new(name, pass, unit, read))
     };
-    let whole = |value: Option<u64>| value.map(|value| value as f64);
-    let whole = move |name, pass, unit, read: fn(&Row) -> Option<u64>| Column {
-        read: Box::new(move |row| whole(read(row))),
-        ..number(name, pass, unit, |_| None)
-    };
-    let mut columns = vec![
-        whole(TIME, Some(Time), "ns", |row| row.time_ns),
-        whole(FIRST, Some(Time), "ns", |row| row.first_ns),
-        whole(BUILDING, Some(Time), "ns", |row| row.building_ns),
-        whole(MEDIAN_STEP, Some(Time), "ns", |row| row.median_step_ns),
-        whole(WORST_STEP, Some(Time), "ns", |row| row.worst_step_ns),
-        whole("pulse_ns", Some(Time), "ns", |row| row.pulse_ns),
-        whole("contacts", None, "pairs", |row| row.contacts),
-    ];
-    columns.extend(Op::ALL.iter().map(|op| Column {
-        name: op.name().into(),
-        pass: Some(Pass::Count),
-        unit: "",
-        // An operation that a version does not know yet has happened no time.
-        read: Box::new(|row| {
+    let mut columns: Vec<Column> = of_row(Some(Pass::Time)).chain(of_row(None)).collect();
+    columns.extend(Op::ALL.iter().map(|op| {
+        // Unknown operations count as 0.
+        Column::new(op.name(), Some(Pass::Count), "", |row| {
             let counted = row.outcome.is_good() && !row.counts.is_empty();
             counted.then(|| row.counts.get(op.name()).copied().unwrap_or(0) as f64)
-        }),
+        })
     }));
-    columns.extend([
-        whole("peak_bytes", Some(Memory), "bytes", |row| row.peak_bytes),
-        whole("live_bytes", Some(Memory), "bytes", |row| row.live_bytes),
-        whole("allocations", Some(Memory), "", |row| row.allocations),
-        whole("warm_allocations", Some(Memory), "", |row| row.warm_allocations),
-        whole("formula_bytes", Some(Memory), "bytes", |row| row.formula_bytes),
-        number("true_contacts", None, "pairs", |row| Some(row.true_contacts())),
-    ]);
-    let error = |prefix: &str, (name, unit, read): (&str, _, Which), whose: Option<Whose>| Column {
-        name: format!("{prefix}{name}").into(),
-        pass: None,
-        unit,
-        read: match whose {
-            None => Box::new(move |row| Some(read(row.errors.as_ref()?))),
-            Some(cause) => Box::new(move |row| Some(read(cause(row.causes.as_ref()?)))),
-        },
-    };
-    columns.extend(ERRORS.map(|kind| error("", kind, None)));
-    for (prefix, _, cause) in CAUSES {
-        columns.extend(ERRORS.map(|kind| error(prefix, kind, Some(cause))));
+    columns.extend(of_row(Some(Pass::Memory)));
+    let number = |name, unit, read: fn(&Row) -> Option<f64>| Column::new(name, None, unit, read);
+    columns.push(number("true_contacts", "pairs", |row| Some(row.true_contacts())));
+    columns.extend(ERRORS.map(|(name, unit, read)| {
+        Column::new(name, None, unit, move |row| row.errors.as_ref().map(read))
+    }));
+    for (prefix, _, whose) in CAUSES {
+        columns.extend(ERRORS.map(|(name, unit, read)| {
+            let read = move |row: &Row| Some(read(whose(row.causes.as_ref()?)));
+            Column::new(format!("{prefix}{name}"), None, unit, read)
+        }));
     }
     columns.extend([
-        number("packing_fraction", None, "", |row| Some(row.stats.packing_fraction)),
-        number("coordination", None, "", |row| Some(row.stats.coordination)),
-        number("radius_ratio", None, "", |row| row.stats.radius_ratio),
+        number("packing_fraction", "", |row| Some(row.stats.packing_fraction)),
+        number("coordination", "", |row| Some(row.stats.coordination)),
+        number("radius_ratio", "", |row| row.stats.radius_ratio),
     ]);
-    let course = |name, unit, read: fn(&Course) -> f64| Column {
-        read: Box::new(move |row: &Row| row.course.as_ref().map(read)),
-        ..number(name, None, unit, |_| None)
-    };
-    columns.extend([
-        course("builds", "frames", |it| it.builds as f64),
-        course("dangerous", "frames", |it| it.dangerous as f64),
-        course("dangerous_rightly", "frames", |it| it.dangerous_rightly as f64),
-        course("missing_builds", "frames", |it| it.missing_builds as f64),
-        course("listed", "pairs", |it| it.listed as f64),
-        course("wrong_frames", "frames", |it| it.wrong_frames as f64),
-        course("worst_missed", "pairs", |it| it.worst_missed as f64),
-        course("never", "pairs", |it| it.never as f64),
-        course("latest", "frames", |it| it.latest as f64),
-        course("deepest_late", "mean radii", |it| it.deepest_late),
-        number("first_wrong", None, "frame", |row| Some(row.course?.first_wrong? as f64)),
-    ]);
-    let moved = |name, unit, read: fn(&Moved) -> f64| Column {
-        read: Box::new(move |row: &Row| row.moved.as_ref().map(read)),
-        ..number(name, None, unit, |_| None)
-    };
-    columns.extend([
-        moved("mean_way", "diameters", Moved::mean_way),
-        moved("longest_way", "diameters", |it| it.way.longest),
-        moved("born", "pairs", |it| it.born as f64),
-        moved("ended", "pairs", |it| it.ended as f64),
-        moved("at_rest", "", Moved::share_at_rest),
-        number("tunnelled", None, "pairs", |row| {
-            let moved = row.moved.as_ref()?;
-            moved.uncounted.is_none().then_some(moved.tunnelled as f64)
-        }),
-    ]);
+    columns.extend(Course::COLUMNS.iter().map(|&(name, pass, unit, read)| {
+        Column::new(name, pass, unit, move |row| read(row.course.as_ref()?))
+    }));
+    columns.extend(MOVED.map(|(name, unit, read)| {
+        Column::new(name, None, unit, move |row| read(row.moved.as_ref()?))
+    }));
     columns
 }
 
 impl Column {
+    fn new(
+        name: impl Into<Cow<'static, str>>,
+        pass: Option<Pass>,
+        unit: &'static str,
+        read: impl Fn(&Row) -> Option<f64> + Send + Sync + 'static,
+    ) -> Column {
+        Column { name: name.into(), pass, unit, read: Box::new(read) }
+    }
+
     /// The column that expressions call by this name. Those of older experiments are understood:
     /// `input_missed` is `representation_missed`.
     pub fn find(name: &str) -> Option<&'static Column> {
@@ -188,14 +152,10 @@ impl Column {
 
 /// The columns of errors, of all causes together and of each.
 pub fn errors() -> impl Iterator<Item = &'static Column> {
-    let kind = |name: &'static str| {
-        CAUSES.iter().find_map(|(prefix, ..)| name.strip_prefix(prefix)).unwrap_or(name)
-    };
-    let error = move |column: &&'static Column| {
-        let kind = kind(&column.name);
-        ERRORS.iter().any(|(name, ..)| kind == *name)
-    };
-    COLUMNS.iter().filter(error)
+    COLUMNS.iter().filter(|column| {
+        let kind = CAUSES.iter().find_map(|(prefix, ..)| column.name.strip_prefix(prefix));
+        ERRORS.iter().any(|(name, ..)| kind.unwrap_or(&column.name) == *name)
+    })
 }
 
 #[cfg(test)]
@@ -204,17 +164,12 @@ mod tests {
 
     use super::*;
 
-    const PAGE: &str = include_str!("../../../../docs/RECORD.md");
-
     #[test]
     fn names_are_told_apart_and_old_ones_are_understood() {
         let names: BTreeSet<&str> = COLUMNS.iter().map(|column| &*column.name).collect();
-        assert_eq!(names.len(), COLUMNS.len());
-        assert_eq!(errors().count(), 28);
-        for column in COLUMNS.iter() {
-            assert_eq!(Column::find(&column.name).unwrap().name, column.name);
-        }
+        assert_eq!((names.len(), errors().count()), (COLUMNS.len(), 28));
         for (old, new) in [
+            ("wrong", "wrong"),
             ("input_missed", "representation_missed"),
             ("arithmetic_wrong", "predicate_wrong"),
             ("algorithm_deepest_miss", "search_deepest_miss"),
@@ -222,10 +177,6 @@ mod tests {
             assert_eq!(Column::find(old).unwrap().name, new);
         }
         assert!(Column::find("storage_missed").is_none() && Column::find("wron").is_none());
-    }
-
-    #[test]
-    fn whole_numbers_are_told_from_others() {
         let is_whole = |name: &&str| Column::find(name).unwrap().is_whole();
         let whole =
             ["time_ns", "contact_test", "peak_bytes", "allocations", "first_wrong", "wrong"];
@@ -237,7 +188,8 @@ mod tests {
     /// docs/RECORD.md lists every column with its unit and its pass, and no other.
     #[test]
     fn the_page_lists_every_column() {
-        let section = PAGE.split_once("\n## Columns\n").unwrap().1;
+        let page = include_str!("../../../../docs/RECORD.md");
+        let section = page.split_once("\n## Columns\n").unwrap().1;
         let section = section.split("\n## ").next().unwrap();
         let mut listed = BTreeSet::new();
         for line in section.lines().filter(|line| line.starts_with("| `")) {
@@ -246,12 +198,9 @@ mod tests {
                 listed.insert((name.trim_matches('`').to_string(), cells[2], cells[3]));
             }
         }
-        let columns: BTreeSet<(String, &str, &str)> = COLUMNS
-            .iter()
-            .map(|column| {
-                (column.name.to_string(), column.pass.map_or("", Pass::name), column.unit)
-            })
-            .collect();
-        assert_eq!(listed, columns);
+        let columns = COLUMNS.iter().map(|column| {
+            (column.name.to_string(), column.pass.map_or("", Pass::name), column.unit)
+        });
+        assert_eq!(listed, columns.collect());
     }
 }

@@ -2,8 +2,8 @@
 //! SHA-256 of the copies that its run began with. A claim that is loosened afterwards, or a plan
 //! that is cut, is found wherever the folder is read.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use serde_json::{Value, json};
@@ -23,12 +23,6 @@ fn sha256(text: &[u8]) -> String {
 /// The field of these copies: names and texts.
 pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
     json!(copies.map(|(name, text)| (name, sha256(text.as_bytes()))).collect::<BTreeMap<_, _>>())
-}
-
-/// What the provenances of a folder say of its copies.
-fn known(provenances: &[Value]) -> Vec<(&str, &str)> {
-    let fields = provenances.iter().filter_map(|it| it.get(FIELD)?.as_object()).flatten();
-    fields.filter_map(|(name, sum)| Some((name.as_str(), sum.as_str()?))).collect()
 }
 
 /// Whether a provenance holds the sums of its copies. Runs of older versions did not note them.
@@ -54,32 +48,29 @@ pub(super) fn faults(folder: &Path) -> Vec<Fault> {
     if !are_sealed(provenances.iter()) {
         return Vec::new();
     }
-    let known = known(&provenances);
-    let place = |name: &str| folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
-    let fault = |name: &str, what: String| Fault { place: place(name).display().to_string(), what };
-    let mut found = Vec::new();
-    let copies: BTreeMap<String, _> = folder::experiments(folder).into_iter().collect();
-    for (name, path) in &copies {
-        let is = std::fs::read(path).map(|text| sha256(&text)).unwrap_or_default();
-        match known.iter().find(|(other, sum)| other == name && *sum != is) {
-            Some((_, sum)) => found.push(fault(
-                name,
-                format!(
-                    "its SHA-256 is {is}, and by the provenance that of the run is {sum}: it was \
-                     edited"
-                ),
-            )),
-            None if known.iter().all(|(other, _)| other != name) => {
-                found.push(fault(name, "the run had no experiment of this name".into()));
-            }
-            None => {}
+    let sums = provenances.iter().filter_map(|it| it.get(FIELD)?.as_object()).flatten();
+    let known: Vec<(&str, &str)> =
+        sums.filter_map(|(name, sum)| Some((name.as_str(), sum.as_str()?))).collect();
+    let copies: BTreeMap<String, PathBuf> = folder::experiments(folder).into_iter().collect();
+    let what = |name: &str| -> Option<String> {
+        let mut sums = known.iter().filter(|(other, _)| *other == name).map(|it| it.1).peekable();
+        let Some(path) = copies.get(name) else { return Some("the copy is missing".into()) };
+        if sums.peek().is_none() {
+            return Some("the run had no experiment of this name".into());
         }
-    }
-    let mut missing: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-    missing.retain(|name| !copies.contains_key(*name));
-    missing.dedup();
-    found.extend(missing.into_iter().map(|name| fault(name, "the copy is missing".into())));
-    found
+        let is = std::fs::read(path).map(|text| sha256(&text)).unwrap_or_default();
+        let sum = sums.find(|sum| *sum != is)?;
+        Some(format!(
+            "its SHA-256 is {is}, and by the provenance that of the run is {sum}: it was edited"
+        ))
+    };
+    let names = known.iter().map(|(name, _)| *name).chain(copies.keys().map(String::as_str));
+    let names: BTreeSet<&str> = names.collect();
+    let fault = |name| {
+        let place = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
+        Some(Fault { place: place.display().to_string(), what: what(name)? })
+    };
+    names.into_iter().filter_map(fault).collect()
 }
 
 /// Puts the copies of a folder under its seal, as they are. Only for a folder without one: what a
@@ -93,7 +84,7 @@ pub fn seal(folder: &Path) -> anyhow::Result<usize> {
         "{} is sealed already; a seal is made once",
         folder.display()
     );
-    let read = |(name, path): (String, std::path::PathBuf)| {
+    let read = |(name, path): (String, PathBuf)| {
         let text = std::fs::read_to_string(&path);
         Ok((name, text.with_context(|| format!("cannot read {}", path.display()))?))
     };

@@ -15,31 +15,24 @@ pub struct Index {
     measured: HashSet<Measurement>,
     /// Cells that ended badly, with the first row that says so: nothing more is to be measured
     /// there.
-    ended: HashMap<Contest, Row>,
+    ended: HashMap<Tried, Row>,
     /// The fingerprints of the scenes, by what was asked for.
     scenes: HashMap<Projection, String>,
 }
 
-/// A detector on a scene, or its copies there: that they failed says nothing about the detector.
-#[derive(PartialEq, Eq, Hash)]
-struct Contest {
-    id: CellId,
-    copies: bool,
-}
+/// A subject on a scene, and whether these are copies: that copies failed says nothing of the rest.
+type Tried = (CellId, bool);
 
-impl Contest {
-    fn new(row: &Row) -> Contest {
-        Contest { id: row.id.clone().anywhere(), copies: row.pass == Pass::Ceiling }
-    }
+fn tried(row: &Row) -> Tried {
+    (row.id.clone().anywhere(), row.pass == Pass::Ceiling)
 }
 
 fn anywhere(row: &Row) -> Measurement {
-    let measurement = row.measurement();
-    Measurement { id: measurement.id.anywhere(), ..measurement }
+    Measurement { id: row.id.clone().anywhere(), ..row.measurement() }
 }
 
-/// The scene that a row asks for, whoever looks at it. A file decides how many particles there
-/// are, and in how many dimensions.
+/// The scene that a row asks for, whatever was measured on it. A file decides how many particles
+/// there are, and in how many dimensions.
 pub fn scene(id: &CellId) -> Projection {
     let scene = id.scene_id();
     if id.scene == FILE { scene.without(&["dim", "n"]) } else { scene }
@@ -68,7 +61,7 @@ impl Index {
     pub fn new(rows: &[Row]) -> Index {
         let mut ended = HashMap::new();
         for row in rows.iter().filter(|row| row.outcome.is_final()) {
-            ended.entry(Contest::new(row)).or_insert_with(|| row.clone());
+            ended.entry(tried(row)).or_insert_with(|| row.clone());
         }
         let made = rows.iter().filter(|row| !row.stats.scene_hash.is_empty());
         let scenes = made
@@ -87,7 +80,7 @@ impl Index {
     }
 
     pub fn ended(&self, row: &Row) -> Option<&Row> {
-        self.ended.get(&Contest::new(row))
+        self.ended.get(&tried(row))
     }
 }
 
@@ -97,14 +90,14 @@ impl Index {
 pub struct TooSlow(HashMap<(Projection, bool), u64>);
 
 impl TooSlow {
-    /// What the time limits met in a record say.
+    /// From the time limits met in a record.
     pub fn new(rows: &[Row]) -> TooSlow {
         let mut slow = TooSlow::default();
         rows.iter().filter(|row| row.outcome == Outcome::Timeout).for_each(|row| slow.note(row));
         slow
     }
 
-    /// This row's detector met the time limit.
+    /// Notes that the detector of this row met the time limit.
     pub fn note(&mut self, row: &Row) {
         let n = self.0.entry(series(row)).or_insert(row.id.n);
         *n = row.id.n.min(*n);
@@ -116,8 +109,8 @@ impl TooSlow {
     }
 }
 
-/// What a sweep over N keeps, for the detector or for its copies.
+/// What a sweep over N keeps.
 fn series(row: &Row) -> (Projection, bool) {
-    let Contest { id, copies } = Contest::new(row);
+    let (id, copies) = tried(row);
     (id.without(&["n"]), copies)
 }

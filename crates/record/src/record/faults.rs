@@ -12,10 +12,11 @@ use crate::record::role::Role;
 use crate::record::row::{Course, Row};
 use crate::record::{done, file};
 use contactbench_terms::errors::Errors;
+use contactbench_terms::number::plural;
 
 /// More threads than any machine has cores are a slip of the pen.
 pub const MOST_THREADS: usize = 1024;
-/// So many faults are said one by one.
+/// Faults listed one by one, at most.
 const SHOWN: usize = 20;
 
 /// Something in a result folder that cannot be.
@@ -34,8 +35,7 @@ pub struct Damaged(pub Vec<Fault>);
 impl fmt::Display for Damaged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Damaged(faults) = self;
-        let count =
-            if faults.len() == 1 { "1 fault".into() } else { format!("{} faults", faults.len()) };
+        let count = plural(faults.len(), "fault");
         write!(f, "{count}: the record is damaged or was edited, and nothing is made of it")?;
         for Fault { place, what } in faults.iter().take(SHOWN) {
             write!(f, "\n{place}: {what}")?;
@@ -52,7 +52,7 @@ impl fmt::Display for Damaged {
     }
 }
 
-/// The faults of an error if it is of a folder that contradicts itself: `Ok` if there are none.
+/// An error if there are faults.
 pub fn sound(faults: Vec<Fault>) -> Result<(), Damaged> {
     if faults.is_empty() { Ok(()) } else { Err(Damaged(faults)) }
 }
@@ -249,14 +249,14 @@ fn is_hex(text: &str) -> bool {
         .is_some_and(|d| d.len() == 16 && d.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')))
 }
 
-/// What rows that must say the same say, and the numbers of those that say it.
-type Votes<'a> = BTreeMap<&'a str, Vec<usize>>;
+/// What rows that must agree hold, and the numbers of the rows that hold it.
+type Votes<T> = BTreeMap<T, Vec<usize>>;
 
 /// What rows say of the same scene must be the same.
 fn together(rows: &[Row]) -> Vec<(usize, String)> {
-    let mut scenes: HashMap<Projection, Votes<'_>> = HashMap::new();
-    let mut answers: HashMap<(Projection, &str), Votes<'_>> = HashMap::new();
-    let mut contacts: HashMap<(Projection, &str), BTreeMap<u64, Vec<usize>>> = HashMap::new();
+    let mut scenes: HashMap<Projection, Votes<&str>> = HashMap::new();
+    let mut answers: HashMap<(Projection, &str), Votes<&str>> = HashMap::new();
+    let mut contacts: HashMap<(Projection, &str), Votes<u64>> = HashMap::new();
     for (k, row) in rows.iter().enumerate() {
         let scene = done::scene(&row.id.clone().anywhere());
         if !row.stats.scene_hash.is_empty() {
@@ -299,12 +299,8 @@ fn twice(rows: &[Row]) -> Vec<(usize, String)> {
     found
 }
 
-/// Those who say another thing than most do.
-fn differ<T: fmt::Display + Ord>(
-    votes: &BTreeMap<T, Vec<usize>>,
-    what: &str,
-    found: &mut Vec<(usize, String)>,
-) {
+/// The rows that differ from most others.
+fn differ<T: fmt::Display + Ord>(votes: &Votes<T>, what: &str, found: &mut Vec<(usize, String)>) {
     let Some(most) = votes.values().map(Vec::len).max().filter(|_| votes.len() > 1) else { return };
     // Of two as frequent the one that was said first.
     let common =

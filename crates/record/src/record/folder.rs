@@ -36,10 +36,7 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
         }
     }
     // Of a provenance that is not whole nothing is believed.
-    if found.is_empty() {
-        found = copies::faults(folder);
-    }
-    faults::sound(found)
+    faults::sound(if found.is_empty() { copies::faults(folder) } else { found })
 }
 
 /// What is in a folder, in the order of names; nothing if it cannot be read.

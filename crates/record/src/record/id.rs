@@ -1,9 +1,8 @@
 //! What makes a measurement this one and no other.
-//!
 //! A measurement has *axes*: the fields of [`CellId`] and the parameters in it, each under the name
 //! that filters and expressions call it by (`per_cluster` for `per-cluster`). Where names clash,
-//! the field goes first, then the scene's parameter, then the detector's, then the resource;
-//! `detector_level` and `resource_ranks` always mean the last two.
+//! the field goes first, then the scene's parameter, then the detector's; `detector_level` always
+//! means the last.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::record::value::AxisValue;
 use contactbench_terms::grammar::Spec;
 
-/// Which cell a row belongs to: what was measured, on what, with what. The order of the fields is
-/// the order of reports.
+/// What was measured, on what, with what. The order of the fields is the order of reports.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CellId {
-    /// The experiment's name.
     pub experiment: String,
     /// The generator (or `file`).
     pub scene: String,
@@ -29,20 +26,29 @@ pub struct CellId {
     pub params: BTreeMap<String, AxisValue>,
     /// Order of the particles: shuffled, generated or morton.
     pub order: String,
-    /// Particles.
     pub n: u64,
-    /// The scene's seed.
     pub seed: u64,
     /// f32, f32-cell, textbook, f64 or exact.
     pub arithmetic: String,
-    /// What the detector was given, by name: `threads`.
     #[serde(default)]
-    pub resources: BTreeMap<String, u64>,
-    /// The detector's name.
+    pub resources: Resources,
     pub detector: String,
     /// The detector's parameters, where it has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub detector_params: BTreeMap<String, AxisValue>,
+}
+
+/// What the detector was given.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Resources {
+    threads: u64,
+}
+
+impl Default for Resources {
+    fn default() -> Resources {
+        Resources { threads: 1 }
+    }
 }
 
 /// The axes that every measurement has.
@@ -50,18 +56,8 @@ pub const FIELDS: [&str; 9] =
     ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
 /// The axis of records of several machines.
 pub const MACHINE: &str = "machine";
-/// The resource that every detector has.
+/// The axis of what every detector is given.
 pub const THREADS: &str = "threads";
-
-/// Something with axes: a measurement, or what several have in common.
-pub trait Axes {
-    /// The value on an axis, if there is one.
-    fn axis(&self, name: &str) -> Option<AxisValue>;
-    /// The axes besides [`FIELDS`], but for the detector's parameters.
-    fn parameters(&self) -> Vec<(String, AxisValue)>;
-    /// The detector with its parameters: `streamed-nbs:level=avx2`.
-    fn contender(&self) -> Option<String>;
-}
 
 /// A parameter's name in filters and expressions.
 pub fn variable(name: &str) -> String {
@@ -86,14 +82,12 @@ pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
 }
 
 impl CellId {
-    /// The threads given to the detector.
     pub fn threads(&self) -> u32 {
-        self.resources.get(THREADS).map_or(1, |&threads| threads.try_into().unwrap_or(u32::MAX))
+        self.resources.threads.try_into().unwrap_or(u32::MAX)
     }
 
-    /// The same with so many threads.
     pub fn with_threads(mut self, threads: u32) -> CellId {
-        self.resources.insert(THREADS.into(), threads.into());
+        self.resources.threads = threads.into();
         self
     }
 
@@ -140,22 +134,14 @@ impl CellId {
     pub fn axis(&self, name: &str) -> Option<AxisValue> {
         self.of_scene(name)
             .or_else(|| self.of_detector(name))
-            .or_else(|| self.of_resources(name))
             .or_else(|| self.of_detector(name.strip_prefix(DETECTOR)?))
-            .or_else(|| self.of_resources(name.strip_prefix(RESOURCE)?))
     }
 
     /// The axes besides [`FIELDS`], but for the detector's parameters.
     pub fn parameters(&self) -> Vec<(String, AxisValue)> {
         let machine = self.machine.iter().map(|name| (MACHINE.into(), name.as_str().into()));
         let params = self.params.iter().map(|(name, value)| (variable(name), value.clone()));
-        let resources =
-            self.resources.iter().filter(|(name, _)| *name != THREADS).map(|(name, &value)| {
-                let plain = variable(name);
-                let taken = self.of_scene(&plain).or_else(|| self.of_detector(&plain)).is_some();
-                (if taken { format!("{RESOURCE}{plain}") } else { plain }, value.into())
-            });
-        machine.chain(params).chain(resources).collect()
+        machine.chain(params).collect()
     }
 
     /// The detector's parameters, by axis.
@@ -196,12 +182,9 @@ impl CellId {
         Projection(left).without(axes)
     }
 
-    /// The scene alone, whoever looks at it.
+    /// The scene alone, whatever was measured on it.
     pub fn scene_id(&self) -> Projection {
-        let resources = self.resources.keys().map(String::as_str);
-        let axes: Vec<&str> =
-            ["detector", "arithmetic", THREADS].into_iter().chain(resources).collect();
-        self.without(&axes)
+        self.without(&["detector", "arithmetic", THREADS])
     }
 
     /// A field, or a parameter of the scene.
@@ -218,45 +201,25 @@ impl CellId {
             "seed" => Some(self.seed.into()),
             THREADS => Some(u64::from(self.threads()).into()),
             MACHINE => text(self.machine.as_deref()?),
-            _ => {
-                let known = |param: &str| param == name || variable(param) == name;
-                self.params.iter().find(|(param, _)| known(param)).map(|(_, value)| value.clone())
-            }
+            _ => parameter(&self.params, name),
         }
     }
 
     fn of_detector(&self, name: &str) -> Option<AxisValue> {
-        let known = |param: &str| param == name || variable(param) == name;
-        self.detector_params.iter().find(|(param, _)| known(param)).map(|(_, v)| v.clone())
+        parameter(&self.detector_params, name)
     }
+}
 
-    fn of_resources(&self, name: &str) -> Option<AxisValue> {
-        let known = |resource: &str| resource == name || variable(resource) == name;
-        self.resources.iter().find(|(resource, _)| known(resource)).map(|(_, &v)| v.into())
-    }
+fn parameter(params: &BTreeMap<String, AxisValue>, name: &str) -> Option<AxisValue> {
+    let known = |param: &str| param == name || variable(param) == name;
+    params.iter().find(|(param, _)| known(param)).map(|(_, value)| value.clone())
 }
 
 /// What a detector's parameter is called where its name is taken.
 const DETECTOR: &str = "detector_";
-/// The same of a resource.
-const RESOURCE: &str = "resource_";
 
 fn prefixed(name: &str) -> String {
     format!("{DETECTOR}{name}")
-}
-
-impl Axes for CellId {
-    fn axis(&self, name: &str) -> Option<AxisValue> {
-        CellId::axis(self, name)
-    }
-
-    fn parameters(&self) -> Vec<(String, AxisValue)> {
-        CellId::parameters(self)
-    }
-
-    fn contender(&self) -> Option<String> {
-        Some(CellId::contender(self))
-    }
 }
 
 /// Some axes of a measurement with their values: what the cells of a group have in common. The
@@ -270,19 +233,27 @@ impl Projection {
         self.0.retain(|(name, _)| !axes.contains(&name.as_str()));
         self
     }
-}
 
-impl Axes for Projection {
-    fn axis(&self, name: &str) -> Option<AxisValue> {
+    /// The value on an axis, if there is one.
+    pub fn axis(&self, name: &str) -> Option<AxisValue> {
         self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())
     }
 
-    fn parameters(&self) -> Vec<(String, AxisValue)> {
-        self.0.iter().filter(|(name, _)| !FIELDS.contains(&name.as_str())).cloned().collect()
+    /// The axes besides [`FIELDS`].
+    pub fn parameters(&self) -> impl Iterator<Item = &(String, AxisValue)> {
+        self.0.iter().filter(|(name, _)| !FIELDS.contains(&name.as_str()))
     }
+}
 
-    fn contender(&self) -> Option<String> {
-        self.axis("detector").map(|spec| spec.to_string())
+impl From<&CellId> for Projection {
+    fn from(id: &CellId) -> Projection {
+        id.without(&[])
+    }
+}
+
+impl From<&Projection> for Projection {
+    fn from(same: &Projection) -> Projection {
+        same.clone()
     }
 }
 
@@ -308,12 +279,13 @@ mod tests {
 
     #[test]
     fn a_spec_has_a_normal_form() {
-        assert_eq!(id().contender(), "streamed-nbs:level=avx2,skin=0.3");
-        assert_eq!(
-            id().with_contender("v:skin = 0.30 ,level=avx2").contender(),
-            "v:level=avx2,skin=0.3"
-        );
-        assert_eq!(id().with_contender("nbs").contender(), "nbs");
+        for (spec, normal) in [
+            ("streamed-nbs:level=avx2,skin=0.3", "streamed-nbs:level=avx2,skin=0.3"),
+            ("v:skin = 0.30 ,level=avx2", "v:level=avx2,skin=0.3"),
+            ("nbs", "nbs"),
+        ] {
+            assert_eq!(id().with_contender(spec).contender(), normal);
+        }
         assert_eq!(id().contender_without(&["level"]), "streamed-nbs:skin=0.3");
     }
 
@@ -367,16 +339,12 @@ mod tests {
     #[test]
     fn a_projection_keeps_the_other_axes() {
         let scene = id().scene_id();
-        for gone in ["detector", "arithmetic", "threads", "level"] {
-            assert_eq!(scene.axis(gone), None, "{gone}");
-        }
         for kept in ["experiment", "scene", "dim", "order", "n", "seed", "per_cluster"] {
             assert_eq!(scene.axis(kept), id().axis(kept), "{kept}");
         }
-        assert_eq!(scene.contender(), None);
         assert_eq!(scene, id().with_contender("nbs").with_threads(1).scene_id());
         let series = id().without(&["n", "seed"]);
-        assert_eq!(Axes::contender(&series).as_deref(), Some("streamed-nbs:level=avx2,skin=0.3"));
+        assert_eq!(series.axis("detector"), Some("streamed-nbs:level=avx2,skin=0.3".into()));
         assert_ne!(series, id().with_contender("streamed-nbs:level=avx2").without(&["n", "seed"]));
         assert_eq!(series, CellId { n: 7, ..id() }.without(&["n", "seed"]));
     }

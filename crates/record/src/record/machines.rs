@@ -13,15 +13,13 @@ use crate::record::{copies, file, provenance};
 /// A machine, as far as a provenance describes it: the name alone may be that of many.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// Its name.
     pub name: String,
-    /// What it is made of.
     #[serde(flatten)]
     pub hardware: Hardware,
 }
 
 impl Machine {
-    /// May the two be one? See [`Hardware::may_be`].
+    /// See [`Hardware::may_be`].
     pub fn may_be(&self, other: &Machine) -> bool {
         self.name == other.name && self.hardware.may_be(&other.hardware)
     }

@@ -18,26 +18,21 @@ use crate::record::{copies, done, file, folder, provenance};
 
 /// A result folder as read.
 pub struct Part {
-    /// Where it is.
     pub folder: PathBuf,
-    /// Its rows.
     pub rows: Vec<Row>,
     /// Sentences about lines left out, and about copies that are not sealed.
     pub warnings: Vec<String>,
     /// Name and text of its experiments.
     pub experiments: BTreeMap<String, String>,
-    /// Its provenance, if it has one.
     pub provenance: Option<Value>,
     /// That of its parts, and of runs that went on with it.
     pub others: Vec<Value>,
-    /// What its rows point to.
     pub ledger: Ledger,
     /// The length of its record in bytes, unpacked.
     pub bytes: u64,
 }
 
 impl Part {
-    /// Reads a result folder.
     pub fn read(folder: &Path) -> anyhow::Result<Part> {
         folder::sound(folder)?;
         let record = file::read(&folder.join(file::FILE))?;
@@ -79,15 +74,12 @@ impl Part {
     }
 }
 
-/// What came of a merge.
 pub struct Merged {
-    /// All rows.
     pub rows: Vec<Row>,
     /// Rows left out because they stood there already.
     pub repeated: usize,
     /// Timed rows of a machine that had measured the same before: their blocks have new numbers.
     pub renumbered: usize,
-    /// The provenance of the whole.
     pub provenance: Value,
 }
 

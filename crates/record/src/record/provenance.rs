@@ -147,24 +147,17 @@ pub fn date() -> String {
     )
 }
 
-/// Year, month and day of a day counted from 1970-01-01: whole years and months are taken off while
-/// they fit.
-fn civil(mut day: u64) -> (u64, u64, u64) {
-    let leap = |year: u64| {
-        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
-    };
-    let mut year = 1970;
-    while day >= 365 + u64::from(leap(year)) {
-        day -= 365 + u64::from(leap(year));
-        year += 1;
-    }
-    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    let mut month = 0;
-    while day >= lengths[month] {
-        day -= lengths[month];
-        month += 1;
-    }
-    (year, month as u64 + 1, day + 1)
+/// Year, month and day of a day counted from 1970-01-01, by eras of 400 years that begin in March
+/// (H. Hinnant, chrono-compatible low-level date algorithms).
+fn civil(day: u64) -> (u64, u64, u64) {
+    let day = day + 719_468;
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let january = month >= 10;
+    let number = if january { month - 9 } else { month + 3 };
+    (era * 400 + year + u64::from(january), number, day - (153 * month + 2) / 5 + 1)
 }
 
 #[cfg(test)]

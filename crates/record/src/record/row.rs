@@ -1,5 +1,5 @@
-//! One row of the record: one measurement. The record is a wall: left of it nothing knows about
-//! figures, right of it nothing runs a detector.
+//! One row of the record: one measurement. docs/RECORD.md describes the fields and columns; tests
+//! hold it to the tables below.
 
 use std::collections::BTreeMap;
 
@@ -14,132 +14,178 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 use contactbench_terms::scene::Stats;
 
-/// One measurement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// What was measured, on what, with what.
-    #[serde(flatten)]
-    pub id: CellId,
-    /// What the detector is there for.
-    pub role: Role,
-    /// What was measured.
-    pub pass: Pass,
-    /// Number of the paired block; 0 for counts and memory, and for copies that did not start.
-    pub block: u32,
-    /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several
-    /// copies the harmonic mean.
-    pub time_ns: Option<u64>,
-    /// Nanoseconds of the first detection in the sample's process, which is not in the sample: cold
-    /// caches, fresh memory.
-    #[serde(default)]
-    pub first_ns: Option<u64>,
-    /// Detections in this sample.
-    pub calls: Option<u64>,
-    /// Of a scene in motion: of `time_ns`, what building lists took.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub building_ns: Option<u64>,
-    /// The same as `time_ns` of the frame in the middle of all.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub median_step_ns: Option<u64>,
-    /// The same of the slowest frame.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub worst_step_ns: Option<u64>,
-    /// Nanoseconds of the whole sample.
-    pub elapsed_ns: Option<u64>,
-    /// Where builds are timed side by side: nanoseconds per detection of each round.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub rounds_ns: Vec<u64>,
-    /// Of copies: the same as `time_ns` of each of them alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub alone_ns: Option<u64>,
-    /// The processor that the process was kept on, if it was.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub processor: Option<u32>,
-    /// Milliseconds since 1970 when the sample began.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub began_ms: Option<u64>,
-    /// Nanoseconds of a fixed loop, bound by caches and memory, before the sample's process began
-    /// or after the sample, whichever took longer.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pulse_ns: Option<u64>,
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Why, when it is not `ok`.
-    pub reason: String,
-    /// Pairs reported.
-    pub contacts: Option<u64>,
-    /// Order-free fingerprint of the pairs reported.
-    pub digest: Option<String>,
-    /// Operation counts; empty except in counting passes.
-    pub counts: BTreeMap<String, u64>,
-    /// Most heap bytes held at one time above the input.
-    pub peak_bytes: Option<u64>,
-    /// Heap bytes held after the detection.
-    pub live_bytes: Option<u64>,
-    /// Heap allocations of the first detection.
-    pub allocations: Option<u64>,
-    /// Heap allocations of a second detection of the same scene.
-    pub warm_allocations: Option<u64>,
-    /// Bytes by the detector's declared formula.
-    pub formula_bytes: Option<u64>,
-    /// Against exact decisions on the scene as given, where that was compared: all causes together.
-    pub errors: Option<Errors>,
-    /// The same by cause.
-    #[serde(default)]
-    pub causes: Option<Causes>,
-    /// Of a scene in motion: what became of its frames.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub course: Option<Course>,
-    /// The scene as realised.
-    pub stats: Stats,
-    /// How it moves, if it does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moved: Option<Moved>,
-    /// What answered: an entry of the ledger. None where nothing was started, and in records of
-    /// older versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub process: Option<String>,
-    /// When it was timed: an entry of the ledger. None where nothing is known of the load.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub span: Option<String>,
+/// A field that is a column: its name, the pass that measures it (none where every pass knows it),
+/// its unit, and its value.
+pub(super) type Field<T> = (&'static str, Option<Pass>, &'static str, fn(&T) -> Option<f64>);
+
+/// What a column can be read from.
+trait Number {
+    fn number(self) -> Option<f64>;
 }
 
-/// What a tracker did in the frames of a scene in motion, and what it missed: see
-/// `Builds` and `Late` of the crate that runs trackers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Course {
-    /// Frames in which the detector was asked, or all was made anew.
-    pub builds: u64,
-    /// Of those, how many LAMMPS would call dangerous.
-    pub dangerous: u64,
-    /// Of those, how many came after a missed contact.
-    pub dangerous_rightly: u64,
-    /// Builds after a missed contact, dangerous or not.
-    pub missing_builds: u64,
-    /// Pairs looked at, in all frames.
-    pub listed: u64,
-    /// The first frame with a missed contact.
-    pub first_wrong: Option<u64>,
-    /// Frames with one.
-    pub wrong_frames: u64,
-    /// The most in one frame.
-    pub worst_missed: u64,
-    /// Contacts that were never reported.
-    pub never: u64,
-    /// Of those that were reported too late, the most frames.
-    pub latest: u64,
-    /// Of those, the largest overlap when they were first reported, in mean radii of the couple.
-    pub deepest_late: f64,
+impl Number for u64 {
+    fn number(self) -> Option<f64> {
+        Some(self as f64)
+    }
+}
+
+impl Number for f64 {
+    fn number(self) -> Option<f64> {
+        Some(self)
+    }
+}
+
+impl<T: Number> Number for Option<T> {
+    fn number(self) -> Option<f64> {
+        self?.number()
+    }
+}
+
+/// Defines a part of a row. A field with `= pass, unit` is a column. Fields after `@known` are
+/// written only if they have a value.
+macro_rules! table {
+    (
+        $(#[$meta:meta])* $name:ident {
+            $($(#[$attribute:meta])* $field:ident: $type:ty $(= $pass:expr, $unit:literal)?;)*
+            $(@known $($(#[$doc:meta])* $some:ident: $kind:ty $(= $by:expr, $in:literal)?;)*)?
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        pub struct $name {
+            $($(#[$attribute])* pub $field: $type,)*
+            $($(
+                $(#[$doc])*
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $some: Option<$kind>,
+            )*)?
+        }
+
+        impl $name {
+            /// The columns among the fields.
+            pub(super) const COLUMNS: &[Field<$name>] = &[
+                $($((stringify!($field), $pass, $unit, |it| it.$field.number()),)?)*
+                $($($((stringify!($some), $by, $in, |it| it.$some.number()),)?)*)?
+            ];
+
+            /// The names of all fields.
+            #[cfg(test)]
+            const FIELDS: &[&str] = &[$(stringify!($field),)* $($(stringify!($some),)*)?];
+        }
+    };
+}
+
+const TIME: Option<Pass> = Some(Pass::Time);
+const MEMORY: Option<Pass> = Some(Pass::Memory);
+
+table! {
+    /// One measurement.
+    Row {
+        #[serde(flatten)]
+        id: CellId;
+        role: Role;
+        pass: Pass;
+        /// Number of the paired block; 0 for counts and memory, and for copies that did not start.
+        block: u32;
+        /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several
+        /// copies the harmonic mean.
+        time_ns: Option<u64> = TIME, "ns";
+        /// The first detection of the process, which is not in the sample: cold caches, fresh memory.
+        first_ns: Option<u64> = TIME, "ns";
+        /// Detections in this sample.
+        calls: Option<u64>;
+        /// Nanoseconds of the whole sample.
+        elapsed_ns: Option<u64>;
+        /// Where builds are timed side by side: nanoseconds per detection of each round.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        rounds_ns: Vec<u64>;
+        outcome: Outcome;
+        /// Why, when the outcome is not `ok`.
+        reason: String;
+        /// Pairs reported.
+        contacts: Option<u64> = None, "pairs";
+        /// Order-free fingerprint of the pairs reported.
+        digest: Option<String>;
+        /// Operation counts; empty except in counting passes.
+        counts: BTreeMap<String, u64>;
+        /// Most heap bytes held at one time above the input.
+        peak_bytes: Option<u64> = MEMORY, "bytes";
+        /// Heap bytes held after the detection.
+        live_bytes: Option<u64> = MEMORY, "bytes";
+        /// Heap allocations of the first detection.
+        allocations: Option<u64> = MEMORY, "";
+        /// Heap allocations of a second detection of the same scene.
+        warm_allocations: Option<u64> = MEMORY, "";
+        /// Bytes by the detector's declared formula.
+        formula_bytes: Option<u64> = MEMORY, "bytes";
+        /// Against exact decisions on the scene as given, where that was compared.
+        errors: Option<Errors>;
+        /// The same by cause.
+        causes: Option<Causes>;
+        /// The scene as realised.
+        stats: Stats;
+        @known
+        /// Of a scene in motion: the part of `time_ns` that building lists took.
+        building_ns: u64 = TIME, "ns";
+        /// `time_ns` of the frame in the middle of all.
+        median_step_ns: u64 = TIME, "ns";
+        /// `time_ns` of the slowest frame.
+        worst_step_ns: u64 = TIME, "ns";
+        /// Nanoseconds of a fixed loop, bound by caches and memory, before the sample's process began
+        /// or after the sample, whichever took longer.
+        pulse_ns: u64 = TIME, "ns";
+        /// Of copies: `time_ns` of each of them alone.
+        alone_ns: u64;
+        /// The processor that the process was kept on.
+        processor: u32;
+        /// Milliseconds since 1970 when the sample began.
+        began_ms: u64;
+        /// Of a scene in motion: what became of its frames.
+        course: Course;
+        /// How the scene moves.
+        moved: Moved;
+        /// What answered: an entry of the ledger.
+        process: String;
+        /// When it was timed: an entry of the ledger.
+        span: String;
+    }
+}
+
+table! {
+    /// What a tracker did in the frames of a scene in motion, and what it missed: see `Builds` and
+    /// `Late` of the crate that runs trackers.
+    #[derive(Copy)]
+    Course {
+        /// Frames in which the detector was called, or all was made anew.
+        builds: u64 = None, "frames";
+        /// Builds that LAMMPS would call dangerous.
+        dangerous: u64 = None, "frames";
+        /// Dangerous builds after a missed contact.
+        dangerous_rightly: u64 = None, "frames";
+        /// Builds after a missed contact, dangerous or not.
+        missing_builds: u64 = None, "frames";
+        /// Pairs tested, in all frames.
+        listed: u64 = None, "pairs";
+        /// Frames with a missed contact.
+        wrong_frames: u64 = None, "frames";
+        /// The most missed contacts in one frame.
+        worst_missed: u64 = None, "pairs";
+        /// Contacts that were never reported.
+        never: u64 = None, "pairs";
+        /// Of the contacts that were reported too late, the most frames.
+        latest: u64 = None, "frames";
+        /// Their largest overlap when they were first reported, in mean radii of the pair.
+        deepest_late: f64 = None, "mean radii";
+        /// The first frame with a missed contact.
+        first_wrong: Option<u64> = None, "frame";
+    }
 }
 
 /// What makes a row the same measurement as another: they are repetitions of one another.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Measurement {
-    /// Which cell.
     pub id: CellId,
-    /// Which quantity.
     pub pass: Pass,
-    /// In which block.
     pub block: u32,
 }
 
@@ -162,5 +208,45 @@ impl Row {
     pub fn timed_in(&self) -> Block {
         let span = self.span.as_deref().and_then(|id| u32::from_str_radix(id, 16).ok());
         Block { number: self.block, span: span.unwrap_or(0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::experiment::keys::fields;
+    use contactbench_terms::moved::Way;
+
+    /// docs/RECORD.md has a line for every field of a row, and for no other.
+    #[test]
+    fn the_page_on_the_record_names_every_field() {
+        let page = include_str!("../../../../docs/RECORD.md");
+        let lines = page.split("\n## Columns\n").next().into_iter().flat_map(str::lines);
+        let names = lines.filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+        let documented: BTreeSet<String> = names.map(String::from).collect();
+        let mut known: BTreeSet<String> =
+            ["schema", crate::record::seal::NAME].map(String::from).into();
+        for (part, names) in [
+            ("", fields::<CellId>()),
+            ("", Row::FIELDS),
+            ("stats.", fields::<Stats>()),
+            ("errors.", fields::<Errors>()),
+            ("causes.", fields::<Causes>()),
+            ("course.", Course::FIELDS),
+            ("moved.", fields::<Moved>()),
+            ("moved.way.", fields::<Way>()),
+        ] {
+            // Older names of causes are aliases, which serde lists as well.
+            let own = names.iter().filter(|name| {
+                !["input", "arithmetic", "algorithm"].contains(name) || part.is_empty()
+            });
+            known.extend(own.map(|name| format!("{part}{name}")));
+        }
+        // These are known by their own fields.
+        assert!(known.remove("id") && known.remove("moved.way"));
+        assert_eq!(documented, known);
+        assert!(page.contains(&format!("**schema {SCHEMA}**")));
     }
 }

@@ -3,7 +3,7 @@
 use crate::document::Block;
 use crate::sections::coverage::uncovered;
 use crate::table::Table;
-use contactbench_record::findings::claim::{Evidence, Found, Status, Verdict, Without};
+use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural};
 
@@ -43,14 +43,12 @@ pub fn evidence(evidence: &Evidence) -> String {
     let Some(cut) = evidence.uncovered.as_ref().map(uncovered) else {
         return there;
     };
-    match &evidence.found {
-        Found::NoRows | Found::NoCell | Found::NoValue | Found::NoTimes { .. } => cut,
-        _ => {
-            let all = evidence.uncovered.as_ref().is_some_and(|cut| cut.cells == cut.of);
-            let rest = if all { "its own cells" } else { "the other cells" };
-            format!("{cut}; in {rest}: {there}")
-        }
+    if evidence.nothing {
+        return cut;
     }
+    let all = evidence.uncovered.as_ref().is_some_and(|cut| cut.cells == cut.of);
+    let rest = if all { "its own cells" } else { "the other cells" };
+    format!("{cut}; in {rest}: {there}")
 }
 
 /// `; without 4 of 7 cells: 3 refused, 1 timeout`.

@@ -34,10 +34,8 @@ impl Judgement {
     }
 }
 
-/// The times of a cell on both sides.
 #[derive(Clone, Debug)]
 pub struct Timing {
-    /// Median nanoseconds per detection in A.
     pub a_ns: f64,
     pub b_ns: f64,
     /// With a reference: the medians, in A and in B, of the multiples of its time in the same

@@ -26,12 +26,9 @@ pub const SHORTEST_S: f64 = 1.0;
 /// before the run may be below this.
 pub const LOAD: f64 = 1.0;
 
-/// What is known of how a record was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Conditions {
-    /// What makes its times doubtful.
     pub doubts: Vec<Doubt>,
-    /// What else the machine did.
     pub load: Load,
     /// Timed rows beside which the machine was slow, of those where somebody looked.
     pub slow: (usize, usize),
@@ -41,7 +38,6 @@ pub struct Conditions {
     pub profiles: BTreeSet<String>,
 }
 
-/// What else a machine did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Load {
     #[default]
@@ -70,9 +66,7 @@ pub enum Doubt {
     Before(f64),
     /// Of so many timed rows, of so many in all, the load is not known.
     Unwatched(usize, usize),
-    /// The sources were not those of a commit.
     Dirty,
-    /// The program was not optimised.
     Profile(String),
     /// So many different programs of this name gave times on one machine.
     Programs(String, usize),

@@ -38,7 +38,6 @@ pub enum Why {
 }
 
 impl Why {
-    /// A word for tables.
     pub fn name(self) -> &'static str {
         match self {
             Why::Stopped => "stopped",

@@ -24,7 +24,7 @@ use crate::experiment::{MapAxes, Where};
 use crate::findings::every::Scene;
 use crate::findings::noise::Noise;
 use crate::findings::winners::{self, Contest};
-use crate::record::id::{self, Axes, MACHINE, OVER, Projection, THREADS};
+use crate::record::id::{self, MACHINE, OVER, Projection, THREADS};
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
 
@@ -35,10 +35,8 @@ pub const STEPS: [f64; 3] = [1.2, 1.5, 2.5];
 /// What is in a panel's key whether it varies within places or not: these are never mixed.
 const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
 
-/// Who is the fastest over two variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// The variables, across and upwards.
     pub axes: [Axis; 2],
     /// One for each combination of what else varies.
     pub panels: Vec<Panel>,
@@ -46,7 +44,6 @@ pub struct Map {
     pub contenders: Vec<String>,
 }
 
-/// A variable of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Its name as in expressions.
@@ -55,7 +52,6 @@ pub struct Axis {
     pub values: Vec<String>,
 }
 
-/// A map of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     pub experiment: String,
@@ -65,7 +61,6 @@ pub struct Panel {
     pub spots: Vec<Spot>,
 }
 
-/// A place of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
     /// Which of the values across and upwards.
@@ -77,7 +72,6 @@ pub struct Spot {
     pub outcome: Outcome,
 }
 
-/// What is said of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// One is decidedly the fastest, by so many of [`STEPS`].
@@ -89,7 +83,6 @@ pub enum Answer {
 }
 
 impl Spot {
-    /// What is said of it.
     pub fn answer(&self) -> Answer {
         match &self.contest {
             None => Answer::Nobody,

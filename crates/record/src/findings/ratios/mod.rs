@@ -15,12 +15,9 @@ use contactbench_terms::arithmetic::Arithmetic;
 /// A detector that takes at most so many times the time of the fastest is near it.
 pub const NEAR: f64 = 1.2;
 
-/// The comparison of all contenders with one detector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratios {
-    /// The detector that the others are compared with.
     pub reference: String,
-    /// One per scene, in the order of cells.
     pub scenes: Vec<SceneRatios>,
     /// The fastest library of each scene and N, where the reference has a time, too.
     pub libraries: Vec<Library>,
@@ -28,7 +25,6 @@ pub struct Ratios {
     pub missing: Vec<Missing>,
 }
 
-/// The fastest library on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Library {
     pub title: String,
@@ -45,7 +41,6 @@ pub struct Library {
     pub open: Vec<String>,
 }
 
-/// A scene at all its N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRatios {
     pub experiment: String,

@@ -44,11 +44,8 @@ struct Line<'a> {
     path.display()
 )]
 pub struct WriteError {
-    /// The record.
     pub path: PathBuf,
-    /// Its rows.
     pub rows: u64,
-    /// Why.
     pub cause: io::Error,
 }
 
@@ -78,7 +75,6 @@ impl Writer {
         Ok(Writer { file, path: path.to_path_buf(), end, rows })
     }
 
-    /// Whole rows in the record.
     pub fn rows(&self) -> u64 {
         self.rows
     }

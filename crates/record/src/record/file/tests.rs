@@ -1,5 +1,3 @@
-use std::collections::BTreeSet;
-
 use super::*;
 use crate::record::id::CellId;
 use crate::record::ledger::{self, Entry, Process};
@@ -123,36 +121,6 @@ fn every_committed_record_is_read() {
         }
     }
     assert!(rows > 10_000, "{rows}");
-}
-
-/// Every field of a row has a line in docs/RECORD.md, and none has that is not there.
-#[test]
-fn the_page_on_the_record_names_every_field() {
-    let page = include_str!("../../../../../docs/RECORD.md");
-    let documented: BTreeSet<String> = page
-        .split("\n## Columns\n")
-        .next()
-        .into_iter()
-        .flat_map(str::lines)
-        .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
-        .map(String::from)
-        .collect();
-    let mut fields = BTreeSet::from([seal::NAME.to_string()]);
-    for (name, value) in line(&full()).as_object().unwrap() {
-        let nested = ["stats", "errors", "causes", "course", "moved"].contains(&name.as_str());
-        for (inner, value) in value.as_object().filter(|_| nested).into_iter().flatten() {
-            let of_way = value.as_object().filter(|_| inner == "way");
-            match of_way {
-                Some(way) => {
-                    fields.extend(way.keys().map(|key| format!("{name}.{inner}.{key}")));
-                }
-                None => drop(fields.insert(format!("{name}.{inner}"))),
-            }
-        }
-        fields.insert(name.clone());
-    }
-    assert_eq!(documented, fields);
-    assert!(page.contains(&format!("**schema {SCHEMA}**")));
 }
 
 /// A compressed record is read as the text in it is; lines are named in the file that is there.

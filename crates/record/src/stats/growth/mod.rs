@@ -15,8 +15,6 @@
 //!   the asymptotic law (a surface or a constant term fades with N), hence the tighter limit there.
 //!   A constant term is thus forgiven when it fades: 4N + 100 is N.
 
-use std::fmt;
-
 use crate::stats::line::StraightLine;
 
 /// The residual, as a relative deviation, below which a fit cannot become better. Counts are
@@ -46,9 +44,7 @@ pub const LEAST_TAIL: f64 = 1000.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
     Linear,
-    /// Proportional to N log N.
     Linearithmic,
-    /// Proportional to N².
     Quadratic,
 }
 
@@ -104,65 +100,10 @@ pub struct Slope {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The law, or why none is named.
-    pub law: Result<Model, Doubt>,
+    pub law: Result<Model, String>,
     pub slope: Option<Slope>,
     /// The models by AICc, best first.
     pub scores: Vec<(Model, f64)>,
-}
-
-/// Why no law is named.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Doubt {
-    /// A value has no logarithm.
-    NotPositive,
-    /// Fewer than [`LEAST_POINTS`] distinct N: how many.
-    FewSizes(usize),
-    /// The N span less than [`LEAST_SPAN`]: their largest over their smallest.
-    NarrowSpan(f64),
-    /// The best two differ by less than [`LEAST_DELTA`].
-    Tie {
-        best: Model,
-        second: Model,
-        /// By how much its AICc is worse.
-        delta: f64,
-    },
-    /// The exponent differs from the best model's over the same N.
-    Trend {
-        best: Model,
-        /// Over the upper half of the N only.
-        upper: bool,
-        found: f64,
-        expected: f64,
-    },
-}
-
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Doubt::NotPositive => f.write_str("a value is not positive"),
-            Doubt::FewSizes(found) => {
-                write!(f, "only {found} distinct N, at least {LEAST_POINTS} are needed")
-            }
-            Doubt::NarrowSpan(factor) => {
-                write!(f, "N spans only a factor of {factor:.1}, at least {LEAST_SPAN} is needed")
-            }
-            Doubt::Tie { best, second, delta } => write!(
-                f,
-                "{} and {} fit about equally well (ΔAICc {delta:.1})",
-                best.name(),
-                second.name()
-            ),
-            Doubt::Trend { best, upper, found, expected } => {
-                let part = if *upper { " over the upper half of the N" } else { "" };
-                let name = best.name();
-                write!(
-                    f,
-                    "{name} fits best but leaves a trend{part}: exponent {found:.3}, not \
-                     {expected:.3}"
-                )
-            }
-        }
-    }
 }
 
 impl Choice {
@@ -257,32 +198,35 @@ impl Tail {
 pub fn choose(points: &[(f64, f64)]) -> Choice {
     let kept = logs(points);
     let scores = scores(&kept);
-    let law = if points.iter().any(|(_, y)| !(*y > 0.0 && y.is_finite())) {
-        Err(Doubt::NotPositive)
-    } else {
-        law(&kept, &scores)
+    let law = match points.iter().all(|(_, y)| *y > 0.0 && y.is_finite()) {
+        true => law(&kept, &scores),
+        false => Err("a value is not positive".into()),
     };
     Choice { law, slope: slope(points), scores }
 }
 
 /// The best of the models, unless something speaks against it. Points in logarithms, by N.
-fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, Doubt> {
-    let (Some(first), Some(last), [(best, least), (second, next), ..]) =
-        (points.first(), points.last(), scores)
+fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, String> {
+    let (Some(first), Some(last), [(best, least), (second, next), ..], LEAST_POINTS..) =
+        (points.first(), points.last(), scores, points.len())
     else {
-        return Err(Doubt::FewSizes(points.len()));
+        let found = points.len();
+        return Err(format!("only {found} distinct N, at least {LEAST_POINTS} are needed"));
     };
-    if points.len() < LEAST_POINTS {
-        return Err(Doubt::FewSizes(points.len()));
-    }
-    let span = (last.0 - first.0).exp();
+    let (span, delta) = ((last.0 - first.0).exp(), next - least);
     if span < LEAST_SPAN * (1.0 - 1e-9) {
-        return Err(Doubt::NarrowSpan(span));
+        return Err(format!("N spans only a factor of {span:.1}, at least {LEAST_SPAN} is needed"));
     }
-    if next - least < LEAST_DELTA {
-        return Err(Doubt::Tie { best: *best, second: *second, delta: next - least });
+    let [name, other] = [best, second].map(|model| model.name());
+    if delta < LEAST_DELTA {
+        return Err(format!("{name} and {other} fit about equally well (ΔAICc {delta:.1})"));
     }
-    trend(points, *best).map_or(Ok(*best), Err)
+    match trend(points, *best) {
+        None => Ok(*best),
+        Some((part, found, expected)) => Err(format!(
+            "{name} fits best but leaves a trend{part}: exponent {found:.3}, not {expected:.3}"
+        )),
+    }
 }
 
 /// AICc of every model, best first. All have two parameters (scale and variance), so with equal
@@ -304,14 +248,17 @@ fn scores(points: &[(f64, f64)]) -> Vec<(Model, f64)> {
     scores
 }
 
-/// The doubt if the residuals of `best` still grow or fall with N.
-fn trend(points: &[(f64, f64)], best: Model) -> Option<Doubt> {
+/// Whether the residuals of `best` still grow or fall with N: where, the exponent found, and that of
+/// `best`.
+fn trend(points: &[(f64, f64)], best: Model) -> Option<(&'static str, f64, f64)> {
     let half = &points[points.len() / 2 - usize::from(points.len() < 6)..];
-    for (part, limit, upper) in [(points, TREND, false), (half, UPPER_TREND, true)] {
+    for (part, limit, place) in
+        [(points, TREND, ""), (half, UPPER_TREND, " over the upper half of the N")]
+    {
         let law: Vec<(f64, f64)> = part.iter().map(|(x, _)| (*x, best.at(x.exp()).ln())).collect();
         let (found, expected) = (StraightLine::fit(part)?.slope, StraightLine::fit(&law)?.slope);
         if (found - expected).abs() > limit {
-            return Some(Doubt::Trend { best, upper, found, expected });
+            return Some((place, found, expected));
         }
     }
     None

@@ -1,0 +1,270 @@
+//! The kinds of claims: what the values of cells come to, and the numbers behind that in a line.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::cells::label::{over, place, varying};
+use crate::cells::{Cell, CellId};
+use crate::findings::claim::Status;
+use crate::findings::noise::Noise;
+use crate::record::id::Projection;
+use crate::record::row::Pass;
+use crate::stats::growth::{self, Choice, LIMIT, Model, Tail};
+use crate::stats::interval::Interval;
+use contactbench_terms::number::{number, percent, plural, times, with_interval};
+
+/// Relative difference that rounding of an expression may cause.
+const ROUNDING: f64 = 1e-12;
+/// Series that do not grow as claimed, listed one by one.
+const SERIES: usize = 3;
+
+/// What the values of cells say of a claim.
+pub(super) struct Finding {
+    pub status: Status,
+    pub words: String,
+    /// True where there was nothing to check.
+    pub nothing: bool,
+    /// True where more cells may turn a failure round.
+    pub open: bool,
+    /// The cells that it is about.
+    pub used: BTreeSet<CellId>,
+}
+
+impl Finding {
+    pub fn new(status: Status, words: String) -> Finding {
+        Finding { status, words, nothing: false, open: false, used: BTreeSet::new() }
+    }
+
+    pub fn nothing(words: &str) -> Finding {
+        Finding { nothing: true, ..Finding::new(Status::NotShown, words.into()) }
+    }
+
+    fn about<'a>(self, cells: impl Iterator<Item = &'a Cell>) -> Finding {
+        Finding { used: cells.map(|cell| cell.id.clone()).collect(), ..self }
+    }
+}
+
+/// A cell and its value.
+#[derive(Clone, Copy)]
+pub(super) struct Valued<'a> {
+    pub cell: &'a Cell,
+    pub value: f64,
+}
+
+const NO_VALUE: &str = "no cell has a value";
+
+fn decided(holds: bool) -> Status {
+    if holds { Status::Holds } else { Status::Fails }
+}
+
+fn cells_of<'a>(points: &[Valued<'a>]) -> Vec<&'a Cell> {
+    points.iter().map(|point| point.cell).collect()
+}
+
+pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
+    let by_value = |a: &&Valued, b: &&Valued| a.value.total_cmp(&b.value);
+    let (Some(low), Some(high)) = (points.iter().min_by(by_value), points.iter().max_by(by_value))
+    else {
+        return Finding::nothing(NO_VALUE);
+    };
+    let cells = cells_of(points);
+    if points.len() < 2 {
+        let words = format!("{} in the only cell; a constant needs two", number(low.value));
+        return Finding::new(Status::NotShown, words).about(cells.into_iter());
+    }
+    let spread = match high.value == low.value {
+        true => Some(0.0),
+        false => (low.value > 0.0).then(|| high.value / low.value - 1.0),
+    };
+    let within = within + ROUNDING;
+    let holds = spread.is_some_and(|spread| spread <= within);
+    let range = format!("{} to {} over {}", number(low.value), number(high.value), over(&cells));
+    let fields = varying(&cells);
+    let words = match spread {
+        None => format!("{range}; the smallest is not positive"),
+        Some(spread) if holds => format!("{range} ({})", apart(spread, within)),
+        Some(spread) => format!(
+            "{range} ({}, allowed {}); lowest at {}, highest at {}",
+            apart(spread, within),
+            apart(within, within),
+            place(&low.cell.id, &fields),
+            place(&high.cell.id, &fields)
+        ),
+    };
+    Finding::new(decided(holds), words).about(cells.into_iter())
+}
+
+/// How far a value is above another: in percent, or as a factor where that is allowed to be large.
+fn apart(spread: f64, within: f64) -> String {
+    match within >= 1.0 || spread >= 1.0 {
+        true => format!("a factor of {}", number(1.0 + spread)),
+        false => percent(spread),
+    }
+}
+
+/// `equal`, within a tolerance, or `at-most`, to what `to` gives for a cell.
+pub(super) fn compared(
+    points: &[Valued],
+    to: impl Fn(&Cell) -> Option<f64>,
+    equal: Option<f64>,
+) -> Finding {
+    // how far a cell is from the claim: relative difference, or value / limit - 1
+    let gap = |value: f64, to: f64| match equal {
+        Some(_) if value == to => 0.0,
+        Some(_) => (value - to).abs() / to.abs(),
+        _ if value <= to => -(1.0 - value / to).abs(),
+        _ => (value - to) / to.abs(),
+    };
+    if points.is_empty() {
+        return Finding::nothing(NO_VALUE);
+    }
+    let sides = points.iter().filter_map(|point| {
+        let limit = to(point.cell)?;
+        let gap = gap(point.value, limit);
+        Some((point.cell, point.value, limit, if gap.is_nan() { 0.0 } else { gap }))
+    });
+    let sides: Vec<_> = sides.collect();
+    let used = cells_of(points).into_iter();
+    let Some(&(worst, value, limit, gap)) = sides.iter().max_by(|a, b| a.3.total_cmp(&b.3)) else {
+        return Finding::new(Status::NotShown, "no cell has both sides".into()).about(used);
+    };
+    let cells: Vec<&Cell> = points.iter().map(|it| it.cell).filter(|it| to(it).is_some()).collect();
+    let allowed = equal.unwrap_or(0.0) + ROUNDING;
+    let bad = sides.iter().filter(|side| side.3 > allowed).count();
+    let (count, over) = (plural(sides.len(), "cell"), over(&cells));
+    let (value, limit) = (number(value), number(limit));
+    let at = place(&worst.id, &varying(&cells));
+    let words = match (bad, equal) {
+        (0, Some(_)) if gap == 0.0 => format!("exactly, in {count} over {over}"),
+        (0, Some(_)) => format!("within {} in {count} over {over}", percent(gap)),
+        (0, None) => format!("in {count} over {over}; nearest: {value} against {limit} at {at}"),
+        (bad, _) => {
+            let sign = if equal.is_some() { "differs from" } else { "exceeds" };
+            let by = if gap.is_finite() { format!(" by {}", percent(gap)) } else { String::new() };
+            format!("in {bad} of {count}; worst: {value} {sign} {limit}{by} at {at}")
+        }
+    };
+    Finding::new(decided(bad == 0), words).about(used)
+}
+
+pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
+    if points.is_empty() {
+        return Finding::nothing(NO_VALUE);
+    }
+    let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
+    for Valued { cell, value } in points {
+        series.entry(cell.id.without(&["n", "seed"])).or_default().push((cell.id.n as f64, *value));
+    }
+    let cells = cells_of(points);
+    let fields: Vec<String> =
+        varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
+    // Exponent and distance to the next law of each series that the law fits; of the others,
+    // whether it fails, and why.
+    let (mut fitting, mut others) = (Vec::new(), Vec::new());
+    for (key, points) in &series {
+        let choice = growth::choose(points);
+        let off = Tail::new(points, wanted).filter(Tail::is_off);
+        if choice.law == Ok(wanted) && off.is_none() {
+            let exponent = choice.slope.map_or(f64::NAN, |slope| slope.exponent);
+            fitting.push((exponent, choice.delta().unwrap_or(0.0)));
+        } else {
+            let place = match fields.is_empty() {
+                true => String::new(),
+                false => format!("{}: ", place(key, &fields)),
+            };
+            let fails = off.is_some() || choice.law.is_ok();
+            others.push((fails, place + &misfit(&choice, off, wanted.name())));
+        }
+    }
+    let status = match (others.is_empty(), others.iter().any(|(fails, _)| *fails)) {
+        (true, _) => Status::Holds,
+        (_, true) => Status::Fails,
+        _ => Status::NotShown,
+    };
+    let mut parts: Vec<String> = Vec::new();
+    if !fitting.is_empty() {
+        let least =
+            |of: fn(&(f64, f64)) -> f64| fitting.iter().map(of).fold(f64::INFINITY, f64::min);
+        let (low, high) = (least(|it| it.0), -least(|it| -it.0));
+        let range = if low < high { format!("{low:.3} to {high:.3}") } else { format!("{low:.3}") };
+        parts.push(format!(
+            "{} fits {} series: exponent {range}, ΔAICc {:.0} or more to the next law",
+            wanted.name(),
+            fitting.len(),
+            least(|it| it.1)
+        ));
+    }
+    // What decided comes first.
+    others.sort_by_key(|(fails, _)| !fails);
+    let more = others.len().saturating_sub(SERIES);
+    parts.extend(others.into_iter().take(SERIES).map(|(_, words)| words));
+    if more > 0 {
+        parts.push(format!("and {more} more series"));
+    }
+    let found = Finding::new(status, parts.join("; ")).about(cells.into_iter());
+    // Another law may fit the whole.
+    Finding { open: true, ..found }
+}
+
+/// Why a series does not grow as wanted.
+fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
+    let exponent = choice.slope.map_or_else(String::new, |slope| {
+        format!("exponent {:.3} [{:.3}, {:.3}], ", slope.exponent, slope.low, slope.high)
+    });
+    let law = match (&choice.law, off) {
+        (Ok(law), _) if law.name() != wanted => format!("{} fits, not {wanted}", law.name()),
+        (_, Some(Tail { sizes: [first, last], found, law })) => format!(
+            "{found:.3} over n = {first}..{last}, where {wanted} has {law:.3}: {:.3} off, {LIMIT} \
+             allowed",
+            (found - law).abs()
+        ),
+        (Ok(_), None) => format!("{wanted} fits"),
+        (Err(doubt), None) => format!("undecided: {doubt}"),
+    };
+    exponent + &law
+}
+
+pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Finding {
+    let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
+    let mut found: Vec<(&Cell, Interval)> = Vec::new();
+    for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
+        let twin = cell.id.clone().with_contender(than);
+        let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good() && !cell.misses_by_rule();
+        if let Some(&other) = other.get(&twin).filter(|other| good(other) && good(cell)) {
+            found.extend(cell.ratio(other).map(|ratio| (cell, ratio)));
+        }
+    }
+    let compared: Vec<&Cell> = found.iter().map(|(cell, _)| *cell).collect();
+    let those = cells.iter().copied().filter(|cell| cell.id.contender() == than);
+    let used = compared.iter().copied().chain(those);
+    let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
+        let words = format!("no cell has times of both it and {than}");
+        return Finding::nothing(&words).about(used);
+    };
+    let noise = Noise::new(&own.iter().collect::<Vec<_>>());
+    // Against 1 / by, as others are against 1.
+    let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(&ratio.scaled(by), cell.id.n);
+    let slower = found.iter().filter(|pair| decided(pair) && pair.1.median * by > 1.0).count();
+    let open = found.iter().filter(|pair| !decided(pair)).count();
+    let goal = if by == 1.0 { "faster".into() } else { format!("{by} times as fast") };
+    let (status, tell) = match (slower, open) {
+        (0, 0) => (Status::Holds, "nearest to the limit".into()),
+        (0, open) => {
+            (Status::NotShown, format!("not shown in {open} of them, where noise hides it; worst"))
+        }
+        (slower, 0) => (Status::Fails, format!("not {goal} in {slower} of them; worst")),
+        (slower, open) => {
+            let words = format!("not {goal} in {slower} of them, not shown in {open} more; worst");
+            (Status::Fails, words)
+        }
+    };
+    let medians = || found.iter().map(|(_, ratio)| ratio.median);
+    let words = format!(
+        "{} to {} times the time of {than} in {}; {tell} {} at {}",
+        times(medians().fold(f64::INFINITY, f64::min)),
+        times(medians().fold(0.0, f64::max)),
+        plural(found.len(), "cell"),
+        with_interval(interval),
+        place(&worst.id, &varying(&compared))
+    );
+    Finding::new(status, words).about(used)
+}

@@ -1,0 +1,265 @@
+//! What a machine is made of, as far as its system says: what tells two machines of one name apart.
+//! What cannot be known stays unknown, on any system.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Processor, caches and memory of a machine. Its fields are fields of the provenance.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Hardware {
+    /// The processor's name, as its maker gives it.
+    pub cpu: Option<String>,
+    pub cpu_vendor: Option<String>,
+    /// Family, model and stepping: the numbers by which makers tell processors apart that may have
+    /// one name.
+    pub cpu_family: Option<u64>,
+    pub cpu_model: Option<u64>,
+    pub cpu_stepping: Option<u64>,
+    /// Instructions that detectors and compilers make use of, as the compiler calls them.
+    pub cpu_features: Option<Vec<String>>,
+    /// Cores that this program may use.
+    pub cores: Option<u64>,
+    /// Level and kind (`L1d`, `L1i`, `L2`, `L3`) to size (`32K`).
+    pub caches: BTreeMap<String, String>,
+    pub memory_bytes: Option<u64>,
+}
+
+impl Hardware {
+    /// The hardware of this machine.
+    pub fn here() -> Hardware {
+        let cores = std::thread::available_parallelism().ok().map(|cores| cores.get() as u64);
+        Hardware { cores, cpu_features: features(), ..system() }
+    }
+
+    /// May the two be one? What one of them does not say does not tell them apart, with one
+    /// exception: caches that are known of one only, because processors of one name differ in them.
+    pub fn may_be(&self, other: &Hardware) -> bool {
+        fn alike<T: PartialEq>(a: &Option<T>, b: &Option<T>) -> bool {
+            a.is_none() || b.is_none() || a == b
+        }
+        // A kernel keeps some of the memory, not always the same.
+        let memory = match (self.memory_bytes, other.memory_bytes) {
+            (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 50,
+            _ => true,
+        };
+        alike(&self.cpu, &other.cpu)
+            && alike(&self.cpu_vendor, &other.cpu_vendor)
+            && alike(&self.cpu_family, &other.cpu_family)
+            && alike(&self.cpu_model, &other.cpu_model)
+            && alike(&self.cpu_stepping, &other.cpu_stepping)
+            && alike(&self.cpu_features, &other.cpu_features)
+            && alike(&self.cores, &other.cores)
+            && self.caches == other.caches
+            && memory
+    }
+
+    /// With what is known of the same machine from elsewhere.
+    pub fn or(self, other: Hardware) -> Hardware {
+        Hardware {
+            cpu: self.cpu.or(other.cpu),
+            cpu_vendor: self.cpu_vendor.or(other.cpu_vendor),
+            cpu_family: self.cpu_family.or(other.cpu_family),
+            cpu_model: self.cpu_model.or(other.cpu_model),
+            cpu_stepping: self.cpu_stepping.or(other.cpu_stepping),
+            cpu_features: self.cpu_features.or(other.cpu_features),
+            cores: self.cores.or(other.cores),
+            caches: if self.caches.is_empty() { other.caches } else { self.caches },
+            memory_bytes: self.memory_bytes.or(other.memory_bytes),
+        }
+    }
+}
+
+/// The bytes of a size as the system writes it: `48K`, `2M`.
+pub fn size_of(text: &str) -> Option<u64> {
+    let text = text.trim();
+    let shift = match text.chars().last()? {
+        'K' => 10,
+        'M' => 20,
+        'G' => 30,
+        _ => 0,
+    };
+    text.trim_end_matches(['K', 'M', 'G']).parse::<u64>().ok()?.checked_mul(1 << shift)
+}
+
+macro_rules! detected {
+    ($test:ident: $($name:tt)*) => {{
+        let known = [$(($name, std::arch::$test!($name))),*];
+        Some(known.iter().filter(|(_, has)| *has).map(|(name, _)| name.to_string()).collect())
+    }};
+}
+
+fn features() -> Option<Vec<String>> {
+    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+    return detected!(is_x86_feature_detected: "sse4.2" "popcnt" "avx" "avx2" "fma" "bmi1" "bmi2"
+        "lzcnt" "avx512f" "avx512bw" "avx512cd" "avx512dq" "avx512vl" "avx512vbmi" "avx512vbmi2");
+    #[cfg(target_arch = "aarch64")]
+    return detected!(is_aarch64_feature_detected: "neon" "fp16" "dotprod" "lse" "sve" "sve2");
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "x86", target_arch = "aarch64")))]
+    return None;
+}
+
+#[cfg(target_os = "linux")]
+fn system() -> Hardware {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    let mut caches = BTreeMap::new();
+    for index in 0..8 {
+        let folder = format!("/sys/devices/system/cpu/cpu0/cache/index{index}");
+        let [level, kind, size] =
+            ["level", "type", "size"].map(|it| read(&format!("{folder}/{it}")));
+        let kind = match kind.trim() {
+            "Data" => "d",
+            "Instruction" => "i",
+            _ => "",
+        };
+        if !size.is_empty() {
+            caches.insert(format!("L{}{kind}", level.trim()), size.trim().to_string());
+        }
+    }
+    let memory = field(&read("/proc/meminfo"), "MemTotal");
+    let memory = memory.and_then(|said| size_of(&said.replace(" kB", "K")));
+    Hardware { caches, memory_bytes: memory, ..processor(&read("/proc/cpuinfo")) }
+}
+
+/// Those of macOS; elsewhere there is no such program.
+#[cfg(all(unix, not(target_os = "linux")))]
+fn system() -> Hardware {
+    let output = std::process::Command::new("sysctl").args(["machdep.cpu", "hw"]).output();
+    let said = output.map_or(String::new(), |it| String::from_utf8_lossy(&it.stdout).into_owned());
+    Hardware { caches: caches(&said), memory_bytes: count(&said, "hw.memsize"), ..processor(&said) }
+}
+
+/// The identifier of Windows: `Intel64 Family 6 Model 143 Stepping 8, GenuineIntel`.
+#[cfg(windows)]
+fn system() -> Hardware {
+    Hardware { cpu: std::env::var("PROCESSOR_IDENTIFIER").ok(), ..Hardware::default() }
+}
+
+/// The first processor in lines `name: value`, by the names that Linux uses on x86 and on Arm, and
+/// by those of `sysctl`.
+#[cfg(any(unix, test))]
+fn processor(said: &str) -> Hardware {
+    let text = |names: [&str; 3]| names.into_iter().find_map(|name| field(said, name));
+    let number = |names: [&str; 4]| names.into_iter().find_map(|name| count(said, name));
+    Hardware {
+        cpu: text(["model name", "Processor", "machdep.cpu.brand_string"]),
+        cpu_vendor: text(["vendor_id", "CPU implementer", "machdep.cpu.vendor"]),
+        cpu_family: number(["cpu family", "CPU variant", "machdep.cpu.family", "hw.cpufamily"]),
+        cpu_model: number(["model", "CPU part", "machdep.cpu.model", "hw.cpusubfamily"]),
+        cpu_stepping: number(["stepping", "CPU revision", "machdep.cpu.stepping", ""]),
+        ..Hardware::default()
+    }
+}
+
+/// The caches in the lines of `sysctl`.
+#[cfg(any(all(unix, not(target_os = "linux")), test))]
+fn caches(said: &str) -> BTreeMap<String, String> {
+    let names = [
+        ("L1d", "hw.l1dcachesize"),
+        ("L1i", "hw.l1icachesize"),
+        ("L2", "hw.l2cachesize"),
+        ("L3", "hw.l3cachesize"),
+    ];
+    let known = names.into_iter().filter_map(|(level, name)| Some((level, count(said, name)?)));
+    let known = known.filter(|(_, bytes)| *bytes > 0);
+    known.map(|(level, bytes)| (level.to_string(), format!("{}K", bytes >> 10))).collect()
+}
+
+/// The value of the first line `name: value`, if there is something.
+#[cfg(any(unix, test))]
+fn field(lines: &str, name: &str) -> Option<String> {
+    let value = lines.lines().find_map(|line| {
+        let (known, value) = line.split_once(':')?;
+        (known.trim() == name).then(|| value.trim())
+    })?;
+    (!value.is_empty()).then(|| value.to_string())
+}
+
+/// The same of a whole number, decimal or with `0x`.
+#[cfg(any(unix, test))]
+fn count(lines: &str, name: &str) -> Option<u64> {
+    let text = field(lines, name)?;
+    match text.strip_prefix("0x") {
+        Some(digits) => u64::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn xeon(l3: &str) -> Hardware {
+        let caches = [("L2", "2048K"), ("L3", l3)];
+        Hardware {
+            cpu: Some("Intel(R) Xeon(R) Processor".into()),
+            cpu_family: Some(6),
+            cpu_model: Some(143),
+            cpu_stepping: Some(8),
+            cores: Some(2),
+            caches: caches.map(|(name, size)| (name.to_string(), size.to_string())).into(),
+            memory_bytes: Some(25_276_502_016),
+            ..Hardware::default()
+        }
+    }
+
+    #[test]
+    fn processors_of_one_name_are_told_apart() {
+        let one = xeon("491520K");
+        assert!(one.may_be(&one.clone()));
+        assert!(one.may_be(&Hardware { memory_bytes: Some(25_200_000_000), ..one.clone() }));
+        // What a record of an older version says, with and without the caches.
+        let older =
+            Hardware { cpu_family: None, cpu_model: None, cpu_stepping: None, ..one.clone() };
+        let oldest = Hardware { caches: BTreeMap::new(), memory_bytes: None, ..older.clone() };
+        assert!(one.may_be(&older) && older.may_be(&one) && oldest.may_be(&oldest));
+        let features = |name: &str| Some(vec![name.to_string()]);
+        let avx2 = Hardware { cpu_features: features("avx2"), ..one.clone() };
+        assert!(avx2.may_be(&one));
+        for other in [
+            xeon("307200K"),
+            Hardware { cpu_family: Some(25), ..one.clone() },
+            Hardware { cpu_model: Some(106), ..one.clone() },
+            Hardware { cpu_stepping: Some(4), ..one.clone() },
+            Hardware { cpu_features: features("avx"), ..one.clone() },
+            Hardware { memory_bytes: Some(1 << 34), ..one.clone() },
+            Hardware { cores: Some(4), ..one.clone() },
+            oldest,
+        ] {
+            assert!(!avx2.may_be(&other) && !other.may_be(&avx2), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn the_hardware_here_is_the_same_twice_and_survives_the_provenance() {
+        let here = Hardware::here();
+        assert_eq!(here, Hardware::here());
+        let mut fields = serde_json::to_value(&here).unwrap();
+        fields["command"] = "contactbench run".into();
+        assert_eq!(serde_json::from_value::<Hardware>(fields).unwrap(), here);
+    }
+
+    #[test]
+    fn what_systems_say_is_read() {
+        assert_eq!(
+            ["48K", "2M\n", "512", "", "µ", "K"].map(size_of),
+            [Some(48 << 10), Some(2 << 20), Some(512), None, None, None]
+        );
+        let said = "machdep.cpu.brand_string: Apple M2\nhw.cpufamily: 3660830781\n\
+                    hw.cpusubfamily: 2\nhw.l1dcachesize: 65536\nhw.l2cachesize: 4194304\n\
+                    hw.l3cachesize: 0\n";
+        let (mac, caches) = (processor(said), caches(said));
+        assert_eq!(mac.cpu.as_deref(), Some("Apple M2"));
+        assert_eq!((mac.cpu_family, mac.cpu_model), (Some(3_660_830_781), Some(2)));
+        assert_eq!((&*caches["L1d"], &*caches["L2"], caches.len()), ("64K", "4096K", 2));
+        let arm = processor(
+            "processor\t: 0\nFeatures\t: fp asimd\nCPU implementer\t: 0x41\nCPU variant\t: 0x3\n\
+             CPU part\t: 0xd0c\nCPU revision\t: 1\n",
+        );
+        let numbers = (arm.cpu_family, arm.cpu_model, arm.cpu_stepping);
+        assert_eq!(numbers, (Some(3), Some(0xd0c), Some(1)));
+        assert_eq!(arm.cpu_vendor.as_deref(), Some("0x41"));
+        assert_eq!(processor("no colon"), Hardware::default());
+    }
+}
