@@ -368,6 +368,7 @@ def main():
     options.add_argument("--out", required=True, type=pathlib.Path, help="a new folder for the tables")
     options.add_argument("--contactbench", default=shutil.which("contactbench") or "target/release/contactbench")
     options.add_argument("--codes", default="lammps,liggghts,yade", help="which, separated by commas")
+    options.add_argument("--only", default="", help="of the settings those with this text, such as chute: neighbor 0.1")
     options.add_argument("--blocks", type=int, default=9, help="timed runs of each setting")
     options.add_argument("--steps", type=int, help="of each run (300 to 1500 by the case; with --quick 2100)")
     options.add_argument("--quick", action="store_true", help="a few hundred bodies: does everything work?")
@@ -388,7 +389,8 @@ def main():
              "machine": f"{machine()}, {len(os.sched_getaffinity(0))} processors",
              "contactbench": f"{build.get('revision', '?')}, sources {build.get('sources', '?')}"}
     for code, name, case, settings in PLAN:
-        if code.name.lower() not in wanted:
+        settings = [setting for setting in settings if options.only in f"{name}: {setting[0]}"]
+        if code.name.lower() not in wanted or not settings:
             continue
         program = next(filter(None, map(shutil.which, code.programs)), None)
         if program:
