@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, Once, PoisonError};
 
-use contactbench::record::row::{Measurement, Row};
+use contactbench::record::row::{self, Measurement, Row};
+use serde_json::Value;
 
 /// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
@@ -55,6 +56,77 @@ pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) -> Ended {
     ended
 }
 
+/// A folder of its own, in which the program runs.
+pub struct Place(tempfile::TempDir);
+
+impl Place {
+    pub fn new() -> Place {
+        Place(tempfile::tempdir().unwrap())
+    }
+
+    pub fn root(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.root().join(name)
+    }
+
+    pub fn file(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+        file(self.root(), name, text)
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub fn remove(&self, name: &str) {
+        let path = self.path(name);
+        if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) }
+            .unwrap();
+    }
+
+    /// Runs the program with the arguments of a line as a shell would split it.
+    pub fn run(&self, line: &str) -> Ended {
+        let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
+        run(self.root(), &words.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
+    /// A run that ends with this code; all these words are in what it printed.
+    pub fn ends(&self, code: i32, line: &str, words: &[&str]) -> Ended {
+        let ended = self.run(line);
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert_eq!(ended.code, Some(code), "{line}: {said}");
+        words.iter().for_each(|word| assert!(said.contains(word), "{line}: no '{word}' in {said}"));
+        ended
+    }
+
+    pub fn good(&self, line: &str) -> Ended {
+        self.ends(0, line, &[])
+    }
+
+    /// Runs a shell script.
+    pub fn shell(&self, script: &str) -> Ended {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script]).current_dir(self.root()).env("TMPDIR", self.root());
+        ended(shell.stdin(Stdio::null()).output().unwrap())
+    }
+
+    /// What a run prints as JSON; its exit code is 0 or 1.
+    pub fn json(&self, line: &str) -> Value {
+        let ended = self.run(&format!("{line} --json"));
+        assert!(matches!(ended.code, Some(0 | 1)), "{line}: {}", ended.stderr);
+        serde_json::from_str(&ended.stdout).unwrap_or_else(|_| panic!("{line}: {}", ended.stdout))
+    }
+
+    /// The rows of a record, which is whole.
+    pub fn rows(&self, folder: &str) -> Vec<Row> {
+        let record = row::read(&self.path(folder).join(row::FILE)).unwrap();
+        assert!(record.warnings.is_empty(), "{:?}", record.warnings);
+        record.rows
+    }
+}
+
 /// What a process has left.
 pub fn ended(output: Output) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -73,17 +145,17 @@ pub struct Template(Vec<(PathBuf, Vec<u8>)>);
 
 impl Template {
     /// What `make` leaves in a folder.
-    pub fn new(make: impl FnOnce(&Path)) -> Template {
-        let folder = tempfile::tempdir().unwrap();
-        make(folder.path());
-        let (mut files, mut folders) = (Vec::new(), vec![folder.path().to_path_buf()]);
+    pub fn new(make: impl FnOnce(&Place)) -> Template {
+        let place = Place::new();
+        make(&place);
+        let (mut files, mut folders) = (Vec::new(), vec![place.root().to_path_buf()]);
         while let Some(next) = folders.pop() {
             for entry in std::fs::read_dir(next).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_dir() {
                     folders.push(path);
                 } else {
-                    let name = path.strip_prefix(folder.path()).unwrap().to_path_buf();
+                    let name = path.strip_prefix(place.root()).unwrap().to_path_buf();
                     files.push((name, std::fs::read(path).unwrap()));
                 }
             }
@@ -92,14 +164,14 @@ impl Template {
     }
 
     /// The same files in a folder of their own.
-    pub fn copy(&self) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
+    pub fn place(&self) -> Place {
+        let place = Place::new();
         for (name, bytes) in &self.0 {
-            let path = folder.path().join(name);
+            let path = place.root().join(name);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, bytes).unwrap();
         }
-        folder
+        place
     }
 }
 
@@ -150,6 +222,19 @@ pub fn fake(answers: &[(&str, &str)]) -> String {
 /// Shell code that answers with a line.
 pub fn say(line: &str) -> String {
     format!("echo '{line}'")
+}
+
+/// A runner that loads, gives these answers, and has neither counts, memory nor pairs otherwise.
+pub fn answers(answers: &[(&str, &str)]) -> String {
+    let loaded = say(r#"{"reply":"loaded"}"#);
+    fake(&[answers, &[("load", &*loaded)]].concat())
+}
+
+/// Shell code that answers with a sample of a time that can be.
+pub fn sample(contacts: u32, digest: &str) -> String {
+    let times = r#""reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000"#;
+    let line = format!(r#"{{{times},"contacts":{contacts},"digest":"{digest}"}}"#);
+    format!("sleep 0.002; {}", say(&line))
 }
 
 /// A runner in an experiment file: `program` and one shell script.

@@ -1,26 +1,17 @@
 //! Pages that play frames.
 
-use std::path::Path;
-
 use serde_json::Value;
 
-use crate::browser::Browser;
-use crate::common::{file, good, refused};
+use super::browser::Browser;
+use crate::common::Place;
 
-const FLIGHT: [&str; 6] = [
-    "loose:dim=2,n=200,fraction=0.5",
-    "--motion",
-    "drift:speed=0.02",
-    "--frames",
-    "41",
-    "--tracker",
-];
-const CARELESS: &str = "verlet(nbs,skin=0.1,rule=every-10)";
+const FLIGHT: &str = "loose:dim=2,n=200,fraction=0.5 --motion drift:speed=0.02 --frames 41 \
+                      --tracker verlet(nbs,skin=0.1,rule=every-10)";
 
-/// The page of this command, and its data.
-fn film(folder: &Path, arguments: &[&str]) -> (String, Value, String) {
-    let said = good(folder, &[&["draw"], arguments, &["-o", "film.html"]].concat()).stderr;
-    let html = std::fs::read_to_string(folder.join("film.html")).unwrap();
+/// The page of this command, its data, and what was printed.
+fn film(at: &Place, line: &str) -> (String, Value, String) {
+    let said = at.good(&format!("draw {line} -o film.html")).stderr;
+    let html = at.read("film.html");
     let data = html.split("<script type=\"application/json\" id=\"data\">").nth(1).unwrap();
     let data = serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
     (html, data, said)
@@ -50,10 +41,9 @@ fn count(value: &Value) -> usize {
 /// Frames, contacts, builds and misses are those of `track`.
 #[test]
 fn a_film_has_its_frames_builds_and_missed_contacts() {
-    let folder = tempfile::tempdir().unwrap();
-    let (html, data, said) = film(folder.path(), &[&FLIGHT[..], &[CARELESS]].concat());
-    let track = [&["track"], &FLIGHT[..], &[CARELESS, "--json"]].concat();
-    let track: Value = serde_json::from_str(&good(folder.path(), &track).stdout).unwrap();
+    let at = Place::new();
+    let (html, data, said) = film(&at, FLIGHT);
+    let track = at.json(&format!("track {FLIGHT}"));
     let frames = data["frames"].as_array().unwrap();
     assert_eq!((frames.len(), numbers(&data["radii"]).len()), (41, 200));
     let radii = numbers(&data["radii"]);
@@ -104,12 +94,12 @@ fn a_film_has_its_frames_builds_and_missed_contacts() {
 /// Spheres are cut by one plane; the frames of a file are played; what is safe misses nothing.
 #[test]
 fn films_are_of_slices_and_files_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let spheres = ["packed:dim=3,n=300", "--motion", "vortex", "--frames", "12"];
-    let (html, data, said) = film(folder, &[&spheres[..], &["--slice", "z=2"]].concat());
-    assert!(said.contains("300 spheres, slice z = 2, vortex:speed=0.01,seed=1, 12 frames."));
-    assert!(said.contains("missed no contact") && said.contains("skin=auto"), "{said}");
+    let at = Place::new();
+    let spheres = "packed:dim=3,n=300 --motion vortex --frames 12 --slice z=2";
+    let (html, data, said) = film(&at, spheres);
+    for words in ["300 spheres, slice z = 2", "12 frames.", "missed no contact", "skin=auto"] {
+        assert!(said.contains(words), "{said}");
+    }
     assert!(data["slice"] == true && data["radii"].is_null() && html.contains("slice z = 2"));
     for frame in data["frames"].as_array().unwrap() {
         let circles = numbers(&frame[0]).len() / 3;
@@ -119,62 +109,40 @@ fn films_are_of_slices_and_files_too() {
     }
     let head = "Properties=species:S:1:pos:R:2:radius:R:1";
     let frame = |x: f64| format!("2\n{head}\nA 0 0 0.5\nA {x} 0 0.5\n");
-    file(folder, "<b>&.xyz", [1.5, 1.25, 1.0].map(frame).concat());
-    let (html, data, _) = film(folder, &["<b>&.xyz"]);
-    let contacts: Vec<usize> =
-        data["frames"].as_array().unwrap().iter().map(|frame| count(&frame[3])).collect();
-    assert_eq!(contacts, [0, 0, 1]);
+    at.file("<b>&.xyz", [1.5, 1.25, 1.0].map(frame).concat());
+    let (html, data, _) = film(&at, "'<b>&.xyz'");
+    let frames = data["frames"].as_array().unwrap().iter();
+    assert_eq!(frames.map(|frame| count(&frame[3])).collect::<Vec<_>>(), [0, 0, 1]);
     assert!(html.contains("<title>&lt;b&gt;&amp;.xyz</title>") && !html.contains("<b>&"));
-    let said = film(folder, &["<b>&.xyz", "--frames", "2"]).2;
-    assert!(said.contains("2 frames.") && said.contains("The file has more (--frames)"), "{said}");
+    let said = film(&at, "'<b>&.xyz' --frames 2").2;
+    assert!(said.contains("2 frames.") && said.contains("(--frames)"), "{said}");
     // Radii of their own in each frame.
     let frame = |r: f64| format!("2\n{head}\nA 0 0 {r}\nA 2 0 0.5\n");
-    file(folder, "grow.xyz", [0.5, 1.5].map(frame).concat());
-    let (_, data, _) = film(folder, &["grow.xyz"]);
+    at.file("grow.xyz", [0.5, 1.5].map(frame).concat());
+    let (_, data, _) = film(&at, "grow.xyz");
     let radii = |frame: usize| numbers(&data["frames"][frame][0])[2];
     assert!(radii(1) > 2 * radii(0) && count(&data["frames"][1][3]) == 1, "{data}");
 }
 
+/// As many frames as are offered are as many as there is room for.
 #[test]
-fn films_that_cannot_be_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let drift = ["packed:n=60", "--motion", "drift"];
-    let play = |more: &[&'static str]| [&["draw"], &drift[..], &["-o", "film.html"], more].concat();
-    for (arguments, words) in [
-        (play(&["--grid"]), "--grid belong to pictures"),
-        (play(&["--slice", "z=1"]), "leave out --slice"),
-        (play(&["--tracker", "verlet(nbz)"]), "there is no detector 'nbz'"),
-        (play(&["--frames", "0"]), "--frames 0"),
-        (vec!["draw", "packed:n=60", "-o", "film.html"], "there is one; add --motion drift"),
-        (vec!["draw", "packed:n=60", "--motion", "drift", "-o", "film.svg"], "-o NAME.html"),
-        (vec!["draw", "packed:n=60", "--tracker", "nbs"], "belong to a page that plays"),
-        (vec!["draw", "packed:n=60", "-o", "film.gif"], "and that of a page that plays .html"),
-        (
-            vec!["draw", "packed:n=60,periodic=true", "--motion", "drift", "-o", "film.html"],
-            "a page plays scenes in open space",
-        ),
-    ] {
-        refused(folder.path(), &arguments, &[words]);
-    }
-    let many = ["draw", "packed:n=3000", "--motion", "rest", "--frames", "1000", "-o", "f.html"];
-    let said = refused(folder.path(), &many, &["a page of at most 5 MB holds"]).stderr;
-    // So many are as many as there is room for.
+fn a_film_has_at_most_5_mb() {
+    let at = Place::new();
+    let line = "draw packed:n=3000 --motion rest --frames 1000 -o f.html";
+    let said = at.ends(2, line, &["5 MB"]).stderr;
+    assert!(!at.path("f.html").exists());
     let frames = said.split("take --frames ").nth(1).unwrap().split(',').next().unwrap();
-    let few = ["packed:n=3000", "--motion", "rest", "--frames", frames];
-    let size = film(folder.path(), &few).0.len();
+    let size = film(&at, &format!("packed:n=3000 --motion rest --frames {frames}")).0.len();
     assert!((4_000_000..5_000_000).contains(&size), "{size}");
-    let crowd = ["draw", "loose:dim=2,n=20001,fraction=0.1", "--motion", "rest", "-o", "f.html"];
-    refused(folder.path(), &crowd, &["20001 particles are too many to be seen moving"]);
-    assert!(!folder.path().join("f.html").exists());
 }
 
 /// In a browser the page plays, steps and marks; nothing in its console.
 #[test]
 fn a_film_plays_in_a_browser() {
     let Some(browser) = Browser::open(1200, 900) else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let (_, data, _) = film(folder.path(), &[&FLIGHT[..], &[CARELESS]].concat());
-    browser.show(&folder.path().join("film.html"));
+    let at = Place::new();
+    let (_, data, _) = film(&at, FLIGHT);
+    browser.show(&at.path("film.html"));
     let text = |id: &str| {
         browser
             .run(&format!("return document.getElementById('{id}').textContent"))

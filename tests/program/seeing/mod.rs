@@ -1,9 +1,12 @@
-//! What people look at: drawings, traces, and what shells are told.
+//! What people look at: drawings, traces, pages in a browser.
 
+mod boxes;
+mod browser;
 mod films;
+mod layout;
+mod page;
 mod pages;
 mod pictures;
-mod terminal;
 mod traces;
 
 use contactbench::contact::Arithmetic;
@@ -21,12 +24,8 @@ fn scene(text: &str) -> AnyScene<'static> {
 }
 
 fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
-    Scene::new(
-        centres.iter().copied().map(nalgebra::Point::from).collect::<Vec<_>>(),
-        Radii::Uniform(r),
-    )
-    .unwrap()
-    .into()
+    let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
+    Scene::new(centres, Radii::Uniform(r)).unwrap().into()
 }
 
 /// Counts and contacts of the counted build.

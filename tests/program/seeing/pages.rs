@@ -3,8 +3,8 @@
 use contactbench::views::trace::{Algorithm, page, still, trace};
 
 use super::ALL;
-use crate::browser::Browser;
-use crate::common::file;
+use super::browser::Browser;
+use crate::common::Place;
 
 /// No address of anything else, no name that becomes markup, and all data readable.
 #[test]
@@ -36,9 +36,9 @@ fn a_page_needs_nothing_else_and_holds_any_name() {
 #[test]
 fn a_page_steps_in_a_browser() {
     let Some(browser) = Browser::open(1200, 900) else { return };
-    let folder = tempfile::tempdir().unwrap();
+    let at = Place::new();
     let trace = trace(Algorithm::Screening, None).unwrap();
-    browser.show(&file(folder.path(), "page.html", page::html(&trace, "in a browser")));
+    browser.show(&at.file("page.html", page::html(&trace, "in a browser")));
     let text = |id: &str| browser.run(&format!("return $('{id}').textContent"));
     browser.run("location.hash = '#45'; show(45)");
     assert_eq!(text("step"), "step 45 of 69");

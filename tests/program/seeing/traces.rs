@@ -155,7 +155,6 @@ fn the_other_examples_are_shown_as_printed() {
 #[test]
 fn traces_refuse_what_they_cannot_show() {
     let far = discs(&[[0.0, 0.0], [500.0, 0.0]], 0.5);
-    let crowd = discs(&[[0.0, 0.0]; 60], 0.5);
     for (scene, words) in [
         (scene("packed:dim=3,n=20"), "of spheres"),
         (scene("packed:n=61"), "61 particles; the steps of at most 60"),
@@ -165,10 +164,11 @@ fn traces_refuse_what_they_cannot_show() {
         let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
         assert!(format!("{error:#}").contains(words), "{error:#}");
     }
-    // Every pair is tested.
-    for algorithm in ALL {
+    // Every pair of a crowd is tested.
+    for (algorithm, n) in ALL.into_iter().zip([60, 20, 20, 20]) {
+        let crowd = discs(&vec![[0.0, 0.0]; n], 0.5);
         let trace = trace(algorithm, Some(&crowd)).unwrap();
-        assert_eq!(trace.contacts.len(), 1770);
+        assert_eq!(trace.contacts.len(), n * (n - 1) / 2);
         assert!(page::html(&trace, "crowd").len() < 5_000_000);
     }
 }

@@ -1,0 +1,167 @@
+//! Cases of the command line: `*.txt` in this folder, one test each.
+//!
+//! A line `[title]` begins a scenario in a folder of its own, with the files made above the first
+//! title. Below it:
+//!
+//! | line | does or holds |
+//! |---|---|
+//! | `file NAME TEXT` | makes a file |
+//! | `more NAME COUNT TEXT` | appends the text this many times |
+//! | `copy FROM TO OLD => NEW` | copies a file with one text replaced by another everywhere |
+//! | `CODE ARGUMENTS :: words \| words` | runs the program; exit code, words in what it prints |
+//! | `= TEXT` | all of standard output |
+//! | `+ words \| words` | further words in what it printed |
+//! | `! words \| words` | words not in what it printed |
+//! | `in FILE words \| words` | words in a file |
+//! | `same ARGUMENTS` | the standard output of another run |
+//!
+//! Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Blanks and line feeds between words are
+//! equal. Exit code 2 has one line that begins with `contactbench: `, or an error of the options.
+
+use std::fmt::Display;
+
+use crate::common::{Ended, Place};
+
+macro_rules! cases {
+    ($($name:ident),*) => {
+        $(#[test]
+        fn $name() {
+            all(stringify!($name), include_str!(concat!(stringify!($name), ".txt")));
+        })*
+    };
+}
+cases!(refusals, experiments, boxes, files);
+
+fn unescaped(text: &str) -> Vec<u8> {
+    let (mut bytes, mut rest) = (Vec::new(), text.bytes());
+    while let Some(byte) = rest.next() {
+        let escape = if byte == b'\\' { rest.next() } else { None };
+        bytes.push(match escape {
+            None => byte,
+            Some(b'n') => b'\n',
+            Some(b't') => b'\t',
+            Some(b'\\') => b'\\',
+            Some(b'x') => {
+                let digits: String = rest.by_ref().take(2).map(char::from).collect();
+                u8::from_str_radix(&digits, 16).unwrap()
+            }
+            Some(other) => panic!("\\{} in {text}", char::from(other)),
+        });
+    }
+    bytes
+}
+
+fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// One scenario: its folder, the last run, and what did not hold.
+struct Scenario {
+    place: Place,
+    last: Option<(String, Ended)>,
+    faults: Vec<String>,
+}
+
+impl Scenario {
+    fn fault(&mut self, at: &str, what: impl Display) {
+        let (line, shown) = match &self.last {
+            Some((line, ended)) => (&**line, format!("{}{}", ended.stdout, ended.stderr)),
+            None => ("", String::new()),
+        };
+        self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
+    }
+
+    /// Holds words to a text: all are in it, or none is.
+    fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
+        let text = flat(text);
+        for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {
+            if text.contains(&word) != there {
+                self.fault(at, format!("{} '{word}'", if there { "no" } else { "there is" }));
+            }
+        }
+    }
+
+    fn run(&mut self, at: &str, code: &str, rest: &str) {
+        let (line, words) = rest.split_once(" :: ").unwrap_or((rest, ""));
+        let ended = self.place.run(line);
+        let refusals = ended.stderr.lines().filter(|line| line.starts_with("contactbench: "));
+        let one = refusals.clone().count() == 1 && refusals.last() == ended.stderr.lines().last();
+        let is_one = one || ended.stderr.starts_with("error: ") || !ended.stdout.is_empty();
+        let expected = ended.code == code.parse().ok() && (code != "2" || is_one);
+        let (said, found) = (format!("{} {}", ended.stdout, ended.stderr), ended.code);
+        self.last = Some((rest.to_string(), ended));
+        if !expected {
+            self.fault(at, format!("exit code {found:?}, not {code} with one refusal"));
+        }
+        self.words(at, words, &said, true);
+    }
+
+    /// Obeys a line; returns whether it has a meaning.
+    fn obey(&mut self, at: &str, line: &str) -> bool {
+        let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let (name, text) = rest.split_once(' ').unwrap_or((rest, ""));
+        let (stdout, said) = match &self.last {
+            Some((_, it)) => (it.stdout.clone(), format!("{} {}", it.stdout, it.stderr)),
+            None => Default::default(),
+        };
+        match head {
+            "file" => drop(self.place.file(name, unescaped(text))),
+            "more" => {
+                let (count, text) = text.split_once(' ').unwrap();
+                let more = unescaped(text).repeat(count.parse().unwrap());
+                let before = std::fs::read(self.place.path(name)).unwrap();
+                self.place.file(name, [before, more].concat());
+            }
+            "copy" => {
+                let (to, change) = text.split_once(' ').unwrap_or((text, " => "));
+                let (old, new) = change.split_once(" => ").unwrap();
+                let [old, new] = [old, new].map(|it| String::from_utf8(unescaped(it)).unwrap());
+                let before = self.place.read(name);
+                assert!(before.contains(&old), "{at}: no '{old}' in {name}");
+                self.place.file(to, before.replace(&old, &new));
+            }
+            "=" => {
+                if stdout.as_bytes() != unescaped(rest) {
+                    self.fault(at, "another standard output");
+                }
+            }
+            "+" => self.words(at, rest, &said, true),
+            "!" => self.words(at, rest, &said, false),
+            "in" => match std::fs::read(self.place.path(name)) {
+                Ok(bytes) => self.words(at, text, &String::from_utf8_lossy(&bytes), true),
+                Err(error) => self.fault(at, format!("{name}: {error}")),
+            },
+            "same" => {
+                let other = self.place.run(rest);
+                if other.stdout != stdout || other.code != Some(0) {
+                    self.fault(at, format!("not the same:\n{}{}", other.stdout, other.stderr));
+                }
+            }
+            _ if head.parse::<i32>().is_ok() => self.run(at, head, rest),
+            _ => return false,
+        }
+        true
+    }
+}
+
+/// Holds all scenarios of a text.
+fn all(name: &str, text: &str) {
+    let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
+    let mut scenario: Option<Scenario> = None;
+    for (line, number) in text.lines().map(str::trim_start).zip(1..) {
+        let at = format!("{name}.txt:{number}");
+        if line.starts_with('[') {
+            faults.extend(scenario.into_iter().flat_map(|it| it.faults));
+            let mut next = Scenario { place: Place::new(), last: None, faults: Vec::new() };
+            above.iter().for_each(|line| assert!(next.obey(&at, line)));
+            scenario = Some(next);
+        } else if !line.is_empty() && !line.starts_with('#') {
+            match &mut scenario {
+                Some(scenario) => assert!(scenario.obey(&at, line), "{at}: {line}"),
+                None => above.push(line),
+            }
+        }
+    }
+    faults.extend(scenario.into_iter().flat_map(|it| it.faults));
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

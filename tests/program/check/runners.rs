@@ -1,0 +1,122 @@
+//! Runners that are right: the examples, old ones, this program.
+
+use std::process::Command;
+
+use super::{CPP, PYTHON, check, root};
+use crate::common::{PROGRAM, Place, has};
+
+/// Compiles a program in C++; fails if the compiler has a word to say.
+fn built(at: &Place, arguments: &str) {
+    let mut compiler = Command::new("c++");
+    compiler.args(["-Wall", "-Wextra", "-Werror"]).args(arguments.split(' '));
+    let built = compiler.current_dir(at.root()).output().unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+}
+
+#[test]
+fn the_example_in_python_passes() {
+    assert!(PYTHON.lines().count() < 80);
+    if !has("python3") {
+        return;
+    }
+    let at = Place::new();
+    let command = format!("python3 '{}'", root().join("examples/my_detector.py").display());
+    let head = "runner: my-detector, f64 arithmetic, without count and memory\n";
+    let words = [head, "generated 210", " detections by my-detector: all agree"];
+    let ended = check(&at, &command, "--seconds 0", 0, &words);
+    assert_eq!(ended.stderr, "");
+    assert_eq!(std::fs::read_dir(at.root()).unwrap().count(), 0, "something is left behind");
+}
+
+#[test]
+fn the_example_in_cpp_passes() {
+    assert!(CPP.lines().count() < 80);
+    if !has("c++") {
+        return;
+    }
+    let at = Place::new();
+    // The command that the example gives, with paths of this checkout.
+    let line = CPP.lines().find_map(|line| line.strip_prefix("//     g++ ")).unwrap();
+    let line = line.replace("runners ", &format!("{} ", root().join("runners").display()));
+    built(&at, &line.replace("examples/", &format!("{}/", root().join("examples").display())));
+    let head = "runner: my-grid 1.0, f64 arithmetic, without count and memory\n";
+    let words = [head, " detections by my-grid: all agree"];
+    check(&at, "./my_detector", "--seconds 0", 0, &words);
+}
+
+/// The example as it was in version 1 of the protocol, which knows one path; and one whose library
+/// prints, from Python or by its descriptor: that is not taken for a reply.
+#[test]
+fn old_and_noisy_runners_in_python_are_understood() {
+    if !has("python3") {
+        return;
+    }
+    let old = [
+        ("\"protocol\": 2", "\"protocol\": 1"),
+        ("def load(frames, ", "def load(path, "),
+        ("    (path,) = frames\n", ""),
+        (
+            "load(*(load_fields[key] for key in (\"frames\", ",
+            "load(path, *(load_fields[key] for key in (",
+        ),
+    ];
+    let prints = "    print('library 1.0')\n    os.write(1, b'noise\\n')\n    pairs = []\n";
+    for changes in [&old[..], &[("    pairs = []\n", prints)]] {
+        let text = changes.iter().fold(PYTHON.to_string(), |text, (new, before)| {
+            assert!(text.contains(new), "the example has no '{new}' any more");
+            text.replacen(new, before, 1)
+        });
+        let at = Place::new();
+        at.file("other.py", text);
+        check(&at, "python3 other.py", "--seconds 0", 0, &[": all agree"]);
+    }
+}
+
+/// It prints, gives no answer unless it was reset since the last one, and none unless its hook was
+/// called for the scene.
+const STRICT: &str = r#"#include "runner.hpp"
+template <int D> struct Strict {
+    bool fresh = false;
+    std::size_t prepared = 0;
+    void reset() { fresh = true; }
+    void prepare(const runner::Scene<D>& scene) {
+        std::puts("noise");
+        std::cout << "noise" << std::endl;
+        prepared = scene.centres.size();
+    }
+    void operator()(const runner::Scene<D>& scene, runner::Pairs& pairs) {
+        if (!fresh) throw std::runtime_error("it was not reset");
+        if (prepared != scene.centres.size()) throw std::runtime_error("it was not prepared");
+        fresh = false;
+        for (std::uint32_t i = 0; i < prepared; i++)
+            for (std::uint32_t j = 0; j < i; j++)
+                if (scene.touch(i, j)) pairs.push_back({i, j});
+    }
+};
+int main() { runner::serve("strict", "1", Strict<2>{}, Strict<3>{}, "f64"); }
+"#;
+
+#[test]
+fn every_pass_begins_with_a_reset_and_every_scene_with_its_hook() {
+    if !has("c++") {
+        return;
+    }
+    let at = Place::new();
+    at.file("strict.cpp", STRICT);
+    let header = root().join("runners").display().to_string();
+    built(&at, &format!("-std=c++17 -ffp-contract=off -I {header} strict.cpp -o strict"));
+    check(&at, "./strict", "--seconds 0", 0, &[" detections by strict: all agree"]);
+}
+
+#[test]
+fn this_program_is_a_runner_in_every_arithmetic() {
+    let at = Place::new();
+    let command = format!("'{PROGRAM}' runner --detector kd-tree --arithmetic {{arithmetic}}");
+    let words = ["f32", "f32-cell", "f64", "exact"];
+    let words = words.map(|it| format!(", {it} arithmetic, has all requests\n"));
+    check(&at, &command, "--seconds 0", 0, &words.each_ref().map(String::as_str));
+    // One that takes no notice of what it is asked.
+    let command = format!("sh -c \"exec '{PROGRAM}' runner --detector nbs\" {{arithmetic}}");
+    let words = ["WRONG: it breaks the protocol: started with f64", " detections by nbs: WRONG"];
+    check(&at, &command, "--seconds 0 --arithmetic f64 --arithmetic exact", 1, &words);
+}

@@ -1,0 +1,110 @@
+//! Pairs in every form of output.
+
+use std::process::Stdio;
+
+use crate::common::{PROGRAM, Place, ended, npy, pairs, program};
+
+const DETECTORS: [&str; 12] = [
+    "direct",
+    "binary-tree",
+    "screening",
+    "sorting",
+    "nbs",
+    "streamed-nbs",
+    "cell-grid",
+    "hash-grid",
+    "hgrid",
+    "sweep",
+    "kd-tree",
+    "bvh",
+];
+
+#[test]
+fn none_one_and_two_particles_work() {
+    let at = Place::new();
+    at.file("0.csv", "x,y,r\n");
+    at.file("1.csv", "x,y,z,r\n0,0,0,1\n");
+    // The two touch exactly.
+    at.file("2.csv", "x,y,z,r\n0,0,0,1\n0,2,0,1\n");
+    for (k, detector) in DETECTORS.iter().enumerate() {
+        let arithmetic = ["f32", "f64", "exact"][k % 3];
+        for (n, dim, count, listed) in
+            [(0, 2, "0 pairs", ""), (1, 3, "0 pairs", ""), (2, 3, "1 pair", "0,1\n")]
+        {
+            let line = format!("detect {n}.csv --detector {detector} --arithmetic {arithmetic}");
+            let summary = format!("{n}.csv: N = {n}, {dim}D, {count}, ");
+            let ended = at.ends(0, &line, &[&summary, &format!(", {detector}, {arithmetic}")]);
+            assert_eq!(ended.stdout, format!("i,j\n{listed}"), "{line}");
+        }
+    }
+}
+
+/// A hexagonal layer of 12 x 12 discs that overlap a little, in no simple order (7 and 144 have no
+/// common factor), with a radius each.
+fn layer() -> Vec<[f64; 3]> {
+    let place = |k: u32| {
+        let (row, column) = (k / 12, k % 12);
+        let x = 0.975 * (f64::from(column) + 0.5 * f64::from(row % 2));
+        [x, 0.85 * f64::from(row), 0.5 - 0.01 * f64::from(k % 3)]
+    };
+    (0..144).map(|k| place(k * 7 % 144)).collect()
+}
+
+#[test]
+fn every_form_of_output_holds_the_same_pairs() {
+    let at = Place::new();
+    let particles = layer();
+    let rows: String = particles.iter().map(|[x, y, r]| format!("{x:?},{y:?},{r:?}\n")).collect();
+    at.file("layer.csv", format!("x,y,r\n{rows}"));
+    let touch = |[i, j]: &[u32; 2]| {
+        let ([ax, ay, ar], [bx, by, br]) = (particles[*i as usize], particles[*j as usize]);
+        (ax - bx).powi(2) + (ay - by).powi(2) <= (ar + br).powi(2)
+    };
+    let all = (0..144u32).flat_map(|i| (i + 1..144).map(move |j| [i, j]));
+    let truth: Vec<[u32; 2]> = all.filter(touch).collect();
+    assert!(truth.len() > particles.len(), "a dense layer: {} pairs", truth.len());
+    let text: String = truth.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
+    let text = format!("i,j\n{text}");
+    // No two of these discs touch exactly, so that all arithmetics agree.
+    for detector in DETECTORS {
+        let line = format!("detect layer.csv --detector {detector}");
+        assert_eq!(at.good(&line).stdout, text, "{detector}");
+    }
+    assert_eq!(at.good("detect layer.csv -o pairs.csv").stdout, "");
+    assert_eq!(at.read("pairs.csv"), text);
+    at.good("detect layer.csv --output pairs.npy");
+    assert_eq!(pairs(&at.path("pairs.npy")), truth);
+    for detector in ["direct", "cell-grid"] {
+        let line = format!("detect layer.csv --detector {detector} --threads 2");
+        assert_eq!(at.good(&line).stdout, text, "{detector}");
+    }
+    // The same particles as npy: three columns are x, y, radius where two dimensions are asked for.
+    at.file("layer.npy", npy(&particles.iter().map(|it| it.to_vec()).collect::<Vec<_>>()));
+    assert_eq!(at.good("detect layer.npy --dim 2").stdout, text);
+    at.file("nan.npy", npy(&[vec![0.0, 0.0, 0.0], vec![1.0, f64::NAN, 0.0]]));
+    at.ends(2, "detect nan.npy --radius 1", &["nan.npy", "particle 1 (from 0)", "y is NaN"]);
+    at.file("negative.npy", npy(&[vec![0.0, 0.0, 0.0, 1.0], vec![1.0, 0.0, 0.0, -1.0]]));
+    at.ends(2, "detect negative.npy", &["negative.npy", "particle 1 (from 0)", "-1"]);
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error_and_a_full_disk_is_one() {
+    let at = Place::new();
+    // 400 discs in one place: 79,800 pairs, more than any pipe holds.
+    at.file("heap.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(400)));
+    // Two pairs of lines wait in a buffer until the end.
+    at.file("two.csv", "x,y,r\n0,0,1\n0,0,1\n");
+    let first = at.shell(&format!("{{ {PROGRAM} detect heap.csv; echo $? > code; }} | head -1"));
+    assert_eq!(first.stdout, "i,j\n");
+    assert!(!first.stderr.contains("contactbench: "), "{}", first.stderr);
+    assert_eq!(at.read("code"), "0\n");
+    let Ok(_) = std::fs::metadata("/dev/full") else { return };
+    for name in ["heap.csv", "two.csv"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut program = program(at.root(), &["detect", name]);
+        let child = program.stdout(full).stderr(Stdio::piped()).spawn().unwrap();
+        let ended = ended(child.wait_with_output().unwrap());
+        assert_eq!(ended.code, Some(2), "{name}");
+        assert!(ended.stderr.contains("standard output: No space left"), "{}", ended.stderr);
+    }
+}

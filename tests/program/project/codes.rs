@@ -1,0 +1,159 @@
+//! Simulation codes with their own lists: the lines and commands of docs/YOUR-CODE.md, and the
+//! table of settings. Where a code is not installed, its test says so and passes.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::common::{PROGRAM, Place, ended, foreign, not_started, untested};
+
+const PAGE: &str = include_str!("../../../docs/YOUR-CODE.md");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
+
+/// The block of a language in the section of a code.
+fn block(section: &str, language: &str) -> &'static str {
+    let section = PAGE.split_once(&format!("\n## {section}\n")).unwrap().1;
+    let block = section.split_once(&format!("```{language}\n")).unwrap().1;
+    block.split_once("```").unwrap().0
+}
+
+/// Does a program start?
+fn starts(program: &str) -> bool {
+    let mut command = Command::new(program);
+    command.arg("-h").current_dir(std::env::temp_dir());
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// Runs a program to a good end; the reason if MPI could not start.
+fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
+    let mut started = Command::new(command[0]);
+    started.args(&command[1..]).current_dir(at.root()).stdin(Stdio::null());
+    let ended = ended(started.output().unwrap());
+    let said = format!("{}{}", ended.stdout, ended.stderr);
+    match not_started(&said) {
+        Some(reason) if ended.code != Some(0) => Err(reason),
+        _ => {
+            let _: () = assert_eq!(ended.code, Some(0), "{command:?}: {said}");
+            Ok(())
+        }
+    }
+}
+
+/// Puts the lines of the page before the line `before` of the example, runs that in the code, and
+/// asks for the commands of the page: the lists of a careful setting miss nothing.
+fn the_page_holds(section: &str, language: &str, script: &str, before: &str, command: &[&str]) {
+    let what = format!("docs/YOUR-CODE.md, {section}");
+    if !starts(command[0]) {
+        return untested(&what, "installation of it");
+    }
+    if !starts("python3") {
+        return untested(&what, "python3");
+    }
+    foreign(&what, || {
+        let at = Place::new();
+        let text = std::fs::read_to_string(Path::new(FOLDER).join(script)).unwrap();
+        let (above, below) = text.split_once(before).unwrap();
+        at.file(script, format!("{above}{}{before}{below}", block(section, language)));
+        let start = format!(
+            "import sys; sys.path.insert(0, '{FOLDER}'); sys.dont_write_bytecode = True; import \
+             cases; cases.write_start('start.data', cases.CHUTE, quick=True)"
+        );
+        ends(&at, &["python3", "-c", &start])?;
+        ends(&at, command)?;
+        let lines = block(section, "text").lines();
+        assert_eq!(lines.clone().count(), 2);
+        for line in lines.map(|line| line.strip_prefix("contactbench ").unwrap()) {
+            let verify = line.starts_with("verify");
+            let words = if verify { "the same in " } else { "\nevery step " };
+            let said = at.ends(0, line, &[words]);
+            assert!(!said.stdout.contains(" 0 touching pairs"), "{line}: {}", said.stdout);
+        }
+        Ok(())
+    });
+}
+
+#[test]
+fn the_page_holds_for_lammps() {
+    let command = ["lmp", "-in", "chute.lammps", "-var", "steps", "1500"];
+    the_page_holds("LAMMPS", "lammps", "chute.lammps", "thermo ${steps}", &command);
+}
+
+#[test]
+fn the_page_holds_for_liggghts() {
+    let command = ["liggghts", "-in", "chute.liggghts", "-var", "steps", "2100"];
+    the_page_holds("LIGGGHTS", "liggghts", "chute.liggghts", "thermo ${steps}", &command);
+}
+
+#[test]
+fn the_page_holds_for_yade() {
+    let command = ["yade", "-x", "-n", "-j1", "chute_yade.py", "{\"steps\": 2100}"];
+    the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
+}
+
+/// The driver makes a row for each setting: a list that is built when something has moved half of
+/// the skin misses nothing, one that is built every hundred steps does.
+#[test]
+fn settings_are_told_apart_or_say_how_to_get_the_code() {
+    if !starts("python3") {
+        return untested("examples/codes", "python3");
+    }
+    foreign("examples/codes", settings_are_told_apart);
+}
+
+fn settings_are_told_apart() -> Result<(), String> {
+    let at = Place::new();
+    let driver =
+        format!("python3 {FOLDER}/codes.py --quick --blocks 1 --steps 1500 --codes lammps");
+    let mut command: Vec<&str> = driver.split(' ').collect();
+    command.extend(["--only", "chute: neighbor 0.1 bin, every 1"]);
+    command.extend(["--contactbench", PROGRAM, "--out", "out"]);
+    ends(&at, &command)?;
+    let (table, page) = (at.read("out/settings.csv"), at.read("out/report.md"));
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let head = table.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let of = |row: usize, name: &str| &rows[row][head.iter().position(|it| it == name).unwrap()];
+    assert_eq!(rows.len(), 3);
+    if !starts("lmp") {
+        untested("examples/codes", "installation of LAMMPS");
+        for row in 0..rows.len() {
+            assert_eq!(of(row, "outcome"), "unavailable");
+            assert!(of(row, "reason").contains("apt-get install lammps"));
+        }
+        assert!(page.contains("apt-get install lammps"));
+        return Ok(());
+    }
+    for row in 0..rows.len() {
+        let setting = of(row, "setting");
+        if let Some(reason) = not_started(of(row, "reason")) {
+            return Err(reason);
+        }
+        let said = of(row, "missed").parse::<u64>();
+        let said = said.unwrap_or_else(|_| panic!("{setting}: {}", of(row, "reason")));
+        assert_eq!((of(row, "outcome"), of(row, "spurious")), ("ok", "0"), "{setting}");
+        assert!(of(row, "step_ns").parse::<f64>().unwrap() > 0.0, "{setting}");
+        assert!(page.contains(setting));
+        let careless = setting.contains("check no");
+        assert_eq!(of(row, "dangerous") == "not checked", careless, "{setting}");
+        assert_eq!(said > 0, careless, "{setting}: {said}");
+    }
+    Ok(())
+}
+
+/// A program of others that cannot start is tried once more, then named with the reason; one that
+/// starts and fails is a failure.
+#[test]
+fn programs_of_others_are_tried_twice() {
+    let tries = std::cell::Cell::new(0);
+    let starts_at = |first: u32| {
+        tries.set(0);
+        foreign("trying twice, which is tested", || {
+            tries.set(tries.get() + 1);
+            if tries.get() < first { Err("no daemon".into()) } else { Ok(()) }
+        });
+        tries.get()
+    };
+    assert_eq!([1, 2].map(starts_at), [1, 2]);
+    let daemon = "[host:1] *** An error occurred in MPI_Init\nORTE was unable to start a daemon\n";
+    assert!(not_started(daemon).unwrap().contains("MPI_Init"));
+    assert_eq!(not_started("ERROR: Unknown pair style\n"), None);
+}

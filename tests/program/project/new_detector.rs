@@ -1,0 +1,172 @@
+//! `new-detector`: the detector that it writes is compiled here and held to the truth, and its
+//! lines come to the right places, all or none.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use contactbench::check::contender::Contender;
+use contactbench::check::{self, Limits};
+use contactbench::contact::Arithmetic;
+use contactbench::detect::any::Both;
+use contactbench::detect::table::{Entry, Group, Judge, Role, Speed};
+use contactbench::detect::{Declare, Detector, Options, Refusal, within};
+use contactbench::{contact, sink};
+
+use crate::common::Place;
+
+#[path = "../../../src/cli/template.rs"]
+mod written;
+use written::NewDetector;
+
+const TEMPLATE: &str = include_str!("../../../src/cli/template.rs");
+const FOLDER: &str = "crates/core/src/detect";
+
+static ENTRY: Entry = Entry {
+    name: "new-detector",
+    role: Role::Detector,
+    group: Group::Modern,
+    summary: "",
+    cost: "",
+    memory: "16N",
+    limits: "",
+    threads: false,
+    speed: Speed::Usual,
+    judge: Judge::NOT,
+    parameters: &[],
+    constructor: Both::<NewDetector, NewDetector>::boxed,
+};
+
+#[test]
+fn what_is_written_works() {
+    let limits = Limits { seeds: 1, time: std::time::Duration::from_secs(60), ..Limits::default() };
+    let report = check::battery(&[Contender::from(&ENTRY)], &[Arithmetic::Exact], &limits).unwrap();
+    let failures: Vec<String> = report
+        .failures
+        .iter()
+        .map(|it| format!("on {}:\n{}", it.found_on, check::as_csv(&it.smallest.scene)))
+        .collect();
+    assert!(failures.is_empty() && !report.cut && report.cases > 400, "{failures:?}");
+    // It refuses what the arithmetic cannot hold, and nothing else.
+    let refused = &report.refused;
+    assert!(refused.keys().all(|reason| !reason.starts_with("new-detector")), "{refused:?}");
+    // A limit is kept to.
+    let scene = contactbench::scene::spec::Spec::parse("packed:n=300").unwrap().make().unwrap();
+    for (memory_limit, enough) in [(16 * 300, true), (16 * 300 - 1, false)] {
+        let (mut count, mut detector) =
+            (sink::Count::default(), ENTRY.make(Options { memory_limit, threads: 1 }));
+        let answer = detector.visit(&scene, contact::Test::Exact, &mut count);
+        assert_eq!((answer.is_ok(), count.0 > 0), (enough, enough));
+    }
+}
+
+/// A folder with the two files that are changed, as they are in this checkout.
+fn checkout() -> Place {
+    let at = Place::new();
+    std::fs::create_dir_all(at.path(FOLDER).join("table")).unwrap();
+    for name in ["mod.rs", "table/mod.rs"] {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER).join(name);
+        std::fs::copy(from, at.path(FOLDER).join(name)).unwrap();
+    }
+    at
+}
+
+/// Name to text of all files.
+fn files(at: &Place) -> BTreeMap<String, String> {
+    let entries = std::fs::read_dir(at.path(FOLDER)).unwrap().map(|entry| entry.unwrap());
+    let files = entries.filter(|entry| entry.path().is_file());
+    let names = files.map(|entry| entry.file_name().into_string().unwrap());
+    let names = names.chain(["table/mod.rs".to_string()]);
+    names.map(|name| (name.clone(), at.read(&format!("{FOLDER}/{name}")))).collect()
+}
+
+/// The lines of `after` without those of `before`, which must all be there, in order.
+fn added<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
+    let mut old = before.lines().peekable();
+    let new = after.lines().filter(|line| old.next_if_eq(line).is_none()).collect();
+    assert_eq!(old.next(), None, "a line is gone");
+    new
+}
+
+#[test]
+fn the_lines_come_to_their_places() {
+    let long = "a-name-as-long-as-it-may-be-1234";
+    for (given, name, kind) in [
+        ("quick-tree", "quick-tree", "QuickTree"),
+        ("aaa_1", "aaa-1", "Aaa1"),
+        ("zz", "zz", "Zz"),
+        (long, long, "ANameAsLongAsItMayBe1234"),
+    ] {
+        let module = name.replace('-', "_");
+        let at = checkout();
+        let before = files(&at);
+        let line = format!("new-detector {given}");
+        assert_eq!(at.ends(0, &line, &[&format!("check --detector {name}")]).stderr, "");
+        let after = files(&at);
+        assert_eq!(after.len(), 3);
+        // The file is the template that is compiled above, with other names.
+        let file = &after[&format!("{module}.rs")];
+        assert_eq!(*file, TEMPLATE.replace("new-detector", name).replace("NewDetector", kind));
+        // One module, in its place; what belongs to the next one stays with it.
+        assert_eq!(added(&before["mod.rs"], &after["mod.rs"]), [format!("pub mod {module};")]);
+        let modules = after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
+        assert!(modules.clone().is_sorted(), "{:?}", modules.collect::<Vec<_>>());
+        // One entry, before the controls.
+        let table = &after["table/mod.rs"];
+        let lines = added(&before["table/mod.rs"], table).join("\n");
+        assert_eq!(lines.matches("Entry {").count(), 1, "{lines}");
+        assert!(lines.contains(&format!("super::{module}::{kind}")), "{lines}");
+        let place = |name: &str| table.find(&format!("name: \"{name}\",")).unwrap();
+        assert!(place("kd-tree") < place(name) && place(name) < place("nothing"));
+        // Once only.
+        at.ends(2, &line, &["already; take another name"]);
+        assert_eq!(files(&at), after);
+    }
+}
+
+#[test]
+fn bad_names_are_refused_and_change_nothing() {
+    let at = checkout();
+    let before = files(&at);
+    for (name, words) in [
+        ("Grid", "small letter"),
+        ("2d-grid", "small letter"),
+        ("a--b", "single '-'"),
+        ("-a", "unexpected argument"),
+        ("'a b'", "small letter"),
+        ("../a", "small letter"),
+        ("größe", "small letter"),
+        ("''", "small letter"),
+        ("loop", "a word of the language"),
+        ("self", "a word of the language"),
+        ("sink", "a type Sink"),
+        ("vec", "a type Vec"),
+        ("nbs", "there is a detector 'nbs' already"),
+        ("nbs_twin", "there is a detector 'nbs-twin' already"),
+        ("kiddo", "a library"),
+        ("modern", "there is a module modern"),
+        ("streamed", "there is a module streamed"),
+        ("a-name-that-is-longer-than-it-may-be", "at most 32"),
+    ] {
+        at.ends(2, &format!("new-detector {name}"), &[words]);
+    }
+    assert_eq!(files(&at), before);
+}
+
+#[test]
+fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_printed() {
+    let at = Place::new();
+    at.ends(2, "new-detector quick-tree", &["no crates/core/src/detect/mod.rs", "--in"]);
+    for (file, old, words) in [
+        ("table/mod.rs", "pub static TABLE", "constructor: Both::<super::quick_tree::QuickTree"),
+        ("mod.rs", "pub mod ", "pub mod quick_tree;"),
+    ] {
+        let checkout = checkout();
+        let name = format!("{FOLDER}/{file}");
+        let text = checkout.read(&name).replace(old, "pub(crate) thing ");
+        let path = checkout.file(&name, text).display().to_string();
+        let before = files(&checkout);
+        let line = format!("new-detector quick-tree --in {}", checkout.root().display());
+        at.ends(2, &line, &["nothing was changed", words, &path]);
+        assert_eq!(files(&checkout), before, "{file}");
+    }
+}

@@ -1,0 +1,184 @@
+//! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
+//! `runners/`, those of simulation codes among them. What is not there is unavailable, and says how
+//! to get it; what is there is right, but for those that compute in single precision.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use contactbench::detect::peers::{self, PEERS};
+use contactbench::detect::table::{self, Role};
+use contactbench::record::role;
+use contactbench::record::row::{Outcome, Row};
+use serde_json::Value;
+
+use crate::common::{Place, ended, program, untested};
+
+const EXPERIMENTS: [&str; 2] = [
+    include_str!("../../../experiments/peers.toml"),
+    include_str!("../../../experiments/codes.toml"),
+];
+const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
+                    1\ntime-limit-s = 60\n";
+/// Runners of libraries that compute in single precision.
+const SINGLE: [&str; 2] = ["mdanalysis-nsgrid", "freud-aabb"];
+
+/// The tables of runners in the experiments.
+fn runners() -> String {
+    let tables = |text: &'static str| {
+        &text[text.find("[[runner]]").unwrap()..text.find("[[claim]]").unwrap()]
+    };
+    EXPERIMENTS.map(tables).concat()
+}
+
+/// The rows of an experiment that is run in `place`.
+fn rows(place: &Path, text: &str) -> Vec<Row> {
+    let at = Place::new();
+    let (file, out) = (at.file("t.toml", format!("{HEAD}{text}")), at.path("result"));
+    let [file, out] = [file, out].map(|path| path.display().to_string());
+    let mut command = program(place, &["run", &file, "--out", &out]);
+    // Programs that runners compile stay with the tests.
+    command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR")).env("TMPDIR", at.root());
+    ended(command.output().unwrap());
+    at.rows("result")
+}
+
+#[test]
+fn each_peer_is_in_the_table_or_says_how_to_get_it() {
+    for peer in PEERS {
+        match (table::find(peer.name), peers::missing(peer.name)) {
+            (Some(entry), None) => {
+                assert!(
+                    cfg!(feature = "peers")
+                        && entry.role == Role::Peer
+                        && !entry.is_ours()
+                        && entry.must_be_right(),
+                    "{}",
+                    peer.name
+                );
+                assert_eq!(
+                    (entry.summary, entry.cost, entry.limits),
+                    (peer.summary, peer.cost, peer.limits)
+                );
+            }
+            (None, Some(reason)) => {
+                assert!(
+                    !cfg!(feature = "peers")
+                        && reason.contains("cargo run --release --features peers --"),
+                    "{reason}"
+                )
+            }
+            both => panic!("{}: {:?}", peer.name, both.1),
+        }
+    }
+    assert!(peers::missing("kidd").is_none() && peers::missing("nbs").is_none());
+    assert_eq!(
+        table::TABLE.iter().filter(|entry| !entry.is_ours()).count(),
+        if cfg!(feature = "peers") { PEERS.len() } else { 0 }
+    );
+}
+
+#[test]
+fn an_experiment_may_name_peers_that_were_not_compiled() {
+    let names = PEERS.map(|peer| format!("\"{}\"", peer.name)).join(", ");
+    let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
+    let detectors = format!("detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n");
+    let rows = rows(Path::new("."), &format!("{detectors}{scene}"));
+    // And the twin of nbs, in the first arithmetic.
+    assert_eq!(rows.len(), 4 * (2 * (1 + PEERS.len()) + 1) * 3);
+    for row in &rows {
+        let peer = !row.id.detector.starts_with("nbs");
+        if peer && !cfg!(feature = "peers") {
+            assert_eq!(row.outcome, Outcome::Unavailable);
+            assert_eq!(Some(&row.reason), peers::missing(&row.id.detector).as_ref());
+        } else {
+            assert_eq!(row.outcome, Outcome::Ok, "{row:?}");
+            assert_eq!(row.formula_bytes.is_some(), !peer && row.peak_bytes.is_some());
+        }
+    }
+    if !cfg!(feature = "peers") {
+        Place::new().ends(2, "check --detector @peers", &["--features peers"]);
+    }
+}
+
+#[test]
+fn runners_are_right_or_unavailable() {
+    let scenes = "[[scene]]\nname = \"packed\"\nn = 300\nsize-ratio = 3\n[[scene]]\nname = \
+                  \"packed\"\ndim = 3\nn = [0, 300]\n";
+    let text = format!("memory-limit-mib = 16384\ndetectors = [\"nbs\"]\n{scenes}{}", runners());
+    let rows = rows(Path::new(env!("CARGO_MANIFEST_DIR")), &text);
+    for row in rows.iter().filter(|row| row.role == role::Role::Runner) {
+        let wrong = row.outcome == Outcome::Wrong && SINGLE.contains(&row.id.detector.as_str());
+        let absent = row.outcome == Outcome::Unavailable
+            && ["pip install", "apt-get install"].iter().any(|way| row.reason.contains(way));
+        // A periodic box needs an extent, and a neighbour list a cutoff.
+        let refused = row.outcome == Outcome::Refused && row.id.n < 2;
+        assert!(row.outcome == Outcome::Ok || wrong || absent || refused, "{row:?}");
+        assert_eq!(
+            row.time_ns.is_some(),
+            row.block == 1 && (row.outcome == Outcome::Ok || wrong),
+            "{row:?}"
+        );
+    }
+    for name in runners().lines().filter_map(|line| line.strip_prefix("name = ")) {
+        let last = rows.iter().rfind(|row| format!("\"{}\"", row.id.detector) == name).unwrap();
+        println!("{name}: {} {}", last.outcome.name(), last.reason);
+    }
+}
+
+#[test]
+fn runners_away_from_the_repository_say_where_to_start() {
+    let text = format!("detectors = []\n[[scene]]\nname = \"packed\"\nn = 10\n{}", runners());
+    for row in rows(Place::new().root(), &text).iter().filter(|row| row.role == role::Role::Runner)
+    {
+        assert!(
+            row.outcome == Outcome::Unavailable
+                && row.reason.contains("in the root of the repository"),
+            "{row:?}"
+        );
+    }
+}
+
+/// The reply of a runner that does not get to its library.
+fn reply(command: &mut Command) -> Option<Value> {
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
+    // A runner that prints no more has closed its input.
+    let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
+    let output = child.wait_with_output().unwrap();
+    let reply: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(reply["reply"], "unavailable", "{reply}");
+    Some(reply["reason"].clone())
+}
+
+/// Libraries that cannot be imported, because others of their names fail to be, and programs that
+/// cannot be compiled.
+#[test]
+fn a_runner_without_its_library_or_compiler_names_the_way_to_get_it() {
+    let at = Place::new();
+    let runners = Path::new(env!("CARGO_MANIFEST_DIR")).join("runners");
+    for (runner, module, package) in [
+        ("ckdtree", "scipy", "scipy"),
+        ("mdanalysis", "MDAnalysis", "MDAnalysis"),
+        ("freud_query", "freud", "freud-analysis"),
+        ("vesin_list", "vesin", "vesin"),
+    ] {
+        at.file(&format!("{module}.py"), "raise ImportError('hidden')\n");
+        let mut python = Command::new("python3");
+        python.arg(runners.join(format!("{runner}.py"))).env("PYTHONPATH", at.root());
+        let Some(reason) = reply(&mut python) else {
+            untested("runners in Python without their libraries", "python3");
+            break;
+        };
+        let ways = [package, "numpy"].map(|it| format!("pip install {it}"));
+        assert!(ways.iter().any(|way| reason.as_str().unwrap().contains(way)), "{reason}");
+    }
+    for (name, words) in
+        [("nanoflann", "libnanoflann-dev"), ("cgal", "libcgal-dev"), ("flann", "no runner flann")]
+    {
+        let mut shell = Command::new("sh");
+        shell.arg(runners.join("run.sh")).arg(name).env("CXX", "no-such-compiler");
+        shell.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+        let reason = reply(&mut shell).unwrap();
+        assert!(reason.as_str().unwrap().contains(words), "{reason}");
+    }
+}

@@ -1,0 +1,169 @@
+//! README and the pages in docs are true: the Rust code is the code of the example, which is
+//! compiled and right, and the commands work as written.
+
+use std::path::{Path, PathBuf};
+
+use contactbench::cells::{self, Cell};
+use contactbench::detect::table::{Role, TABLE};
+use contactbench::record::row;
+
+use crate::committed::committed;
+use crate::common::{PROGRAM, Place};
+
+const README: &str = include_str!("../../../README.md");
+const DETECTORS: &str = include_str!("../../../docs/DETECTORS.md");
+const EXAMPLE: &str = include_str!("../../../examples/add_a_detector.rs");
+
+/// The text of all fenced blocks of a language, in order.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let (mut found, mut inside) = (Vec::new(), None);
+    for line in page.lines() {
+        match (line.strip_prefix("```"), &mut inside) {
+            (Some(name), None) => inside = Some((name.to_string(), String::new())),
+            (Some(_), Some(_)) => found.extend(inside.take()),
+            (None, Some((_, text))) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    assert!(inside.is_none(), "a fenced block is not closed");
+    found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
+}
+
+/// What stands between `// PAGE: name` and `// PAGE: end` in the example, without common
+/// indentation.
+fn marked(name: &str) -> String {
+    let lines =
+        EXAMPLE.lines().skip_while(|line| line.trim() != format!("// PAGE: {name}")).skip(1);
+    let lines: Vec<&str> = lines.take_while(|line| line.trim() != "// PAGE: end").collect();
+    let indent = lines
+        .iter()
+        .filter(|line| !line.is_empty())
+        .map(|line| line.len() - line.trim_start().len())
+        .min()
+        .unwrap_or(0);
+    lines.iter().map(|line| format!("{}\n", line.get(indent..).unwrap_or_default())).collect()
+}
+
+#[test]
+fn the_code_is_that_of_the_example() {
+    let (detector, table) = (marked("detector"), marked("table"));
+    assert_eq!(blocks(DETECTORS, "rust"), [detector.clone(), table]);
+    assert!((10..50).contains(&detector.lines().count()), "{} lines", detector.lines().count());
+}
+
+/// Runs the commands of a page in order and in one folder, so that a block can use the files of
+/// those before it; their number. Blocks that begin with cargo build and run for minutes, and are
+/// left out.
+fn run_commands_of(page: &str, at: &Place) -> usize {
+    let program = Path::new(PROGRAM).parent().unwrap().display();
+    let mut run = 0;
+    for block in blocks(page, "sh").iter().filter(|block| !block.starts_with("cargo ")) {
+        let ended = at.shell(&format!("set -eu\nPATH=\"{program}:$PATH\"\n{block}"));
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert_eq!(ended.code, Some(0), "{block}\n{said}");
+        run += block.lines().filter(|line| line.starts_with("contactbench ")).count();
+    }
+    run
+}
+
+#[test]
+fn the_commands_work_as_written() {
+    let at = Place::new();
+    assert_eq!(run_commands_of(README, &at), 4, "commands of README");
+    assert_eq!(at.read("pairs.csv"), "i,j\n0,1\n2,3\n");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    for path in std::fs::read_dir(docs).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_some_and(|ending| ending == "md") {
+            run_commands_of(&std::fs::read_to_string(&path).unwrap(), &Place::new());
+        }
+    }
+}
+
+/// The measured columns of the table of detectors are those of the record that it links to.
+#[test]
+fn the_measured_table_is_that_of_the_record() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
+    let cells = cells::cells(&row::read(&folder.join(row::FILE)).unwrap().rows);
+    let is_shown = |cell: &&Cell| {
+        let id = &cell.id;
+        (&*id.experiment, &*id.scene, id.dim, id.n) == ("scaling", "packed", 3, 100_000)
+            && (&*id.arithmetic, id.threads()) == ("exact", 1)
+    };
+    let (start, end) = ("<!-- measured:begin -->", "<!-- measured:end -->");
+    let table = README.split_once(start).unwrap().1.split_once(end).unwrap().0;
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    // A detector that a user adds is in neither; one that is in the record is in the table of README.
+    let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
+    let recorded = |name: &str| cells.iter().filter(is_shown).any(|cell| cell.id.detector == name);
+    let names: Vec<String> = ours
+        .map(|entry| entry.name)
+        .filter(|name| recorded(name))
+        .map(|n| format!("`{n}`"))
+        .collect();
+    assert!(names.len() >= 12, "{names:?}");
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), names);
+    for row in rows {
+        let detector = row[0].trim_matches('`');
+        let cell = cells.iter().filter(is_shown).find(|cell| cell.id.detector == detector);
+        let cell = cell.unwrap_or_else(|| panic!("{detector} is not in the record"));
+        let n = cell.id.n as f64;
+        let time = cell.time().map(|time| format!("{:.0}", time.median / n));
+        let bytes = cell.variable("peak_bytes", None).map(|bytes| format!("{:.1}", bytes / n));
+        let expected = [time, bytes].map(|shown| shown.unwrap_or("over the limit".into()));
+        assert_eq!(row[4..], expected, "{detector}");
+    }
+}
+
+/// Files named in links of the pages, and of what is written about records, are there.
+#[test]
+fn links_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages: Vec<PathBuf> = Vec::new();
+    let records = committed();
+    let write_ups = records.iter().flat_map(|folder| [folder.clone(), folder.join("..")]);
+    let folders = ["", "docs", "results"].map(|folder| root.join(folder));
+    for folder in folders.into_iter().chain(write_ups) {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        pages.extend(entries.filter(|path| path.extension().is_some_and(|it| it == "md")));
+    }
+    for page in pages {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for target in links.filter(|target| !target.contains("://")) {
+            let file = page.parent().unwrap().join(target.split('#').next().unwrap());
+            let there = target.starts_with('#') || file.exists();
+            assert!(there, "{} links to {target}, which is not there", page.display());
+        }
+    }
+}
+
+#[test]
+fn code_lines_are_at_most_100_columns() {
+    fn look(folder: &Path, wide: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                look(&path, wide);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > 100);
+                wide.extend(lines.map(|(k, _)| format!("{}:{}", path.display(), k + 1)));
+            }
+        }
+    }
+    let (root, mut wide) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
+    for folder in ["src", "crates"] {
+        look(&root.join(folder), &mut wide);
+    }
+    assert!(wide.is_empty(), "{wide:#?}");
+}
+
+#[test]
+fn the_citation_is_of_this_version() {
+    let version = format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"));
+    assert!(include_str!("../../../CITATION.cff").contains(&version));
+}

@@ -1,0 +1,279 @@
+//! What is written about the committed records is what they say.
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::committed::committed;
+use crate::common::{good, refused};
+
+/// Most lines of a write-up: a page of one screen and a half.
+const LONGEST: usize = 70;
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = path.as_ref();
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Returns the path of a record below `results/`.
+fn name(record: &Path) -> String {
+    record.strip_prefix(root().join("results")).unwrap().display().to_string()
+}
+
+/// Returns the folder whose README.md is about this record: its own, or the one around it.
+fn write_up(record: &Path) -> &Path {
+    if record.join("README.md").exists() { record } else { record.parent().unwrap() }
+}
+
+/// Returns the numbers with a decimal point in a text: measured ones, as all of them are printed.
+fn measured(text: &str) -> BTreeSet<&str> {
+    text.split(|c: char| !c.is_ascii_digit() && c != '.')
+        .map(|word| word.trim_end_matches('.'))
+        .filter(|word| word.contains('.') && word.parse::<f64>().is_ok())
+        .collect()
+}
+
+/// Returns the numbers that `page` has and the reports of these records have not.
+fn invented<'a>(page: &'a str, records: &[PathBuf]) -> Vec<&'a str> {
+    let reports: String = records.iter().map(|folder| read(folder.join("report.md"))).collect();
+    let known = measured(&reports);
+    measured(page).into_iter().filter(|number| !known.contains(number)).collect()
+}
+
+/// Returns what stands between a heading of the second level and the next.
+fn section<'a>(page: &'a str, heading: &str) -> &'a str {
+    let start = format!("\n## {heading}\n");
+    let rest = page.split_once(&start).unwrap_or_else(|| panic!("no section {heading}")).1;
+    rest.split("\n## ").next().unwrap_or(rest)
+}
+
+/// Returns a field of the provenance as text; none for a record without provenance.
+fn provenance(record: &Path, field: &str) -> Option<String> {
+    let text = std::fs::read_to_string(record.join("provenance.json")).ok()?;
+    let fields: Value = serde_json::from_str(&text).unwrap();
+    Some(fields[field].as_str().map_or_else(|| fields[field].to_string(), String::from))
+}
+
+/// Returns the program that made a record, as pages write it: `25 November 2026 (50b98b6)`.
+fn program(record: &Path) -> Option<(String, String)> {
+    const MONTHS: [&str; 12] = [
+        "January",
+        "February",
+        "March",
+        "April",
+        "May",
+        "June",
+        "July",
+        "August",
+        "September",
+        "October",
+        "November",
+        "December",
+    ];
+    let revision = provenance(record, "revision")?;
+    let date = git(&["show", "-s", "--format=%cs", &revision])?;
+    let mut parts = date.trim().split('-').map(|part| part.parse::<usize>().unwrap());
+    let [year, month, day] = [(); 3].map(|()| parts.next().unwrap());
+    Some((format!("{day} {} {year}", MONTHS[month - 1]), revision[..7].into()))
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").arg("-C").arg(root()).args(arguments).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Returns the pages that quote records.
+fn pages() -> Vec<(PathBuf, String)> {
+    let mut pages = ["README.md", "DESIGN.md"].map(|page| root().join(page)).to_vec();
+    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    pages.extend(docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
+    pages.into_iter().map(|page| (page.clone(), read(page))).collect()
+}
+
+/// Returns the paragraphs of a page that link to a record, or to the write-up about it.
+fn quotes<'a>(text: &'a str, record: &Path) -> impl Iterator<Item = &'a str> {
+    let links = [
+        format!("results/{}/", name(record)),
+        format!("results/{}/README", name(write_up(record))),
+    ];
+    let linked = move |part: &&str| links.iter().any(|link| part.contains(link));
+    text.split("\n\n").filter(|part| !part.starts_with("![")).filter(linked)
+}
+
+#[test]
+fn every_record_has_a_page_that_says_what_its_reports_say() {
+    let records = committed();
+    let pages: BTreeSet<&Path> = records.iter().map(|record| write_up(record)).collect();
+    for folder in pages {
+        let own: Vec<PathBuf> =
+            records.iter().filter(|it| it.starts_with(folder)).cloned().collect();
+        let (page, place) = (read(folder.join("README.md")), folder.display());
+        for heading in ["Question", "Setting", "Limits"] {
+            assert!(!section(&page, heading).trim().is_empty(), "{place}: {heading}");
+        }
+        let result = section(&page, "Result");
+        assert!(!measured(result).is_empty(), "{place}: a result has numbers");
+        assert_eq!(invented(result, &own), [""; 0], "{place}");
+        assert!(page.lines().count() <= LONGEST, "{place}: more than a page");
+    }
+    assert_eq!(invented("1.00 and 123456.789 times, at v1.2.3", &records[..1]), ["123456.789"]);
+}
+
+#[test]
+fn what_the_pages_quote_is_in_the_records() {
+    let results = root().join("results");
+    let libraries = include_str!("../../../docs/LIBRARIES.md");
+    let peers = [results.join("reference-peers")];
+    assert_eq!(invented(section(libraries, "Results so far"), &peers), [""; 0]);
+    let readme = include_str!("../../../README.md");
+    let result = readme.split_once("**One result:**").unwrap().1.split_once("\n\n").unwrap().0;
+    let of = |name: &str| invented(result, &[results.join("reference").join(name)]);
+    let (amd, intel) = (of("vectors-amd"), of("vectors-intel"));
+    // On which of the two processors each number was measured stands beside it.
+    assert_eq!(amd.iter().filter(|number| intel.contains(number)).count(), 0, "{amd:?} {intel:?}");
+    assert!(amd.len() < measured(result).len() && intel.len() < measured(result).len());
+}
+
+/// Returns the names of the detectors in a record, alone or in trackers.
+fn detectors(record: &Path) -> BTreeSet<String> {
+    let summary = record.join("summary.csv");
+    let text = if summary.exists() {
+        read(summary)
+    } else {
+        let packed = std::fs::File::open(record.join("summary.csv.gz")).unwrap();
+        let mut text = String::new();
+        flate2::read::GzDecoder::new(packed).read_to_string(&mut text).unwrap();
+        text
+    };
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let head = table.headers().unwrap().clone();
+    let columns: Vec<usize> = ["detector", "over"]
+        .iter()
+        .filter_map(|name| head.iter().position(|column| column == *name))
+        .collect();
+    let records = table.records().map(Result::unwrap);
+    let name = |cell: &str| cell.split(['(', ':']).next().unwrap_or_default().to_string();
+    records.flat_map(|row| columns.iter().map(|&k| name(&row[k])).collect::<Vec<_>>()).collect()
+}
+
+/// Returns the detectors of a record whose code has changed since `revision`, comments aside; none
+/// if the history of commits is not there.
+fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
+    let is_code = |line: &str| {
+        let code = line.get(1..).unwrap_or_default().trim();
+        let changed = line.starts_with(['+', '-']) && !line.starts_with("+++ ");
+        changed && !line.starts_with("--- ") && !code.is_empty() && !code.starts_with("//")
+    };
+    git(&["cat-file", "-e", revision])?;
+    let mut changed = BTreeSet::new();
+    for name in detectors(record) {
+        let stem = if name == "streamed-nbs" { "streamed".into() } else { name.replace('-', "_") };
+        // Wherever the crate stood: a file that was only moved has not changed.
+        let path = format!("*core/src/detect/*{stem}*");
+        if git(&["diff", "-M", revision, "--", &path])?.lines().any(is_code) {
+            changed.insert(name);
+        }
+    }
+    Some(changed)
+}
+
+/// A write-up names for each record the program that made it and the detectors that have changed
+/// since, and a page that links to such a record names the program, too.
+#[test]
+fn records_of_an_older_program_say_so() {
+    let pages = pages();
+    for record in committed() {
+        let Some(revision) = provenance(&record, "revision") else { continue };
+        let (Some((date, short)), Some(changed)) =
+            (program(&record), changed_since(&record, &revision))
+        else {
+            return crate::common::untested("the age of records", "history of commits");
+        };
+        let (folder, place) = (write_up(&record), record.display());
+        let page = read(folder.join("README.md"));
+        let report = record.join("report.md");
+        let link = format!("({})", report.strip_prefix(folder).unwrap().display());
+        let made = format!("{date} ({short})");
+        let line = page.lines().find(|line| line.contains(&link) && line.contains(&made));
+        let line = line.unwrap_or_else(|| panic!("{place}: no line with {link} and {made}"));
+        let missing: Vec<&String> =
+            changed.iter().filter(|name| !line.contains(&format!("`{name}`"))).collect();
+        assert!(missing.is_empty(), "{place}: changed since: {missing:?}");
+        for (page, text) in pages.iter().filter(|_| !changed.is_empty()) {
+            for part in quotes(text, &record) {
+                let said = part.replace('\n', " ");
+                let named = said.contains(&format!("program of {date}"))
+                    || said.contains(&format!("that of {date}"));
+                assert!(named, "{}: no 'program of {date}' beside {place}", page.display());
+            }
+        }
+    }
+}
+
+/// results/README.md has a line for each record, which its provenance, rows and report bear out.
+/// Pages quote only records of committed sources whose times may be quoted.
+#[test]
+fn the_index_names_every_record() {
+    let index = read(root().join("results/README.md"));
+    let rows: Vec<Vec<&str>> = index
+        .lines()
+        .filter(|line| line.starts_with("| ["))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let link = |row: &[&str]| row[0].split_once("](").unwrap().1.trim_end_matches(')').to_string();
+    let listed: BTreeSet<String> = rows.iter().map(|row| link(row)).collect();
+    let expected: BTreeSet<String> =
+        committed().into_iter().map(|record| name(&record) + "/report.md").collect();
+    assert_eq!(listed, expected);
+    let pages = pages();
+    for row in rows {
+        let [_, question, answer, made, day, machine, trust] = row[..] else { panic!("{row:?}") };
+        let record = root().join("results").join(link(&row).strip_suffix("/report.md").unwrap());
+        assert!(![question, answer, made, day, machine].contains(&""), "{row:?}");
+        let Some(revision) = provenance(&record, "revision") else { continue };
+        assert_eq!(made, &revision[..7], "{row:?}");
+        assert_eq!(day, &provenance(&record, "date_utc").unwrap()[..10], "{row:?}");
+        let report = read(record.join("report.md"));
+        let sealed = provenance(&record, "record_schema").is_some_and(|it| &*it >= "4");
+        let words = [
+            ("clean", provenance(&record, "dirty").is_some_and(|it| it == "false")),
+            ("idle", !report.contains("do not quote the times")),
+            ("sealed", sealed),
+            ("twins", detectors(&record).iter().any(|name| name.ends_with("-twin"))),
+        ];
+        let words: Vec<&str> = words.iter().filter(|(_, is)| *is).map(|(word, _)| *word).collect();
+        assert_eq!(trust, words.join(", "), "{row:?}");
+        if pages.iter().any(|(_, text)| quotes(text, &record).next().is_some()) {
+            assert!(trust.starts_with("clean, idle"), "{row:?}");
+            let ancestor = ["merge-base", "--is-ancestor", &revision, "HEAD"];
+            let shallow = git(&["rev-parse", "--is-shallow-repository"]);
+            assert!(shallow.is_none_or(|it| it.trim() == "true") || git(&ancestor).is_some());
+        }
+    }
+}
+
+/// All verbs that read a record read a compressed one, and none appends to it.
+#[test]
+fn verbs_read_compressed_records() {
+    let record = &root().join("results/reference-motion/million");
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let copy = Command::new("cp").arg("-r").args([record, folder]).status().unwrap();
+    assert!(copy.success());
+    std::fs::remove_file(folder.join("million/report.md")).unwrap();
+    good(folder, &["report", "million"]);
+    assert!(read(folder.join("million/report.md")) == read(record.join("report.md")));
+    good(folder, &["compare", "million", "million"]);
+    good(folder, &["merge", "million", "--out", "whole"]);
+    assert!(read(folder.join("whole/samples.jsonl")).lines().count() > 100);
+    let resume = ["run", "motion", "--resume", "--out", "million"];
+    refused(folder, &resume, &["million/samples.jsonl.gz is a compressed record", "gunzip"]);
+    refused(folder, &["merge", "whole", "--out", "million"], &["holds a record already"]);
+}

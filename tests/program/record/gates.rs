@@ -1,0 +1,170 @@
+//! What fails a comparison, and what is only shown.
+
+use serde_json::Value;
+
+use super::{OTHER, changed, junit, started};
+use crate::common::Place;
+
+/// A cell that the changes below touch: nbs with 50 discs.
+fn is_cell(row: &Value, pass: &str) -> bool {
+    (row["n"] == 50 && row["dim"] == 2) && row["detector"] == "nbs" && row["pass"] == pass
+}
+
+#[test]
+fn counts_bytes_and_digests_are_gated() {
+    let at = started();
+    at.good("run t.toml --out b --junit run.xml");
+    at.ends(0, "compare a b --junit compare.xml", &["compare: passed", "multiple of that of nbs"]);
+    assert_eq!(junit(&at.path("compare.xml")), (28, 0));
+    assert_eq!(junit(&at.path("run.xml")), (2, 0), "the claim, right answers");
+    let cases: [(&str, usize, fn(&mut Value)); 5] = [
+        ("list_push", 1, |row| {
+            if is_cell(row, "count") {
+                row["counts"]["list_push"] = 51.into();
+            }
+        }),
+        ("peak_bytes", 1, |row| {
+            if is_cell(row, "memory") {
+                (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
+            }
+        }),
+        // A record in which only one of them has it would contradict itself.
+        ("answer", 3, |row| {
+            if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
+                row["digest"] = OTHER.into()
+            }
+        }),
+        ("outcome (time)", 1, |row| {
+            if is_cell(row, "time") {
+                row["outcome"] = "wrong".into();
+            }
+        }),
+        ("scene", 4, |row| {
+            if row["n"] == 50 && row["dim"] == 2 {
+                row["stats"]["scene_hash"] = OTHER.into()
+            }
+        }),
+    ];
+    for (what, cells, change) in cases {
+        let count = if cells == 1 { "1 cell".into() } else { format!("{cells} cells") };
+        changed(&at, "changed", change, |_| ());
+        let words = [
+            "CHANGED  nbs, exact, packed, 2D, n = 50\n",
+            &format!("         {what} "),
+            &format!("CHANGED in {count} (28 cells compared"),
+            "::error title=contactbench compare%3A t.packed%3A nbs%2C exact%2C packed%2C 2D%2C n \
+             = 50::changed",
+        ];
+        at.ends(1, "compare a changed --junit compare.xml --annotations", &words);
+        assert_eq!(junit(&at.path("compare.xml")), (28, cells));
+    }
+}
+
+fn slower(row: &mut Value) {
+    if let Some(time) = row["time_ns"].as_u64().filter(|_| row["detector"] == "sweep") {
+        row["time_ns"] = (10 * time).into();
+    }
+}
+
+/// The exit code of a comparison, what it prints, and what of the cell of sweep.
+fn compared(at: &Place, more: &str) -> (Option<i32>, Value, Value) {
+    let ended = at.run(&format!("compare a slower --json {more}"));
+    let all: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let cells = all["cells"].as_array().unwrap();
+    let sweep = cells.iter().find(|cell| cell["key"]["detector"] == "sweep").unwrap();
+    (ended.code, all.clone(), sweep["time"].clone())
+}
+
+#[test]
+fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
+    let at = started();
+    changed(&at, "slower", slower, |_| ());
+    at.ends(0, "compare a slower --annotations", &["slower", "::warning"]);
+    let (code, all, sweep) = compared(&at, "--gate-time");
+    assert_eq!((code, &all["passed"]), (Some(1), &false.into()));
+    assert_eq!([&all["summary"]["failed"], &all["summary"]["times"]["slower"]], [7, 7]);
+    assert!((9.9..10.1).contains(&sweep["ratio"].as_f64().unwrap()), "{sweep}");
+    assert_eq!(compared(&at, "--gate-time --band 1000").0, Some(0));
+    changed(&at, "slower", slower, |fields| fields["profile"] = "another".into());
+    assert_eq!(compared(&at, "--against nbs").2["verdict"], "not-judged");
+    // Another machine, and no control in both: shown, not judged, and never gated; judged against a
+    // detector of both, if that is asked for. Processors are named first.
+    let elsewhere = |row: &mut Value| {
+        slower(row);
+        row["machine"] = "other".into();
+        if row["role"]["twin"].is_string() {
+            row["role"] = "runner".into();
+        }
+    };
+    let host = |fields: &mut Value| {
+        (fields["machine"], fields["host"]) = ("other".into(), "other".into());
+    };
+    changed(&at, "slower", elsewhere, host);
+    for (more, verdict) in [
+        ("", "not-judged"),
+        ("--against nbs", "not-judged"),
+        ("--against nbs --across-machines", "slower"),
+    ] {
+        let (code, _, sweep) = compared(&at, more);
+        assert_eq!((code, &sweep["verdict"]), (Some(0), &verdict.into()), "{more}");
+        at.ends(2, &format!("compare a slower --gate-time {more}"), &[]);
+    }
+    at.ends(2, "compare a slower --gate-time", &["no time could be judged", "two machines"]);
+    let ended = at.good("compare a slower");
+    assert!(ended.stdout.starts_with("NOTE: two machines: "), "{}", ended.stdout);
+}
+
+/// A run that was cut short has not passed what it has not measured.
+#[test]
+fn what_one_has_not_measured_is_lacking() {
+    let at = started();
+    changed(&at, "cut", |_| (), |_| ());
+    let text = at.read("cut/samples.jsonl");
+    let kept = text.split_inclusive('\n').filter(|line| !line.contains("\"pass\":\"time\""));
+    at.file("cut/samples.jsonl", kept.collect::<String>());
+    at.ends(0, "compare a cut", &["28 measured in part in one"]);
+    at.ends(1, "compare a cut --strict", &["the time pass only in A"]);
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused() {
+    let at = started();
+    at.ends(2, "compare a none", &["none/samples.jsonl"]);
+    let names = ["--against bvh", "nbs, nbs-twin, nothing, sweep"];
+    at.ends(2, "compare a a --against bvh", &names);
+    at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);
+    changed(&at, "b", |row| row["seed"] = 7.into(), |_| ());
+    at.ends(2, "compare a b", &["a and b have no cell in common"]);
+    // Records of an older schema.
+    let old = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/records/schema-3");
+    let line = format!("compare {old} {old} --strict --against nbs");
+    at.ends(0, &line, &["the same everywhere"]);
+}
+
+/// The gate is passed only by a comparison that could have failed.
+#[test]
+fn a_gate_that_sees_nothing_is_not_passed() {
+    let at = started();
+    let times = |factor: fn(u64) -> u64, of: &'static str| {
+        move |row: &mut Value| {
+            if let Some(time) = row["time_ns"].as_u64()
+                && row["detector"].as_str().is_some_and(|name| name.starts_with(of))
+            {
+                row["time_ns"] = (time * factor(row["block"].as_u64().unwrap())).into();
+            }
+        }
+    };
+    at.good("compare a a --gate-time");
+    // Equal code that moved.
+    changed(&at, "moved", times(|_| 6, "nbs-twin"), |_| ());
+    let words = ["nbs-twin is equal code and moved by 6.00"];
+    at.ends(2, "compare a moved --gate-time", &words);
+    let ended = at.ends(0, "compare a moved", &words);
+    assert!(!ended.stdout.contains("slower "), "a verdict: {}", ended.stdout);
+    // Times that scatter by a factor of 50: one of two detectors sees, or none does.
+    changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "sweep"), |_| ());
+    at.good("compare noisy noisy --gate-time");
+    changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "nbs"), |_| ());
+    let line = "compare noisy noisy --gate-time --against sweep";
+    at.ends(2, line, &["can only find slowdowns of ", "run --against"]);
+}

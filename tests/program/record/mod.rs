@@ -1,0 +1,110 @@
+//! Result folders beside each other and put together: shards, machines, revisions; what their
+//! pages say of them; and records that contradict themselves.
+
+mod builds;
+mod ci;
+mod committed;
+mod gates;
+mod integrity;
+mod maps;
+mod merge;
+mod origins;
+mod partial;
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use contactbench::record::{ledger, provenance, row, seal};
+use serde_json::Value;
+
+use crate::common::{Place, Template};
+
+const EXPERIMENT: &str = r#"
+name = "t"
+title = "t"
+question = "?"
+reading = "-"
+blocks = 5
+detectors = ["nbs", "sweep", "nothing"]
+[[scene]]
+name = "packed"
+dim = [2, 3]
+n = [50, 200]
+[[scene]]
+name = "pack-c"
+n = 100
+s = [2, 5, 9]
+[[claim]]
+name = "nbs pushes"
+kind = "at-most"
+value = "n"
+to = "list_push"
+where = { detector = "nbs" }
+"#;
+
+/// A fingerprint that nothing has.
+const OTHER: &str = "0x0000000000000001";
+
+/// A copy of a result folder, with its rows and its provenance changed.
+fn changed(at: &Place, to: &str, change: impl Fn(&mut Value), fields_changed: impl Fn(&mut Value)) {
+    copied(at, ["a", to], change, fields_changed);
+}
+
+fn copied(
+    at: &Place,
+    [from, to]: [&str; 2],
+    change: impl Fn(&mut Value),
+    fields_changed: impl Fn(&mut Value),
+) {
+    let edit = |text: &str, change: &dyn Fn(&mut Value)| {
+        let mut value: Value = serde_json::from_str(text).unwrap();
+        change(&mut value);
+        value
+    };
+    // As a run would have written it: one detection in each sample, and a check of the line.
+    let change = |row: &mut Value| {
+        change(row);
+        if row["time_ns"].is_u64() {
+            (row["calls"], row["elapsed_ns"]) = (1.into(), row["time_ns"].clone());
+        }
+    };
+    std::fs::create_dir_all(at.path(to).join("experiments")).unwrap();
+    for name in ["experiments/t.toml", ledger::FILE] {
+        std::fs::copy(at.path(from).join(name), at.path(to).join(name)).unwrap();
+    }
+    let sealed =
+        |line: &str| seal::sealed(&edit(&seal::unsealed(line), &change).to_string()) + "\n";
+    let record = at.read(&format!("{from}/{}", row::FILE));
+    at.file(&format!("{to}/{}", row::FILE), record.lines().map(sealed).collect::<String>());
+    let fields = edit(&at.read(&format!("{from}/{}", provenance::FILE)), &fields_changed);
+    at.file(&format!("{to}/{}", provenance::FILE), provenance::text(&fields).unwrap());
+}
+
+/// A result folder `a`, with times that do not depend on what else the machine does: 1000 ns and
+/// the number of the block.
+fn started() -> Place {
+    static RUN: OnceLock<Template> = OnceLock::new();
+    let calm = |row: &mut Value| {
+        if row["time_ns"].is_u64() {
+            row["time_ns"] = (1000 + row["block"].as_u64().unwrap()).into();
+        }
+    };
+    let template = RUN.get_or_init(|| {
+        Template::new(|at| {
+            at.file("t.toml", EXPERIMENT);
+            at.good("run t.toml --out measured");
+            copied(at, ["measured", "a"], calm, |_| ());
+        })
+    });
+    template.place()
+}
+
+/// Test cases and failures of a file that is well-formed.
+pub fn junit(path: &Path) -> (usize, usize) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let count = |name: &str| document.descendants().filter(|node| node.has_tag_name(name)).count();
+    let mut cases = document.descendants().filter(|node| node.has_tag_name("testcase"));
+    assert!(cases.all(|case| case.attribute("classname").is_some()));
+    (count("testcase"), count("failure"))
+}

@@ -1,0 +1,242 @@
+//! Where rows come from, and what makes their times doubtful: noted while they are measured, and
+//! printed wherever they are shown.
+
+use std::path::Path;
+use std::process::Command;
+
+use contactbench::record::ledger::{self, Entry, Ledger, Span};
+use contactbench::record::row::{Outcome, Pass, Row};
+use contactbench::record::{provenance, seal};
+use contactbench::wide::Level;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use crate::common::{PROGRAM, Place, answers, runner, sample, untested};
+
+const TEXT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
+                    1\ndetectors = [\"nbs\", \"streamed-nbs\", \
+                    \"streamed-nbs:level=portable\"]\n[[scene]]\nname = \"packed\"\nn = [20, 30]\n";
+
+fn sum(path: &Path) -> String {
+    let sum = Sha256::digest(std::fs::read(path).unwrap());
+    sum.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[test]
+fn every_row_names_the_program_that_answered_and_when() {
+    let at = Place::new();
+    let hello = r#""arithmetic":"f64""#;
+    let said = format!(r#"{hello},"version":"7.1","build":{{"compiler":"cc 5"}}"#);
+    let library = answers(&[("sample", &sample(0, "0x0"))]).replace(hello, &said);
+    at.file("library.sh", library);
+    let named = "[[runner]]\nname = \"library\"\ncommand = [\"sh\", \"library.sh\"]\n";
+    at.file("t.toml", format!("{TEXT}{named}{}", runner("missing", "no-such-program", "")));
+    // The answers of the library are wrong.
+    at.ends(1, "run t.toml --out result", &[]);
+    let ledger = Ledger::read(&at.path("result"));
+    let own = sum(Path::new(PROGRAM));
+    for row in &at.rows("result") {
+        let contender = row.id.contender();
+        if contender == "missing" {
+            assert_eq!((&row.process, row.time_ns), (&None, None));
+            continue;
+        }
+        let process = &ledger.processes[row.process.as_ref().unwrap()];
+        let build = |name: &str| process.build.get(name).map(String::as_str);
+        let level = match &*contender {
+            "streamed-nbs" => Some(Level::best().name()),
+            "streamed-nbs:level=portable" => Some("portable"),
+            _ => None,
+        };
+        assert_eq!(build("level"), level, "{contender}");
+        if contender == "library" {
+            assert_eq!((&*process.version, build("compiler")), ("7.1", Some("cc 5")));
+            let script = process.files.iter().find(|file| file.name == "library.sh").unwrap();
+            assert_eq!(script.sha256.as_ref().unwrap(), &sum(&at.path("library.sh")));
+            assert!(process.files[0].sha256.is_some() && process.files.len() == 2);
+        } else {
+            assert_eq!(process.version, env!("CARGO_PKG_VERSION"));
+            assert_eq!(process.files[0].name, "contactbench");
+            assert_eq!(process.files[0].sha256.as_ref(), Some(&own));
+            assert!(build("revision").is_some() && build("sources").is_some());
+        }
+        let span = row.span.as_ref();
+        assert_eq!(span.is_some(), row.pass == Pass::Time && cfg!(target_os = "linux"), "{row:?}");
+        if let Some(span) = span {
+            let span = &ledger.spans[span];
+            assert!(span.scene.contains(&format!("N={}", row.id.n)), "{span:?}");
+            assert!(span.seconds > 0.0 && span.own_s > 0.0 && span.cores > 0, "{span:?}");
+        }
+    }
+    // One program with three levels of instructions, and a library; two scenes. Rows point there.
+    let levels = if Level::best().name() == "portable" { 2 } else { 3 };
+    let spans = if cfg!(target_os = "linux") { 2 } else { 0 };
+    assert_eq!((ledger.processes.len(), ledger.spans.len()), (levels + 1, spans));
+    let text = at.read("result/samples.jsonl");
+    assert!(!text.contains("sha256") && !text.contains("revision"));
+    // The entries stay with the rows.
+    at.ends(1, "merge result result --out twice", &[]);
+    assert_eq!(Ledger::read(&at.path("twice")), ledger);
+    let page = at.read("twice/report.md");
+    for words in ["## Programs", "library.sh (SHA-256 ", "compiler cc 5", "version 7.1"] {
+        assert!(page.contains(words), "{words} is not in\n{page}");
+    }
+}
+
+/// A command in a folder that knows nothing of repositories above it, nor of the user's settings.
+fn git_free(mut command: Command, folder: &Path) -> Command {
+    command.current_dir(folder).env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap());
+    command.env("GIT_CONFIG_GLOBAL", "/dev/null").env("GIT_CONFIG_NOSYSTEM", "1");
+    command.env_remove("GIT_DIR").env_remove("GIT_WORK_TREE");
+    command
+}
+
+#[test]
+fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
+    let at = Place::new();
+    let script = at.path("script");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/build.rs");
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let mut compiler = Command::new(rustc);
+    compiler.args(["--edition", "2024", "-o"]).args([&script, &source]);
+    assert!(compiler.status().unwrap().success());
+    // A tarball, unpacked somewhere.
+    let tree = at.path("tree");
+    std::fs::create_dir_all(tree.join("src")).unwrap();
+    for name in ["build.rs", "src/lib.rs", "README.md"] {
+        at.file(&format!("tree/{name}"), "1");
+    }
+    // Revision, state of the sources, and whether it looks again after the next commit.
+    let noted = || {
+        let output = git_free(Command::new(&script), &tree).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let said = String::from_utf8(output.stdout).unwrap();
+        let value = |name: &str| {
+            let head = format!("cargo:rustc-env=CONTACTBENCH_{name}=");
+            said.lines().find_map(|line| line.strip_prefix(&head)).unwrap().to_string()
+        };
+        (value("REVISION"), value("DIRTY"), said.contains("logs/HEAD"))
+    };
+    let unknown = ("unknown".to_string(), "unknown".to_string(), false);
+    assert_eq!(noted(), unknown);
+    let git = |arguments: &[&str]| {
+        let mut command = Command::new("git");
+        command.args(["-c", "user.name=a", "-c", "user.email=a@b"]).args(arguments);
+        let output = git_free(command, &tree).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+    };
+    if git(&["init", "-q"]).is_none() {
+        return untested("that the build notes its commit", "git");
+    }
+    // In a repository of others.
+    assert_eq!(noted(), unknown);
+    let commit = || {
+        git(&["add", "-A"]).unwrap();
+        git(&["commit", "-q", "-m", "."]).unwrap();
+        git(&["rev-parse", "HEAD"]).unwrap()
+    };
+    let first = commit();
+    assert_eq!(noted(), (first.clone(), "false".into(), false));
+    at.file("tree/README.md", "2");
+    assert_ne!(commit(), first);
+    assert_eq!(noted(), (first.clone(), "false".into(), false));
+    for name in ["src/lib.rs", "src/new.rs"] {
+        let (revision, ..) = noted();
+        at.file(&format!("tree/{name}"), "2");
+        assert_eq!(noted(), (revision, "true".into(), true));
+        assert_eq!(noted().1, "true");
+        let now = commit();
+        assert_eq!(noted(), (now, "false".into(), false));
+    }
+}
+
+#[test]
+fn a_doubtful_record_has_its_doubt_on_every_page() {
+    let at = Place::new();
+    at.file("t.toml", TEXT);
+    at.good("run t.toml --out result");
+    let mut fields: Value = serde_json::from_str(&at.read("result/provenance.json")).unwrap();
+    (fields["dirty"], fields["profile"]) = (false.into(), "release".into());
+    let idle = Ledger::read(&at.path("result"));
+    let idle = |others: f64| -> String {
+        let spans = idle.spans.values().map(|span| {
+            let (seconds, others_s) = (10.0, 10.0 * others);
+            Span { seconds, others_s, stolen_s: 0.0, ..span.clone() }
+        });
+        let processes = idle.processes.values().cloned().map(|mut process| {
+            process.build.insert("profile".into(), "release".into());
+            process.build.insert("sources".into(), "as committed".into());
+            Entry::Process(process)
+        });
+        let entries = processes.chain(spans.map(Entry::Span));
+        entries.map(|entry| seal::sealed(&serde_json::to_string(&entry).unwrap()) + "\n").collect()
+    };
+    let doubt = "do not quote the times of this record: ";
+    let shown = |fields: &Value, entries: &str| {
+        at.file("result/provenance.json", provenance::text(fields).unwrap());
+        at.file(&format!("result/{}", ledger::FILE), entries);
+        let report = at.good("report result");
+        let pages = [
+            report.stdout.split_whitespace().collect::<Vec<_>>().join(" "),
+            at.read("result/report.md"),
+            at.read("result/report.html"),
+            at.good("compare result result").stdout,
+        ];
+        (pages, at.json("compare result result")["b"]["doubts"].clone())
+    };
+    let (pages, doubts) = shown(&fields, &idle(0.02));
+    assert!(pages.iter().all(|page| !page.contains(doubt)), "{}", pages[0]);
+    assert_eq!(doubts, Value::Array(Vec::new()));
+    let with = |name: &str, value: Value| {
+        let mut fields = fields.clone();
+        fields[name] = value;
+        fields
+    };
+    let unwatched: String =
+        idle(0.0).split_inclusive('\n').filter(|line| !line.contains("\"span\"")).collect();
+    for (fields, entries, words) in [
+        (fields.clone(), idle(0.35), "other processes used 35% of a core"),
+        (with("dirty", true.into()), idle(0.0), "the program was built from sources that were not"),
+        (with("profile", "debug".into()), idle(0.0), "the program is a debug build"),
+        (fields.clone(), unwatched, "what else the machine did is not known of 8 rows of 8"),
+    ] {
+        let (pages, doubts) = shown(&fields, &entries);
+        for page in &pages {
+            let at = page.find(doubt).unwrap_or_else(|| panic!("no doubt in\n{page}"));
+            assert!(page[at..].contains(words), "{words} is not in\n{page}");
+        }
+        assert!(doubts[0].as_str().unwrap().starts_with(words), "{doubts}");
+        // At the head, before what it is about.
+        assert!(pages[0].find(doubt) < pages[0].find("fast"), "{}", pages[0]);
+        assert!(pages[1].find(doubt) < pages[1].find("**?**"), "{}", pages[1]);
+    }
+}
+
+/// Another build, in shell: its second answer is another than the rest.
+#[cfg(unix)]
+#[test]
+fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
+    use std::os::unix::fs::PermissionsExt;
+    let at = Place::new();
+    let text = TEXT.replace("\"packed\"\nn = [20, 30]", "\"pack-c\"\nn = 25\ns = 5");
+    at.file("t.toml", text.replace(", \"streamed-nbs\", \"streamed-nbs:level=portable\"", ""));
+    let (right, other) = (sample(0, "0x0000000000000000"), sample(1, "0x910a2dec89025cc1"));
+    let code = format!("k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi");
+    let base = at.file("base.sh", format!("#!/bin/sh\n{}", answers(&[("sample", &code)])));
+    std::fs::set_permissions(&base, std::fs::Permissions::from_mode(0o755)).unwrap();
+    at.ends(1, "run t.toml --out result --against base.sh", &[]);
+    let rows = at.rows("result");
+    let timed: Vec<&Row> = rows.iter().filter(|row| row.pass == Pass::Time).collect();
+    assert_eq!(timed.len(), 3);
+    for row in timed {
+        let wrong = row.id.detector == "nbs@base";
+        assert_eq!(row.outcome == Outcome::Wrong, wrong, "{row:?}");
+        assert_eq!(row.reason.contains("1 of "), wrong, "{row:?}");
+    }
+    let resume = "run t.toml --out result --resume";
+    at.ends(2, resume, &["was begun beside another build; continue it with --against"]);
+    let other = "beside another build than that of --against";
+    at.ends(2, &format!("{resume} --against {PROGRAM}"), &[other]);
+    let said = at.run(&format!("{resume} --against base.sh")).stderr;
+    assert!(said.contains("resuming") && !said.contains("was begun"), "{said}");
+}

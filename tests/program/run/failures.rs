@@ -1,0 +1,200 @@
+//! Runners that crash, hang, lie or are not there.
+
+use contactbench::record::row::{Outcome, Pass, Row};
+
+use super::{EMPTY, HEAD, SPARSE, of, rows};
+use crate::common::{PROGRAM, Place, answers, fake, runner, sample, say};
+
+/// What no runner can have measured costs it its rows, with the reason; `check` prints the same.
+/// What that is, is tested where it is decided, in `run/possible`.
+#[test]
+fn impossible_numbers_are_refused() {
+    let fields = r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#;
+    let ages = format!(r#"{{"reply":"sample",{fields},"contacts":0,"digest":"{EMPTY}"}}"#);
+    let fields = r#""peak_bytes":5,"live_bytes":9,"allocations":1"#;
+    let memory = format!(r#"{{"reply":"memory",{fields},"contacts":0,"digest":"{EMPTY}"}}"#);
+    let cases = [
+        ("ages", answers(&[("sample", &say(&ages))]), "are these nanoseconds?"),
+        ("shrinks", answers(&[("memory", &say(&memory))]), "peak_bytes 5 and live_bytes 9"),
+    ];
+    let runners: String = cases.iter().map(|(name, text, _)| runner(name, "sh", text)).collect();
+    let (at, rows) = rows(&format!("detectors = [\"nbs\"]\n{SPARSE}{runners}"), 1);
+    for (name, script, words) in &cases {
+        let own = of(&rows, name, 25);
+        let last = own.last().unwrap();
+        assert_eq!((own.len(), last.outcome), (3, Outcome::Crashed), "{own:?}");
+        assert!(last.reason.contains("breaks the protocol") && last.reason.contains(words));
+        assert!(own.iter().all(|row| row.time_ns.is_none() && row.peak_bytes.is_none()));
+        at.file("one.sh", script);
+        let words = ["breaks the protocol", words];
+        at.ends(1, "check --runner 'sh one.sh' --seconds 0", &words);
+    }
+    assert!(of(&rows, "nbs", 25).iter().all(|row| row.outcome == Outcome::Ok));
+}
+
+/// Name, program, script, outcomes of count, memory and time, and words of the reason of the last.
+fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static str)> {
+    use Outcome::*;
+    let right = sample(0, EMPTY);
+    let late = |code: &str| answers(&[("sample", code)]);
+    let load = |code: &str| fake(&[("load", code)]);
+    let loaded = say(r#"{"reply":"loaded"}"#);
+    let gone = say(r#"{"reply":"unavailable","reason":"the library is missing"}"#);
+    let error = say(r#"{"reply":"error","reason":"no such thing"}"#);
+    let flat = say(r#"{"reply":"refused","reason":"too flat"}"#);
+    let old = say(r#"{"reply":"hello","protocol":0,"detector":"old"}"#);
+    let strays = answers(&[("count", &loaded), ("sample", &right)]);
+    let skips = fake(&[("sample", &right)]);
+    // An array of 9·10^9 cells, which the runner is allowed but its address space is not: limit,
+    // and 1 GiB for the program.
+    let greedy = format!("exec {PROGRAM} runner --detector screening --memory-limit 99000000000");
+    let stray = "answered Count with Loaded";
+    vec![
+        ("empty", "sh", late(&right), [Ok, Ok, Wrong], "could not be read"),
+        ("other", "sh", late(&sample(7, "0x0123456789abcdef")), [Ok, Ok, Wrong], "could not"),
+        ("exits", "sh", late("echo so be it >&2; exit 3"), [Ok, Ok, Crashed], "so be it"),
+        ("dies", "sh", load("kill -9 $$"), [Crashed; 3], "signal: 9"),
+        ("babbles", "sh", late(&say(&"x".repeat(100))), [Ok, Ok, Crashed], "is not a reply"),
+        ("floods", "sh", late("exec cat /dev/zero"), [Ok, Ok, Crashed], "is not a reply"),
+        ("repeats", "sh", load(r#"exec yes '{"reply":"loaded"}'"#), [Crashed; 3], stray),
+        ("strays", "sh", strays, [Crashed; 3], stray),
+        ("skips-load", "sh", skips, [Crashed; 3], "answered Load"),
+        ("hangs", "sh", late("exec sleep 60"), [Ok, Ok, Timeout], "no answer within 1 s"),
+        ("declines", "sh", load(&flat), [Refused; 3], "too flat"),
+        ("errs", "sh", load(&error), [Crashed; 3], "no such thing"),
+        ("absent", "/no/such/program", String::new(), [Unavailable; 3], "apt install it"),
+        ("gone", "sh", gone, [Unavailable; 3], "the library is missing"),
+        ("old", "sh", old, [Unavailable; 3], "speaks protocol 0"),
+        ("vague", "sh", fake(&[]).replace("f64", "about"), [Unavailable; 3], "'about'"),
+        ("greedy", "sh", greedy, [OutOfMemory; 3], "could not be had"),
+    ]
+}
+
+#[test]
+fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
+    let cases = cases();
+    let runners: String =
+        cases.iter().map(|(name, program, script, ..)| runner(name, program, script)).collect();
+    // 100 discs, 3000 diameters apart in a row of 10.
+    let text = format!(
+        "time-limit-s = 1\nmemory-limit-mib = 1\ndetectors = [\"screening\", \"nbs\"]\n\
+         [[scene]]\nname = \"pack-c\"\nn = 100\ns = 3000\n[[scene]]\nname = \"packed\"\nn = [100, \
+         400]\n{runners}"
+    );
+    let (_at, rows) = rows(&text, 1);
+    let (dense, sparse): (Vec<Row>, Vec<Row>) =
+        rows.into_iter().partition(|row| row.id.scene == "packed");
+    for (name, _, _, outcomes, words) in &cases {
+        let cell = of(if *name == "greedy" { &sparse } else { &dense }, name, 100);
+        for (pass, outcome) in [Pass::Count, Pass::Memory, Pass::Time].iter().zip(outcomes) {
+            let row = cell.iter().rfind(|row| row.pass == *pass);
+            let row = row.unwrap_or_else(|| panic!("{name}: no row for {pass:?}"));
+            assert_eq!(row.outcome, *outcome, "{name}, {pass:?}: {}", row.reason);
+        }
+        let last = cell.last().unwrap();
+        assert!(last.reason.contains(words), "{name}: {}", last.reason);
+        let untimed = |row: &&Row| row.time_ns.is_none() || row.outcome == Outcome::Wrong;
+        assert!(cell.iter().all(untimed), "{name}: a time without a right answer");
+    }
+    // Nothing is a wrong answer if there is something to be found, and the right one if not.
+    let alone = of(&sparse, "empty", 100);
+    let right = |row: &&&Row| row.outcome == Outcome::Ok && row.time_ns == Some(300_000);
+    assert_eq!(alone.iter().filter(right).count(), 1, "{alone:?}");
+    let other = of(&sparse, "other", 100);
+    assert!(other.iter().all(|row| row.outcome == Outcome::Wrong || row.pass != Pass::Time));
+    // Too slow with 100 particles: not tried with 400.
+    let late = of(&dense, "hangs", 400);
+    let untried = |row: &&Row| row.outcome == Outcome::Timeout && row.reason.contains("not tried");
+    assert!(late.len() == 3 && late.iter().all(untried), "{late:?}");
+    // Refused by the detector itself, with numbers and remedy.
+    for row in of(&sparse, "screening", 100) {
+        assert!(row.outcome == Outcome::Refused && row.reason.contains("1048576 bytes"), "{row:?}");
+    }
+    for (rows, n) in [(&sparse, 100), (&dense, 100), (&dense, 400)] {
+        let nbs = of(rows, "nbs", n);
+        assert!(nbs.len() == 3 && nbs.iter().all(|row| row.outcome == Outcome::Ok), "{nbs:?}");
+    }
+}
+
+#[test]
+fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
+    let one = sample(1, "0x910a2dec89025cc1");
+    // One pair, (0, 1), which is none of the scene's.
+    let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
+    let open = answers(&[("sample", &one), ("pairs", write)]);
+    // One that hands over another list than the one it was judged by.
+    let fickle = answers(&[("sample", &sample(1, "0x0000000000000001")), ("pairs", write)]);
+    let text = format!(
+        "detectors = [\"nbs\"]\n{SPARSE}{}{}{}",
+        runner("open", "sh", &open),
+        runner("shut", "sh", &answers(&[("sample", &one)])),
+        runner("fickle", "sh", &fickle)
+    );
+    let (_at, rows) = rows(&text, 1);
+    for (name, words, errors) in [
+        ("open", "0 missed, 1 spurious, 0 duplicate, widest gap 8.0e0 r", Some((0, 1, 0))),
+        ("shut", "could not be read", None),
+        ("fickle", "it gave others", None),
+    ] {
+        let own = of(&rows, name, 25);
+        let row = own.iter().find(|row| row.pass == Pass::Time).unwrap();
+        assert!(row.outcome == Outcome::Wrong && row.reason.contains(words), "{row:?}");
+        let found = row.errors.map(|errors| (errors.missed, errors.spurious, errors.duplicate));
+        assert_eq!(found, errors, "{name}");
+    }
+}
+
+/// A runner of the experiment's own that cannot start is named with the reason and fails the run,
+/// unless it is optional; one that crashed in every scene fails it, too.
+#[test]
+fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
+    let crashes = runner("mine", "sh", &fake(&[("load", "exit 3")]));
+    let absent = "[[runner]]\nname = \"mine\"\ncommand = [\"./nothere\"]\n";
+    let optional = format!("{absent}optional = true\n");
+    let installed = format!("{absent}install = \"make\"\n");
+    let missing = ["NOT STARTED: mine, in 2 of its 2 cells", "cannot start ./nothere"];
+    for (runner, code, words) in [
+        (absent, 1, &missing[..]),
+        (&*crashes, 1, &["CRASHED: mine, in 2 of its 2 cells"]),
+        (&optional, 0, &missing),
+        (&installed, 0, &missing),
+    ] {
+        let at = Place::new();
+        let scene = "[[scene]]\nname = \"packed\"\nn = [50, 60]\n";
+        at.file("t.toml", format!("{HEAD}detectors = [\"nbs\"]\n{scene}{runner}"));
+        at.ends(code, "run t.toml --out result --summary a.md", words);
+        let summary = at.read("a.md");
+        assert_eq!(summary.contains("| failed | record | mine "), code == 1, "{summary}");
+        // The report of the record says the same.
+        at.ends(code, "report result", &[]);
+    }
+}
+
+/// A wrong answer is the first thing that is printed, once, and the first in every page.
+#[test]
+fn who_is_wrong_comes_first_and_once() {
+    let at = Place::new();
+    let none = format!(r#"{{"reply":"count","counts":{{}},"contacts":0,"digest":"{EMPTY}"}}"#);
+    let script = answers(&[("count", &say(&none))]);
+    let claim = "[[claim]]\nname = \"c\"\nkind = \"at-most\"\nvalue = 1\nto = 2\nwhere = { \
+                 detector = \"nbs\" }\n";
+    let scene = "[[scene]]\nname = \"packed\"\nn = [20, 30]\n";
+    let runner = runner("fake", "sh", &script);
+    at.file("t.toml", format!("{HEAD}detectors = [\"nbs\"]\n{scene}{claim}{runner}"));
+    let line = "run t.toml --out out --junit junit.xml --annotations";
+    let ended = at.ends(1, line, &["1 claim: 1 holds, 0 fail"]);
+    assert!(ended.stdout.starts_with("WRONG: fake, in 2 of its 2 cells"), "{}", ended.stdout);
+    let said = |text: &str| text.lines().filter(|line| line.starts_with("WRONG")).count();
+    assert_eq!((said(&ended.stdout), said(&ended.stderr)), (1, 1), "{}", ended.stderr);
+    assert_eq!(ended.stdout.matches("::error ").count(), 1, "{}", ended.stdout);
+    let report = at.read("out/report.md");
+    assert!(report.lines().nth(2).unwrap().starts_with("> Warning: WRONG: fake,"), "{report}");
+    assert!(at.read("out/report.html").contains("WRONG: fake, in 2 of its 2 cells"));
+    let junit = at.read("junit.xml");
+    let first = junit.split("<testcase ").nth(1).unwrap();
+    assert!(first.contains("fake is right") && first.contains("<failure"), "{junit}");
+    // A folder without a record, and the one around a result folder.
+    std::fs::create_dir(at.path("empty")).unwrap();
+    at.ends(2, "report empty", &["empty has no samples.jsonl"]);
+    at.ends(2, "report .", &["such as ./out"]);
+}

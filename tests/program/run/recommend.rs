@@ -1,0 +1,57 @@
+//! `recommend`.
+
+use crate::common::Place;
+
+#[test]
+fn recommend_names_one_and_why_not_the_others() {
+    let at = Place::new();
+    let answer = at.json("recommend --seconds 3 pack-c:n=2500,s=100 --memory-limit 300000");
+    let detectors = answer["detectors"].as_array().unwrap();
+    let find = |name: &str| detectors.iter().find(|detector| detector["detector"] == name);
+    let of = |name: &str| find(name).unwrap_or_else(|| panic!("no {name}"));
+    for name in ["direct", "nbs", "sorting", "streamed-nbs", "kd-tree"] {
+        of(name);
+    }
+    assert!(find("nothing").is_none() && find("nbs-twin").is_none());
+    // An array over cells does not fit.
+    let refused = of("screening");
+    assert_eq!(refused["outcome"], "refused");
+    assert!(refused["reason"].as_str().unwrap().contains("300000"), "{refused}");
+    assert!(refused["ns_per_particle"].is_null());
+    let choice = of(answer["use"].as_str().unwrap());
+    assert_eq!((&choice["outcome"], &choice["errors"]["missed"]), (&"ok".into(), &0.into()));
+    let time = &choice["ns_per_particle"];
+    let times = ["low", "median", "high"].map(|it| time[it].as_f64().unwrap());
+    assert!(times.is_sorted(), "{time}");
+    // It is the leanest of those that cannot be told apart and are not much slower.
+    assert_eq!(time["blocks"], answer["blocks"]);
+    for name in answer["cannot_tell_apart"].as_array().unwrap() {
+        let tied = of(name.as_str().unwrap());
+        assert!(
+            tied["ratio_to_fastest"]["median"].as_f64() > Some(1.2)
+                || tied["peak_bytes"].as_u64() >= choice["peak_bytes"].as_u64(),
+            "{name}"
+        );
+    }
+    if let Some(next) = answer["next"].as_object() {
+        assert!(next["ratio"]["median"].as_f64() > Some(1.0), "{next:?}");
+    }
+    assert_eq!([&answer["n"], &answer["contacts"], &answer["dim"]], [2500, 0, 2]);
+}
+
+#[test]
+fn recommend_takes_files_dimensions_and_arithmetics() {
+    let at = Place::new();
+    at.file("discs.csv", "x,y\n0,0\n1,0\n5,0\n");
+    let line = "recommend --seconds 0.5 discs.csv --radius 0.5 --arithmetic f32 --threads 2";
+    let answer = at.json(line);
+    assert_eq!([&answer["n"], &answer["contacts"]], [3, 1]);
+    assert_eq!(answer["arithmetic"], "f32");
+    assert_eq!(at.json("recommend --seconds 0.3 loose:dim=3,n=300")["dim"], 3);
+    let hard = at.json("recommend --seconds 0.3 hard:case=shrink-then-grow,dim=3");
+    assert!(hard["use"].is_string());
+    let words = ["\n\nuse ", " ns per particle", " bytes per particle; exact"];
+    let ended = at.ends(0, "recommend packed:n=400 --seconds 0.3", &words);
+    assert_eq!(ended.stderr, "");
+    assert!(ended.stdout.starts_with("packed:n=400: 400 discs, "), "{}", ended.stdout);
+}

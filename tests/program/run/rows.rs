@@ -1,0 +1,96 @@
+//! What is planned has its rows, with all fields.
+
+use std::collections::BTreeSet;
+
+use contactbench::record::row::{Measurement, Outcome, Pass, Row};
+use serde_json::Value;
+
+use super::{EMPTY, SPARSE, of, rows};
+use crate::common::{fake, runner, sample};
+
+#[test]
+fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
+    let text = "detectors = [\"screening\", \"nbs\", \"nothing\"]\narithmetics = [\"f32\", \
+                \"exact\"]\n[[scene]]\nname = \"packed\"\ndim = [2, 3]\nn = [0, 60]\nseed = [1, \
+                2]\n[[scene]]\nname = \"pack-c\"\nn = 16\ns = [1, 3]\n";
+    let (_at, rows) = rows(text, 0);
+    let keys: BTreeSet<Measurement> = rows.iter().map(Row::measurement).collect();
+    assert_eq!(keys.len(), rows.len(), "no cell has two rows");
+    // Packed: 2 dimensions, 2 sizes, 2 seeds; pack C: 2 spacings. 3 detectors, 2 arithmetics, and
+    // a twin in the first of them; counts, memory and a block.
+    assert_eq!(rows.len(), (2 * 2 * 2 + 2) * (3 * 2 + 1) * (1 + 1 + 1));
+    for row in &rows {
+        let control = row.id.detector == "nothing";
+        assert_eq!(row.outcome, if control { Outcome::Control } else { Outcome::Ok }, "{row:?}");
+        assert_eq!(row.block > 0, row.pass == Pass::Time);
+        assert_eq!(row.time_ns.is_some(), row.pass == Pass::Time);
+        assert_eq!(row.peak_bytes.is_some(), row.pass == Pass::Memory);
+        assert_eq!(row.counts.is_empty(), row.pass != Pass::Count);
+        let others = rows.iter().filter(|other| {
+            other.stats == row.stats
+                && other.id.arithmetic == row.id.arithmetic
+                && other.id.detector != "nothing"
+        });
+        assert!(control || others.clone().all(|other| other.digest == row.digest), "{row:?}");
+    }
+    assert!(rows.iter().any(|row| row.contacts > Some(60)), "the packed scenes have contacts");
+}
+
+#[test]
+fn a_row_has_the_fields_of_the_format() {
+    let (at, _) = rows("detectors = [\"nbs\"]\n[[scene]]\nname = \"loose\"\nn = 20\n", 0);
+    let names = |value: &Value| -> BTreeSet<String> {
+        value.as_object().unwrap().keys().cloned().collect()
+    };
+    let published = "experiment scene params dim n seed order detector arithmetic pass \
+                     block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
+                     allocations formula_bytes stats";
+    // What the format has beyond the fields promised.
+    let more = "first_ns calls elapsed_ns warm_allocations errors causes schema machine role \
+                resources process check";
+    let expected: BTreeSet<String> =
+        published.split_whitespace().chain(more.split_whitespace()).map(String::from).collect();
+    let text = at.read("result/samples.jsonl");
+    assert!(text.lines().count() > 3);
+    for line in text.lines() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        let (mut said, timed) = (names(&row), row["pass"] == "time");
+        for (place, there) in [
+            ("span", timed && cfg!(target_os = "linux")),
+            ("processor", timed && cfg!(target_os = "linux")),
+            ("began_ms", timed),
+            ("pulse_ns", timed),
+        ] {
+            assert_eq!(said.remove(place), there, "{place} in {line}");
+        }
+        assert_eq!(said, expected);
+        let stats =
+            ["box_diameters", "coordination", "packing_fraction", "radius_ratio", "scene_hash"];
+        assert_eq!(names(&row["stats"]), stats.map(String::from).into());
+        for whole in ["dim", "n", "seed", "block", "contacts"] {
+            assert!(row[whole].is_u64(), "{whole} in {line}");
+        }
+        assert!(row["resources"]["threads"].is_u64(), "{line}");
+        assert_eq!((row["time_ns"].is_u64(), row["first_ns"].is_u64()), (timed, timed));
+        // A sample is many detections, however short one is.
+        if timed {
+            let (calls, elapsed) = (&row["calls"], &row["elapsed_ns"]);
+            assert!(calls.as_u64() > Some(100) && elapsed.as_u64() > Some(1_000_000), "{line}");
+        }
+        assert_eq!(row["digest"].as_str().unwrap().len(), EMPTY.len());
+        assert_eq!(row["outcome"], "ok");
+    }
+}
+
+#[test]
+fn a_runner_of_version_1_is_given_the_path_of_its_scene() {
+    let path = r#"case "$line" in *'"path":"'*scene-0.npy*) echo '{"reply":"loaded"}' ;; *) echo '{"reply":"error","reason":"no path"}' ;; esac"#;
+    let new = fake(&[("load", path), ("sample", &sample(0, EMPTY))]);
+    let old = new.replace("\"protocol\":2", "\"protocol\":1");
+    assert_ne!(old, new);
+    let runners = runner("old", "sh", &old) + &runner("new", "sh", &new);
+    let (_at, rows) = rows(&format!("detectors = [\"nbs\"]\n{SPARSE}{runners}"), 1);
+    let old = of(&rows, "old", 25);
+    assert!(old.len() == 3 && old.iter().all(|row| row.outcome == Outcome::Ok), "{old:?}");
+    assert!(of(&rows, "new", 25).iter().all(|row| row.reason == "no path"));
+}

@@ -1,0 +1,73 @@
+//! Where things stand on the page of a report, wide and on a phone, in a browser.
+
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::browser::Browser;
+use super::page::report;
+use crate::common::Place;
+
+/// Position of an element's side in the window; `null` if it is not shown.
+fn side(browser: &Browser, selector: &str, side: &str) -> Option<f64> {
+    let script = format!(
+        "const it = document.querySelector('{selector}'); return it.checkVisibility() ? \
+         it.getBoundingClientRect().{side} : null"
+    );
+    browser.run(&script).as_f64()
+}
+
+#[test]
+fn axes_and_results_are_seen_at_every_width() {
+    let at = Place::new();
+    let page = report(&at);
+    let Some(browser) = Browser::open(1280, 1000) else { return };
+    browser.show(&page);
+    // The axis does not run into the head of the next column, nor into its own.
+    let end = side(&browser, "table.answer thead text:last-of-type", "right").unwrap();
+    let next = side(&browser, "table.answer th:nth-child(5)", "left").unwrap();
+    assert!(end <= next, "{end} {next}");
+    let head = side(&browser, "table.answer th:nth-child(4) span", "bottom").unwrap();
+    let axis = side(&browser, "table.answer thead svg", "top").unwrap();
+    assert!(head <= axis + 1.0, "{head} {axis}");
+    assert_eq!(side(&browser, ".strip.own", "top"), None, "one axis is enough");
+
+    browser.devtools(
+        "Emulation.setDeviceMetricsOverride",
+        json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true}),
+    );
+    browser.show(&page);
+    assert!(side(&browser, ".strip.own", "top").is_some(), "each strip has its axis");
+    let heads = browser.run(
+        "return [...document.querySelectorAll('#cells th')].slice(0, 3).map(it => it.textContent)",
+    );
+    assert_eq!(heads, json!(["detector", "ns / N", "N"]));
+    assert!(side(&browser, "#cells th:nth-child(2)", "right").unwrap() <= 390.0);
+    let scrolled = "document.querySelector('.scroll.tall').scrollLeft = 300; return 0";
+    assert_eq!(browser.run(scrolled), Value::from(0));
+    assert!(side(&browser, "#cells td:first-child", "left").unwrap() >= 0.0, "it stays");
+}
+
+/// Without the folder of figures the page still has them.
+#[test]
+fn a_page_that_was_moved_still_gives_pictures() {
+    let at = Place::new();
+    let page = report(&at);
+    let Some(browser) = Browser::open(1280, 1000) else { return };
+    at.remove("figures");
+    browser.show(&page);
+    browser.run(
+        "window.made = [];
+         HTMLAnchorElement.prototype.click = function () { made.push(this.href.slice(0, 22)); }",
+    );
+    // The figure may not be drawn yet.
+    let click = "
+        const link = document.querySelector('a[data-kind=PNG]');
+        link.dispatchEvent(new MouseEvent('click', { cancelable: true, bubbles: true }));
+        return made[0] ?? null";
+    let begun = Instant::now();
+    while browser.run(click).is_null() && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    assert_eq!(browser.run(click), "data:image/png;base64,");
+}

@@ -1,0 +1,243 @@
+//! `--frame all`: files of many frames through `track`, `detect`, `verify` and `inspect`.
+
+use std::fmt::Write as _;
+
+use serde_json::Value;
+
+use crate::common::Place;
+
+/// Discs of radius 1 in a row that comes together and flies apart: 40 in 12 frames, in another
+/// order in every frame, with ids from 1; at the steps 0, 50, ... Those of every third column stay.
+fn place(k: usize, i: usize) -> [f64; 2] {
+    let (x, y) = ((i % 8) as f64 * 2.25, (i / 8) as f64 * 2.0);
+    let swing = [0.0, 0.25, 0.5, 0.75, 0.5, 0.25][k % 6];
+    if i.is_multiple_of(3) { [x, y] } else { [x - swing, y + 0.125 * swing] }
+}
+
+fn dump(frames: usize, flags: &str) -> String {
+    let mut text = String::new();
+    for k in 0..frames {
+        let _ = write!(
+            text,
+            "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n40\nITEM: BOX BOUNDS {flags}\n-2 18\n-1.5 \
+             10\n-2 2\nITEM: ATOMS id radius x y z\n",
+            50 * k
+        );
+        for at in 0..40 {
+            let i = (at * 7 + k * 11) % 40;
+            let [x, y] = place(k, i);
+            let _ = writeln!(text, "{} 1 {x} {y} 0", i + 1);
+        }
+    }
+    text
+}
+
+/// Its contacts by ids, as LAMMPS writes them, at every second frame; `left_out` names what is
+/// missing: frame and the place of the pair.
+fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
+    let mut text = String::new();
+    for k in (0..frames).step_by(2) {
+        let mut pairs = Vec::new();
+        for (i, j) in (0..40).flat_map(|i| (i + 1..40).map(move |j| (i, j))) {
+            let ([ax, ay], [bx, by]) = (place(k, i), place(k, j));
+            if (ax - bx) * (ax - bx) + (ay - by) * (ay - by) <= 4.0 {
+                pairs.push(format!("{} {}\n", j + 1, i + 1));
+            }
+        }
+        let wrong = left_out.iter().filter(|(frame, _)| *frame == k);
+        wrong.for_each(|&(_, at)| drop(pairs.remove(at)));
+        let _ = write!(
+            text,
+            "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n-2 18\n\
+             -1.5 10\n-2 2\nITEM: ENTRIES c_p[1] c_p[2]\n{}",
+            50 * k,
+            pairs.len(),
+            pairs.concat()
+        );
+    }
+    text
+}
+
+/// What a file holds is followed as it is, whatever the order of its rows; a motion moves one
+/// frame.
+#[test]
+fn trackers_follow_the_frames_of_a_file() {
+    let at = Place::new();
+    at.file("t.dump", dump(12, "ff ff ff"));
+    let trackers = "--tracker verlet(nbs,rule=every-4,skin=0) --tracker verlet(nbs)";
+    let of = |more: &str| at.json(&format!("track t.dump {more} {trackers}"));
+    let found = of("");
+    assert_eq!([&found["frames"], &found["particles"]], [12, 40]);
+    assert_eq!(found["motion"], "as recorded");
+    let [every, half] = [&found["trackers"][0], &found["trackers"][1]];
+    assert_eq!([&half["missed"], &half["spurious"], &every["built"]], [0, 0, 3]);
+    assert!(every["missed"].as_u64() > Some(10), "{every}");
+    // Every third stays in all eleven steps.
+    assert_eq!(found["at_rest"], 11 * 14);
+    assert!(found["born"].as_u64() > Some(10) && found["ended"].as_u64() > Some(10), "{found}");
+    assert_eq!([&of("--frames 5")["frames"], &of("--frame all")["frames"]], [5, 12]);
+    let moved = of("--motion rest --frame 3 --frames 4");
+    assert_eq!(
+        ([&moved["frames"], &moved["born"]], &moved["motion"]),
+        ([&4.into(), &0.into()], &"rest".into())
+    );
+    assert_eq!(of("--frame 3")["motion"], "drift:speed=0.01,seed=1");
+    // The same places in an array, in one order and without ids.
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (12, 40, 2), }\n";
+    let mut bytes = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..]].concat();
+    bytes.extend(header.bytes());
+    let places = (0..12).flat_map(|k| (0..40).flat_map(move |i| place(k, i)));
+    places.for_each(|x| bytes.extend(x.to_le_bytes()));
+    at.file("t.npy", &bytes);
+    let array = at.json(&format!("track t.npy --radius 1 {trackers}"));
+    for key in ["contacts", "born", "ended", "at_rest", "tunnelled", "longest_way"] {
+        assert_eq!(array[key], found[key], "{key}");
+    }
+    for (one, other) in [(0, "missed"), (0, "latest"), (1, "built")] {
+        assert_eq!(array["trackers"][one][other], found["trackers"][one][other], "{other}");
+    }
+    // `inspect` describes the same motion.
+    let inspected = at.json("inspect t.dump --frame all");
+    assert_eq!([&inspected["frames"], &inspected["frame"]], [12, 11]);
+    for key in ["particles", "contacts", "born", "ended", "tunnelled", "mean_way", "longest_way"] {
+        assert_eq!(inspected["motion"][key], found[key], "{key}");
+    }
+    at.ends(0, "inspect t.dump --frame all", &["12 frames of 40 particles", "35%"]);
+    assert!(!at.good("inspect t.dump").stdout.contains("12 frames of 40"));
+}
+
+#[test]
+fn what_is_no_motion_is_refused_with_its_frame() {
+    let at = Place::new();
+    let three = dump(3, "ff ff ff");
+    at.file("other.dump", three.replacen("\n40 1 ", "\n41 1 ", 2).replacen("41 1", "40 1", 1));
+    at.file("box.dump", dump(2, "pp ff ff") + &dump(3, "pp pp ff"));
+    at.file("cut.dump", &three[..=three.trim_end().rfind('\n').unwrap()]);
+    at.file("one.csv", "x,y,r\n0,0,1\n");
+    at.ends(2, "track other.dump", &["other.dump: frame 1 (step 50)", "id 40", "--frames"]);
+    at.good("track other.dump --frames 1");
+    at.ends(2, "track box.dump", &["frame 2 (step 0)", "along x and y, and along x"]);
+    at.ends(2, "track cut.dump", &["cut.dump ends after 39 of the 40 atoms"]);
+    for list in ["new.csv", "new.npy"] {
+        at.ends(2, &format!("detect cut.dump --frame all -o {list}"), &["39 of the 40"]);
+        assert!(!at.path(list).exists(), "it leaves no list behind");
+    }
+    at.ends(2, "detect t.dump --frame all -o l.vtk", &[]);
+    for verb in ["recommend", "draw -o out.svg", "scene -o out.csv"] {
+        at.ends(2, &format!("{verb} other.dump --frame all"), &["frame"]);
+    }
+    at.ends(0, "inspect one.csv --frame all", &["the file has one frame"]);
+}
+
+/// What another code left out is found frame by frame, by the steps of the files.
+#[test]
+fn lists_of_all_frames_are_compared_by_their_steps() {
+    let at = Place::new();
+    at.file("t.dump", dump(12, "ff ff ff"));
+    let verify = "verify t.dump --pairs l.dump --frame all";
+    at.file("l.dump", local(12, &[]));
+    let left_out = "6 frames of the particles: 1 3 5 7 9 11";
+    at.ends(0, verify, &["the same in 6 frames", left_out]);
+    assert_eq!(at.json(verify)["paired_by"], "step");
+    // One that is listed in the next; then one that never is.
+    at.file("l.dump", local(12, &[(2, 3), (10, 0)]));
+    let said =
+        at.ends(1, verify, &["2 of 6 frames differ", "1 contact missed to its end", " 500 "]);
+    assert!(said.stdout.lines().all(|line| !line.ends_with(' ')), "{}", said.stdout);
+    let found = at.json(verify);
+    assert_eq!([&found["errors"]["missed"], &found["errors"]["spurious"]], [2, 0]);
+    assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [2, 2]);
+    assert_eq!([&found["never_reported"], &found["latest"]], [1, 1]);
+    let frames = found["frames"].as_array().unwrap();
+    let missed: Vec<&Value> = frames.iter().map(|frame| &frame["errors"]["missed"]).collect();
+    assert_eq!(missed, [0, 1, 0, 0, 0, 1].map(Value::from).each_ref());
+    // One frame by itself is what it was, and another step is no list of it.
+    let one = "verify t.dump --pairs l.dump";
+    let of_step = at.json(&format!("{one} --frame 4 --pairs-frame 2"));
+    assert_eq!(of_step["errors"], frames[2]["errors"]);
+    for (more, words) in [
+        ("--frame 4", "l.dump: the list is of step 400, the particles of frame 4 (step 200)"),
+        ("--frame all --pairs-frame 1", "leave one out"),
+    ] {
+        at.ends(2, &format!("{one} {more}"), &[words]);
+    }
+    at.ends(1, &format!("{one} --frame 4 --pairs-frame 1"), &["the list is of step 100"]);
+    // The last is taken, and the others are named.
+    at.file("t.dump", dump(11, "ff ff ff"));
+    assert!(at.run(one).stderr.contains("t.dump: --frame all"));
+    at.file("l.dump", local(12, &[]).replace("TIMESTEP\n200", "TIMESTEP\n210"));
+    at.ends(2, verify, &["l.dump: the list of step 210", "0 50 100 150 200 250"]);
+}
+
+/// A thousand frames are not a thousand lines, and the first that is wrong is among those shown.
+#[test]
+fn of_many_frames_the_worst_are_shown() {
+    let at = Place::new();
+    at.file("t.dump", dump(60, "ff ff ff"));
+    let wrong: Vec<(usize, usize)> =
+        (4..60).step_by(2).flat_map(|k| vec![(k, 0); 1 + k / 20]).collect();
+    at.file("l.dump", local(60, &wrong));
+    let words = "(12 of 30 frames: of 28 that differ";
+    let said = at.ends(1, "verify t.dump --pairs l.dump --frame all", &[words]).stdout;
+    let rows = said.lines().skip_while(|line| !line.contains("touching  listed")).skip(1);
+    let rows: Vec<&str> = rows.take_while(|line| !line.starts_with('(')).collect();
+    assert_eq!(rows.len(), 12, "{said}");
+    assert!(rows[0].trim_start().starts_with("200 "), "{said}");
+    assert!(rows[1].trim_start().starts_with("1000 "), "{said}");
+}
+
+/// What `detect` writes of all frames, `verify` reads; one pair that is taken out is missed, and
+/// the list of another frame is known.
+#[test]
+fn contacts_of_all_frames_are_written_and_read_again() {
+    let at = Place::new();
+    for (flags, columns) in [("ff ff ff", "frame,i,j"), ("pp ff ff", "frame,i,j,sx,sy,sz")] {
+        at.file("t.dump", dump(12, flags));
+        let all = "detect t.dump --frame all --places";
+        for list in ["l.csv", "l.npy"] {
+            at.ends(0, &format!("{all} -o {list}"), &["t.dump: 12 frames, N = 40, 3D, "]);
+            let found = at.json(&format!("verify t.dump --pairs {list} --frame all"));
+            assert_eq!([&found["same"], &found["without_rows"]], [&Value::from(true), &0.into()]);
+        }
+        let text = at.read("l.csv");
+        assert_eq!((text.lines().next(), at.good(all).stdout), (Some(columns), text.clone()));
+        // Of each frame what is written of it alone.
+        let alone = at.good("detect t.dump --frame 7").stdout;
+        let of_seven = text.lines().filter_map(|line| line.strip_prefix("7,"));
+        assert!(of_seven.eq(alone.lines().skip(1)), "{alone}");
+        let keep = |keep: &dyn Fn(usize, &str) -> bool| -> String {
+            let lines = text.lines().enumerate().filter(|(k, line)| keep(*k, line));
+            lines.map(|(_, line)| format!("{line}\n")).collect()
+        };
+        let first = text.lines().position(|line| line.starts_with("7,")).unwrap();
+        at.file("l.csv", keep(&|k, _| k != first));
+        let found = at.json("verify t.dump --pairs l.csv --frame all");
+        assert_eq!([&found["errors"]["missed"], &found["errors"]["spurious"]], [1, 0]);
+        assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [7, 1]);
+        assert_eq!(at.json("verify t.dump --pairs l.csv --frame 7")["errors"]["missed"], 1);
+        at.good("verify t.dump --pairs l.csv --frame 8");
+        // A frame of which no row speaks is one without contacts, also where it is the last.
+        at.file("l.csv", keep(&|_, line| !line.starts_with("11,") && !line.starts_with("3,")));
+        let found = at.json("verify t.dump --pairs l.csv --frame all");
+        assert_eq!(found["without_rows"], 2);
+        for frame in [3, 11].map(|k| &found["frames"][k]) {
+            assert_eq!(frame["errors"]["missed"], frame["contacts"]);
+        }
+        at.ends(2, "verify t.dump --pairs l.csv", &["the list is of frame 10", "frame 11"]);
+        // A list of another frame of the same file, alone and frame by frame.
+        at.good("detect t.dump --frame 5 -o five.csv");
+        let verify = "verify t.dump --pairs five.csv --frame 2";
+        assert_eq!(at.json(verify)["hint"], "--frame 5");
+        let late = text.lines().filter_map(|line| {
+            let (frame, rest) = line.split_once(',')?;
+            Some((frame.parse::<u32>().ok()? + 1, rest)).filter(|(frame, _)| *frame < 12)
+        });
+        let rows: String = late.map(|(frame, rest)| format!("{frame},{rest}\n")).collect();
+        at.file("late.csv", format!("{columns}\n{rows}"));
+        at.ends(1, "verify t.dump --pairs late.csv --frame all", &["one frame before"]);
+    }
+    // Rows of half of the steps: there is no list of that number, and no empty one is made up.
+    at.file("late.csv", "step,i,j\n300,0,1\n550,0,1\n");
+    let late = "late.csv holds 2 frames, numbered from 0; there is no frame 11";
+    at.ends(2, "verify t.dump --pairs late.csv --frame 11", &[late]);
+}

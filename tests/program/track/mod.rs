@@ -1,0 +1,222 @@
+//! `track`: scenes in motion, and lists that are kept.
+
+mod frames;
+mod moving;
+
+use serde_json::Value;
+
+use crate::common::{PROGRAM, Place};
+
+fn number(value: &Value, key: &str) -> u64 {
+    value[key].as_u64().unwrap_or_else(|| panic!("{key}: {value}"))
+}
+
+const FLIGHT: &str = "track loose:dim=2,n=400,fraction=0.5 --motion drift:speed=0.02 --frames 61 \
+                      --tracker verlet(nbs,skin=0.05,rule=every-20) --tracker \
+                      verlet(nbs,skin=0.05,rule=lammps-10-1-yes) --tracker \
+                      verlet(nbs,skin=0.05,rule=half-skin)";
+
+/// What lists miss is counted, and rules that promise nothing are allowed to miss.
+#[test]
+fn what_rules_miss_is_counted_frame_by_frame() {
+    let found = Place::new().json(FLIGHT);
+    assert_eq!([number(&found, "particles"), number(&found, "frames")], [400, 61]);
+    let trackers = found["trackers"].as_array().unwrap();
+    let [every, lammps, half_skin] = &trackers[..] else { panic!("{trackers:?}") };
+    assert_eq!(number(every, "built"), 4, "frames 0, 20, 40 and 60");
+    assert!(number(every, "missed") > 50 && number(lammps, "missed") > 0, "{trackers:?}");
+    assert!(number(every, "latest") >= 3 && number(every, "worst_missed") > 3, "{every}");
+    assert_eq!(number(half_skin, "missed"), 0);
+    assert!(half_skin["first_missed_frame"].is_null());
+    for tracker in trackers {
+        let seen = number(tracker, "reported") + number(tracker, "missed");
+        assert_eq!((seen, number(tracker, "spurious")), (number(&found, "contacts"), 0));
+        assert!(number(tracker, "formula_bytes") > 400 * 36, "{tracker}");
+    }
+    // Some flags are raised for nothing; none is rightly raised for more builds than have misses.
+    let [flags, right, missing] =
+        ["dangerous", "dangerous_rightly", "missing_builds"].map(|key| number(lammps, key));
+    assert!(right <= flags && right <= missing && missing > 0, "{lammps}");
+    assert!(found["mean_way"].as_f64().unwrap() < found["longest_way"].as_f64().unwrap());
+}
+
+/// Two discs that pass each other within a frame; and particles at rest, of which nothing is lost.
+#[test]
+fn contacts_between_frames_are_counted_and_rest_has_none() {
+    let of = |motion: &str| {
+        Place::new().json(&format!("track loose:dim=2,n=500,fraction=0.3 --motion {motion}"))
+    };
+    let fast = of("drift:speed=1.5 --frames 9");
+    assert!(number(&fast, "tunnelled") > 100, "{fast}");
+    let slow = of("drift:speed=0.001 --frames 9");
+    assert!(number(&slow, "tunnelled") * 50 < number(&fast, "tunnelled"), "{slow}");
+    let rest = of("rest --frames 30");
+    assert_eq!(number(&rest, "at_rest"), 29 * 500);
+    assert_eq!(rest["longest_way"].as_f64(), Some(0.0));
+    assert_eq!(["born", "ended", "tunnelled"].map(|key| number(&rest, key)), [0; 3]);
+    for tracker in rest["trackers"].as_array().unwrap() {
+        let name = tracker["tracker"].as_str().unwrap();
+        let of = [("every-step", 30), ("every-10", 3)];
+        let built = of.into_iter().find(|(words, _)| name.contains(words)).map_or(1, |it| it.1);
+        assert_eq!([number(tracker, "built"), number(tracker, "missed")], [built, 0], "{name}");
+    }
+}
+
+#[test]
+fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
+    let at = Place::new();
+    at.file("discs.csv", "x,y,r\n0,0,0.5\n1,0,0.5\n2.5,0,0.5\n2.5,0.75,0.25\n");
+    for arithmetic in ["exact", "f64", "f32", "f32-cell", "textbook"] {
+        let line = format!("track discs.csv --motion vortex --arithmetic {arithmetic}");
+        let said = at.ends(0, &line, &["4 particles", "100 frames", "every step "]).stdout;
+        let rows: Vec<&str> = said.lines().filter(|line| line.contains("  ")).collect();
+        assert!(rows.len() == 8 && rows.iter().all(|it| it.chars().count() <= 80), "{said}");
+    }
+    at.ends(0, "list motions", &["brownian"]);
+    at.ends(0, "list trackers", &["rule=top-two"]);
+}
+
+/// What `track` prints of a tracker, an experiment has in its record: two paths through the program.
+#[test]
+fn experiments_find_of_a_course_what_track_finds() {
+    let at = Place::new();
+    let experiment = r#"
+name = "steps"
+title = "Steps"
+question = "?"
+reading = "!"
+blocks = 1
+detectors = [
+    "nbs",
+    "verlet(nbs,skin=0.05,rule=every-20)",
+    "verlet(nbs,skin=0.05,rule=lammps-10-1-yes)",
+    "verlet(nbs,skin=0.05,rule=half-skin)",
+]
+
+[[scene]]
+name = "loose"
+n = 400
+fraction = 0.5
+motion = "drift"
+speed = 0.02
+frames = 61
+
+[[claim]]
+name = "half of the skin is safe"
+kind = "equal"
+where = { rule = "half-skin" }
+value = "wrong + never + wrong_frames"
+to = "0"
+
+[[claim]]
+name = "a list is built at most as often as a detector is asked without one"
+kind = "at-most"
+value = "builds"
+to = "frames"
+
+[[figure]]
+name = "skins"
+title = "Skins"
+kind = "speed-error"
+"#;
+    at.file("steps.toml", experiment);
+    at.ends(0, "run steps.toml --out out", &["2 claims: 2 hold"]);
+    let found = at.json(FLIGHT);
+    let [every, lammps, half_skin] = &found["trackers"].as_array().unwrap()[..] else { panic!() };
+    let mut judged = 0;
+    for line in at.read("out/samples.jsonl").lines() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        let (course, rule) = (&row["course"], &row["detector_params"]["rule"]);
+        for key in ["particles", "frames", "contacts", "born", "ended", "tunnelled"] {
+            assert_eq!(row["moved"][key], found[key], "{key}: {row}");
+        }
+        let expected = match rule.as_str() {
+            Some("every-20") => every,
+            Some("lammps-10-1-yes") => lammps,
+            Some("half-skin") => half_skin,
+            _ => {
+                assert_eq!([&course["builds"], &row["contacts"]], [61, number(&found, "contacts")]);
+                continue;
+            }
+        };
+        judged += 1;
+        for (key, of_track) in moving::SAME {
+            assert_eq!(course[key], expected[of_track], "{key}: {row}");
+        }
+        assert_eq!(row["errors"]["missed"], expected["missed"], "{row}");
+        assert_eq!(row["contacts"], expected["reported"], "{row}");
+        let missed = number(expected, "missed") > 0;
+        assert_eq!(row["outcome"], if missed { "lossy" } else { "ok" }, "{row}");
+        match row["pass"].as_str().unwrap() {
+            "memory" => assert_eq!(row["formula_bytes"], expected["formula_bytes"], "{row}"),
+            "count" => assert!(number(&row["counts"], "contact_test") >= number(course, "listed")),
+            _ => assert!(number(&row, "building_ns") < number(&row, "time_ns"), "{row}"),
+        }
+    }
+    assert!(judged >= 3 * 3, "{judged} rows of trackers");
+}
+
+/// Trackers beside detectors, scenes in motion beside scenes at rest, and builds that take turns.
+#[test]
+fn motion_and_rest_are_in_one_record() {
+    let at = Place::new();
+    let experiment = r#"
+name = "mixed"
+title = "Mixed"
+question = "?"
+reading = "!"
+blocks = 1
+detectors = ["nbs", "nothing", "verlet(nbs,rule=every-3,skin=0)", "every-step(streamed-nbs)"]
+arithmetics = ["exact", "textbook"]
+
+[[scene]]
+name = "packed"
+n = 60
+
+[[scene]]
+name = "packed"
+n = 60
+motion = ["drift", "rest"]
+frames = 5
+"#;
+    at.file("mixed.toml", experiment);
+    at.file("one.toml", experiment.replace("[\"exact\", \"textbook\"]", "[\"exact\"]"));
+    for (out, line) in [
+        ("out", "run mixed.toml --out out"),
+        ("beside", &*format!("run one.toml --out beside --against {PROGRAM}")),
+    ] {
+        let said = at.good(line);
+        assert!(!said.stderr.contains("WRONG"), "{}", said.stderr);
+        for line in at.read(&format!("{out}/samples.jsonl")).lines() {
+            let row: Value = serde_json::from_str(line).unwrap();
+            let outcome = row["outcome"].as_str().unwrap();
+            assert!(["ok", "lossy", "control"].contains(&outcome), "{row}");
+            let moves = row["params"].get("motion").is_some();
+            assert_eq!(moves, !row["moved"].is_null(), "{row}");
+            assert_eq!(moves && outcome != "control", !row["course"].is_null(), "{row}");
+        }
+    }
+    // What was measured is not measured again.
+    let before = at.read("out/samples.jsonl");
+    at.good("run mixed.toml --out out --resume");
+    assert_eq!(before, at.read("out/samples.jsonl"));
+}
+
+/// One frame of a motion in a file, or all of them: the same numbers.
+#[test]
+fn frames_of_a_motion_are_written_one_or_all() {
+    let at = Place::new();
+    let write =
+        |more: &str| at.good(&format!("scene packed:n=60 --motion brownian:speed=0.05 {more}"));
+    write("--frames 3 -o all.xyz");
+    write("--at 2 -o two.csv");
+    write("--at 0 -o first.csv");
+    assert_eq!(at.read("all.xyz"), write("--frames 3").stdout);
+    at.good("scene packed:n=60 -o scene.csv");
+    assert_eq!(at.read("first.csv"), at.read("scene.csv"), "frame 0 is the scene");
+    for (frame, name) in [("0", "first.csv"), ("2", "two.csv")] {
+        at.good(&format!("scene all.xyz --frame {frame} -o again.csv"));
+        assert_eq!(at.read("again.csv"), at.read(name), "frame {frame}");
+    }
+    assert!(at.read("first.csv") != at.read("two.csv"));
+}

@@ -1,0 +1,147 @@
+//! Scenes in motion in boxes that repeat: `track`, `scene`, `inspect` and `run`.
+
+use serde_json::Value;
+
+use crate::common::{Place, fake, runner, say};
+
+/// What a motion is like; all but times and the name.
+fn moved(of: &Value) -> Vec<Value> {
+    let keys =
+        ["particles", "frames", "contacts", "born", "ended", "tunnelled", "longest_way", "at_rest"];
+    keys.map(|key| of[key].clone()).to_vec()
+}
+
+const SHEARED: &str = "loose:dim=2,n=50,fraction=0.5,periodic=true,tilt=0.2";
+
+/// A box in each frame: as they are made, and as they are read from a file.
+#[test]
+fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
+    let at = Place::new();
+    let shear = "--motion shear:speed=0.25 --frames 30";
+    at.good(&format!("scene {SHEARED} {shear} -o all.xyz"));
+    let text = at.read("all.xyz");
+    let boxes: Vec<&str> = text.lines().filter(|line| line.contains("Lattice=")).collect();
+    assert!(boxes.len() == 30 && boxes.windows(2).all(|two| two[0] != two[1]), "{boxes:?}");
+    let trackers = "--tracker every-step(nbs) --tracker verlet(nbs,skin=0.3)";
+    let made = at.json(&format!("track {SHEARED} {shear} {trackers}"));
+    let read = at.json(&format!("track all.xyz {trackers}"));
+    assert_eq!(moved(&made), moved(&read));
+    assert!(made["born"].as_u64() > Some(5) && made["uncounted"].is_null(), "{made}");
+    for tracker in [&made, &read].iter().flat_map(|of| of["trackers"].as_array().unwrap()) {
+        assert_eq!((&tracker["missed"], &tracker["reported"]), (&0.into(), &made["contacts"]));
+    }
+    let inspected = at.json("inspect all.xyz --frame all");
+    assert_eq!(moved(&inspected["motion"]), moved(&read));
+    // One of them alone is a scene in its box, and moves on from there.
+    at.good(&format!("scene {SHEARED} --motion shear:speed=0.25 --at 29 -o a.xyz"));
+    assert_eq!(at.read("a.xyz").lines().nth(1), Some(boxes[29]));
+    let on = "--motion drift:speed=0.1 --frames 3 --tracker every-step(nbs)";
+    let alone = at.json(&format!("track a.xyz {on}"));
+    assert_eq!(moved(&alone), moved(&at.json(&format!("track all.xyz --frame last {on}"))));
+    // Without its box there are fewer.
+    let open = at.json(&format!("track all.xyz --open {trackers}"));
+    assert!(open["contacts"].as_u64() < read["contacts"].as_u64(), "{open}");
+}
+
+/// The box of a file that has none is named on the command line: one particle flies on through a
+/// face beside another, in a wrapped dump and in its unwrapped twin.
+#[test]
+fn the_box_is_named_for_files_without_one() {
+    let at = Place::new();
+    for name in ["wrapped.xyz", "twin.xyz"] {
+        let frame = |k: u32| {
+            let [a, b] = [6.5, 7.25].map(|x| x + 0.25 * f64::from(k));
+            let [a, b] = [a, b].map(|x| if name == "twin.xyz" { x } else { x.rem_euclid(8.0) });
+            format!("2\nProperties=species:S:1:pos:R:2:radius:R:1\nA {a} 1 0.5\nA {b} 1 0.5\n")
+        };
+        at.file(name, (0..9).map(frame).collect::<String>());
+    }
+    let of = |name| at.json(&format!("track {name} --box 8,8 --tracker verlet(nbs,rule=every-9)"));
+    let [wrapped, twin] = ["wrapped.xyz", "twin.xyz"].map(of);
+    assert_eq!(moved(&wrapped), moved(&twin));
+    assert_eq!([&wrapped["born"], &wrapped["ended"], &wrapped["contacts"]], [0, 0, 9]);
+    assert_eq!(wrapped["trackers"][0]["missed"], 0);
+    let open = at.json("track wrapped.xyz --tracker every-step(nbs)");
+    assert!(open["ended"] == 1 && open["longest_way"].as_f64() > Some(7.0), "{open}");
+}
+
+/// The fields of a tracker in a row, and what `track` calls them.
+pub const SAME: [(&str, &str); 10] = [
+    ("builds", "built"),
+    ("dangerous", "dangerous"),
+    ("dangerous_rightly", "dangerous_rightly"),
+    ("missing_builds", "missing_builds"),
+    ("listed", "listed"),
+    ("never", "never_reported"),
+    ("latest", "latest"),
+    ("worst_missed", "worst_missed"),
+    ("first_wrong", "first_missed_frame"),
+    ("deepest_late", "deepest"),
+];
+
+/// Frames, boxes and answers go from process to process, and each frame is judged.
+#[test]
+fn trackers_in_boxes_are_judged_frame_by_frame() {
+    let at = Place::new();
+    let rule = "verlet(nbs,rule=every-7,skin=0.05)";
+    let hello = say(r#"{"reply":"hello","protocol":3,"detector":"old","arithmetic":"exact"}"#);
+    // What it is sent is in its answer.
+    let old = format!(
+        "{hello}\nwhile read -r line; do\ncase \"$line\" in\n*'\"boxes\"'*) exit 3 ;;\n\
+         *'\"box\"'*) {} ;;\n*) {} ;;\nesac\ndone",
+        say(r#"{"reply":"refused","reason":"one box for all"}"#),
+        say(r#"{"reply":"unsupported"}"#)
+    );
+    let text = format!(
+        "name = \"a\"\ntitle = \"a\"\nquestion = \"a\"\nreading = \"a\"\nblocks = 0\n\
+         detectors = [\"every-step(nbs)\", \"{rule}\", \"nbs\"]\n\
+         [[scene]]\nname = \"loose\"\ndim = [2, 3]\nn = 50\nfraction = 0.5\nperiodic = true\n\
+         order = \"generated\"\nmotion = [\"drift\", \"shear\"]\nspeed = 0.15\nframes = 15\n\n{}{}",
+        runner("old", "sh", &old),
+        runner("older", "sh", &fake(&[]))
+    );
+    at.file("a.toml", text);
+    at.good("run a.toml --out out");
+    let rows = at.read("out/samples.jsonl");
+    let rows: Vec<Value> = rows.lines().map(|row| serde_json::from_str(row).unwrap()).collect();
+    let mut lossy = 0;
+    for (dim, motion) in [2, 3].iter().flat_map(|dim| ["drift", "shear"].map(|it| (*dim, it))) {
+        let of = |detector: &str, rule: Option<&str>| -> &Value {
+            let of = |row: &&Value| {
+                row["detector"] == detector
+                    && row["dim"] == dim
+                    && row["params"]["motion"] == motion
+                    && rule.is_none_or(|rule| row["detector_params"]["rule"] == rule)
+            };
+            rows.iter().find(of).unwrap_or_else(|| panic!("{detector} {motion}"))
+        };
+        let tracked = at.json(&format!(
+            "track loose:dim={dim},n=50,fraction=0.5,periodic=true,order=generated --motion \
+             {motion}:speed=0.15 --frames 15 --tracker {rule}"
+        ));
+        let tracker = &tracked["trackers"][0];
+        for detector in ["every-step", "nbs"] {
+            let row = of(detector, None);
+            assert_eq!((&row["outcome"], &row["contacts"]), (&"ok".into(), &tracked["contacts"]));
+        }
+        // The judge and `track` find the same.
+        let row = of("verlet", Some("every-7"));
+        let missed = tracker["missed"].as_u64().unwrap();
+        assert_eq!(row["outcome"], if missed > 0 { "lossy" } else { "ok" });
+        assert_eq!(row["errors"]["missed"].as_u64(), Some(missed));
+        for (ours, theirs) in SAME {
+            assert_eq!(row["course"][ours], tracker[theirs], "{motion} {dim} {ours}");
+        }
+        for key in ["contacts", "born", "ended", "tunnelled"] {
+            assert_eq!(row["moved"][key], tracked[key], "{motion} {dim} {key}");
+        }
+        lossy += missed;
+        let told = if motion == "drift" { "refused: one box for all" } else { "protocol 3" };
+        for (name, words) in [("old", told), ("older", "unavailable: periodic scenes")] {
+            let row = of(name, None);
+            let said = [&row["outcome"], &row["reason"]].map(|it| it.as_str().unwrap()).join(": ");
+            assert!(said.contains(words), "{name}: {said}");
+        }
+    }
+    assert!(lossy > 20, "{lossy}");
+}
