@@ -110,7 +110,8 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Lists all pairs whose bodies are at most twice `half` apart in this frame, and further by
-    /// what the contact test may round, for a rule. The centres are within `corners`.
+    /// what the contact test may round, for a rule. The centres are within `corners`. False if
+    /// rounding makes a list useless: in a box that is very long.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -118,7 +119,7 @@ impl<const D: usize> Kept<D> {
         list: &Wanted<'_>,
         search: &mut Search,
         mut tally: Option<&mut Tally>,
-    ) -> Result<(), Refusal>
+    ) -> Result<bool, Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
@@ -127,6 +128,9 @@ impl<const D: usize> Kept<D> {
         let (n, skin, limit) = (scene.len(), 2.0 * half, search.limit);
         let rounding = rounding + self.around.begin(lattice, n, corners)?;
         let largest = scene.largest_radius().wide();
+        if rounding > 4.0 * (largest + half) {
+            return Ok(false);
+        }
         let margin = if rounding == 0.0 { half } else { (half + 0.5 * rounding).next_up() };
         let larger = |r: f64| (r + margin).next_up();
         if !(2.0 * larger(largest)).is_finite() {
@@ -205,7 +209,7 @@ impl<const D: usize> Kept<D> {
         })?;
         (self.age, self.summed) = (Some(0), 0.0);
         (self.half, self.rounding) = (half, rounding);
-        Ok(())
+        Ok(true)
     }
 
     /// Of the list.

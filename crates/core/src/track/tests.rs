@@ -5,7 +5,8 @@ use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::detect::table::TABLE;
 use crate::oracle;
-use crate::scene::{Radii, Scene};
+use crate::periodic;
+use crate::scene::{Lattice, Radii, Scene};
 use crate::sink::{normalise, splitmix64};
 
 /// Uniform in [-1, 1), from a count.
@@ -310,6 +311,33 @@ fn formulas_give_the_bytes_of_the_arrays() {
             let each = 8 * dim * full + 16 + 16;
             assert!(step.listed > 501);
             assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);
+        }
+    }
+}
+
+/// In a very long box rounding would list nearly every pair through every image across it.
+#[test]
+fn a_box_so_long_that_rounding_exceeds_the_radii_has_no_list() {
+    let mut draw = Draw(9);
+    let mut place = || 2.17 + 2.17 * draw.symmetric();
+    let centres: Vec<_> = (0..12).map(|_| Point::from([place(), place()])).collect();
+    let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(0.25)).unwrap().into();
+    for (length, builds) in [(1e9, 1), (1e14, 3), (4.3e16, 3)] {
+        let lattice = Lattice::along_axes([length, 4.34, 0.0], [true, true, false]).unwrap();
+        let frame = Periodic::new(scene.clone(), lattice).unwrap();
+        let mut truth = periodic::truth(&frame, Arithmetic::Exact, 1 << 20).unwrap().pairs;
+        truth.sort();
+        for name in ["verlet(sweep,skin=0.1)", "verlet(streamed-nbs,skin=auto)"] {
+            let (mut tracker, mut built) = (tracker(name), 0);
+            for _ in 0..3 {
+                let mut found = Contacts::default();
+                let step = tracker.step_in_box(&frame, Arithmetic::Exact, None, &mut found);
+                let step = step.unwrap();
+                built += usize::from(step.built);
+                assert_eq!(found.sorted(12, 1 << 20).unwrap(), truth, "{length}, {name}");
+                assert!(step.listed < 100, "{length}, {name}: {} listed", step.listed);
+            }
+            assert_eq!(built, builds, "{length}, {name}");
         }
     }
 }

@@ -254,7 +254,11 @@ impl Settings {
                 let list = Wanted { half, rounding, rule: self.rule, lattice: work.lattice };
                 let tally = work.tally.as_deref_mut();
                 let built = kept.build(scene, corners, &list, work.search, tally);
-                let Err(refusal) = built else { break };
+                let refusal = match built {
+                    Ok(true) => break,
+                    Ok(false) => return Ok(None),
+                    Err(refusal) => refusal,
+                };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
                 match &mut work.skin {
                     Thick::Given(_) => return Err(refusal),
