@@ -18,8 +18,10 @@ pub const FILE: &str = "samples.jsonl";
 
 /// What the name of a compressed record ends with.
 const PACKED: &str = ".gz";
-/// The most bytes that a compressed record may unpack to.
-const MOST: u64 = 4 << 30;
+/// No row has a line of so many bytes.
+const LONGEST: u64 = 1 << 24;
+/// A record is not read beyond so many damaged lines.
+const MOST_FAULTS: usize = 10_000;
 
 /// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had
 /// no check of the line.
@@ -163,17 +165,18 @@ pub fn unpacked(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The file and the text of a record, compressed or not.
-fn text(path: &Path) -> anyhow::Result<(PathBuf, Vec<u8>)> {
+/// The file of a record, and its text, unpacked.
+fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
     let named = path.to_string_lossy().ends_with(PACKED);
     let plain = if named { path.with_extension("") } else { path.to_path_buf() };
     let packed = packed(&plain);
-    let cannot = |path: &Path, e: io::Error| {
-        anyhow::anyhow!("cannot read the record {}: {e}", path.display())
+    let open = |path: &Path| {
+        let cannot = |e| anyhow::anyhow!("cannot read the record {}: {e}", path.display());
+        File::open(path).map_err(cannot)
     };
     if !packed.exists() {
-        let text = std::fs::read(&plain).map_err(|e| cannot(&plain, e))?;
-        return Ok((plain, text));
+        let file = open(&plain)?;
+        return Ok((plain, Box::new(BufReader::new(file))));
     }
     anyhow::ensure!(
         !plain.exists(),
@@ -181,52 +184,44 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Vec<u8>)> {
         plain.display(),
         packed.display()
     );
-    let (file, mut text) = (File::open(&packed).map_err(|e| cannot(&packed, e))?, Vec::new());
-    let read = MultiGzDecoder::new(file).take(MOST).read_to_end(&mut text);
-    let what = match read {
-        Ok(bytes) if (bytes as u64) < MOST => return Ok((packed, text)),
-        Ok(_) => "it unpacks to 4 GiB or more; unpack it with gunzip".into(),
-        Err(e) => format!("it cannot be unpacked: {e}"),
-    };
-    Err(faults::Damaged(vec![Fault { place: packed.display().to_string(), what }]).into())
+    let unpacked = MultiGzDecoder::new(open(&packed)?);
+    Ok((packed, Box::new(BufReader::new(unpacked))))
 }
 
 /// Reads a record of this schema or an earlier one, compressed or not. A torn last line is reported
 /// and left out. A line of a later schema is an error; lines that are damaged, or that contradict
 /// themselves or others, are a `faults::Damaged` record, which names them all.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
-    let (path, text) = text(path)?;
-    let bytes = text.len() as u64;
-    let mut beside = None;
+    let (path, mut text) = text(path)?;
+    let (mut beside, mut bytes, mut line) = (None, 0, Vec::new());
     let (mut rows, mut lines, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     let (mut found, mut newest) = (Vec::new(), 0);
-    for (number, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
-        let at = || format!("{}: line {}", path.display(), number + 1);
-        if !line.ends_with(b"\n") {
+    for number in 1.. {
+        let length = next_line(&mut *text, &path, &mut line)?;
+        bytes += length;
+        if length == 0 {
+            break;
+        }
+        let at = || format!("{}: line {number}", path.display());
+        // A few bytes may unpack to one endless line, or to very many.
+        if length == LONGEST || found.len() == MOST_FAULTS {
+            let why = if length == LONGEST { "it is longer than a row" } else { "too many faults" };
+            found.push((number, format!("{why}: the rest is not read")));
+            break;
+        } else if !line.ends_with(b"\n") {
             warnings.push(format!(
                 "{} is torn (the run was killed while writing it) and was ignored",
                 at()
             ));
         } else if !line.trim_ascii().is_empty() {
-            // What is no JSON is damaged, and tells no schema.
-            let version = serde_json::from_slice(line).map(|it: Version| it.schema);
-            let schema = version.as_ref().copied().unwrap_or(newest.max(OLDEST));
-            if schema > SCHEMA || schema < OLDEST && newest == 0 {
-                let or = if schema > SCHEMA { ", or a later one" } else { "" };
-                anyhow::bail!(
-                    "{} has record schema {schema}, and this contactbench ({}) reads schemas \
-                     {OLDEST} to {SCHEMA}: take the version that wrote it{or}",
-                    at(),
-                    env!("CARGO_PKG_VERSION")
-                );
-            }
+            let schema = schema_of(&line, newest, at)?;
             newest = schema.max(newest);
-            match whole(line, schema, newest) {
+            match whole(&line, schema, newest) {
                 Ok(row) => {
                     rows.push(row);
-                    lines.push(number + 1);
+                    lines.push(number);
                 }
-                Err(what) => found.push((number + 1, what)),
+                Err(what) => found.push((number, what)),
             }
         }
     }
@@ -240,6 +235,35 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
     let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
     faults::sound(found.into_iter().map(fault).collect())?;
     Ok(Record { rows, warnings, bytes })
+}
+
+/// Reads the next line of a record; one of `LONGEST` bytes is only the beginning of a line.
+fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow::Result<u64> {
+    line.clear();
+    match text.take(LONGEST).read_until(b'\n', line) {
+        Ok(length) => Ok(length as u64),
+        Err(e) if path.to_string_lossy().ends_with(PACKED) => {
+            let what = format!("it cannot be unpacked: {e}");
+            Err(faults::Damaged(vec![Fault { place: path.display().to_string(), what }]).into())
+        }
+        Err(e) => anyhow::bail!("cannot read the record {}: {e}", path.display()),
+    }
+}
+
+/// The schema of a line, which must be one that is read.
+fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Result<u32> {
+    // What is no JSON is damaged, and tells no schema.
+    let version = serde_json::from_slice(line).map(|it: Version| it.schema);
+    let schema = version.unwrap_or(newest.max(OLDEST));
+    let or = if schema > SCHEMA { ", or a later one" } else { "" };
+    anyhow::ensure!(
+        (OLDEST..=SCHEMA).contains(&schema) || schema < OLDEST && newest > 0,
+        "{} has record schema {schema}, and this contactbench ({}) reads schemas {OLDEST} to \
+         {SCHEMA}: take the version that wrote it{or}",
+        at(),
+        env!("CARGO_PKG_VERSION")
+    );
+    Ok(schema)
 }
 
 /// The row of a line that is as it was written; or what is wrong with it.

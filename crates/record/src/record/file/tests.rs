@@ -1,4 +1,5 @@
 use super::*;
+use crate::record::faults::Damaged;
 use crate::record::id::CellId;
 use crate::record::ledger::{self, Entry, Process};
 use crate::record::outcome::{Outcome, Pass};
@@ -148,6 +149,16 @@ fn a_compressed_record_is_read_and_never_appended_to() {
     assert!(refusal(&path).contains("samples.jsonl.gz:1: its check is that of another text"));
     pack(&text, 9);
     assert!(refusal(&path).contains("samples.jsonl.gz: it cannot be unpacked: "));
+    // Some kilobytes that unpack to an endless line, or to very many.
+    for (text, words) in
+        [("0".repeat(20 << 20), "longer than a row"), ("0\n".repeat(20_000), "many")]
+    {
+        pack(&text, 0);
+        let refused = read(&path).err().unwrap();
+        let Damaged(faults) = refused.downcast_ref().unwrap();
+        assert!(faults.last().unwrap().what.contains(words), "{faults:?}");
+        assert!(faults.len() <= MOST_FAULTS + 1, "{}", faults.len());
+    }
     std::fs::write(&path, &text).unwrap();
     assert!(refusal(&path).contains("samples.jsonl.gz are both there; delete one of them"));
 }
