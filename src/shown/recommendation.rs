@@ -20,7 +20,7 @@ fn error(standing: &Standing) -> String {
 /// The recommendation in a sentence.
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let standings = &race.standings;
-    let name = |k: usize| standings[k].who.name;
+    let name = |k: usize| standings[k].entry.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
     // Ratios first: they are the same from run to run, and times are not.
@@ -92,13 +92,13 @@ fn why_out(standing: &Standing) -> Option<String> {
 /// would hold in one run alone.
 pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
     let base = fastest(&race.standings).map(|k| &race.standings[k]);
-    let choice = verdict.map(|verdict| race.standings[verdict.choice].who.name);
-    let name = |standing: &Standing| match standing.who.name {
+    let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);
+    let name = |standing: &Standing| match standing.entry.name {
         name if choice == Some(name) => format!("{name} <"),
         name => name.into(),
     };
     let to_fastest = |standing: &Standing| match base {
-        Some(base) if base.who.name == standing.who.name => Some("1".into()),
+        Some(base) if base.entry.name == standing.entry.name => Some("1".into()),
         Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
         None => None,
     };
@@ -121,12 +121,12 @@ fn numbers(interval: Interval) -> Value {
 /// All of it for programs.
 pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
     let standings = &race.standings;
-    let name = |k: usize| standings[k].who.name;
+    let name = |k: usize| standings[k].entry.name;
     let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
     let detectors = standings.iter().map(|standing| {
         json!({
-            "detector": standing.who.name,
-            "threads": standing.who.threads,
+            "detector": standing.entry.name,
+            "threads": standing.threads,
             "outcome": standing.outcome.name(),
             "reason": standing.reason,
             "probe_ns": standing.probe_ns,

@@ -286,7 +286,7 @@ pub fn compare_by<C: Copy + Ord>(
 
 /// See [`depth`]; infinity, which a record cannot hold, becomes the largest double. 0 for particles
 /// that the scene does not have.
-fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
+pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     let (i, j) = (i as usize, j as usize);
     with_scene!(scene, scene => {
         let centres = scene.centres();

@@ -6,6 +6,7 @@ pub mod moving;
 pub mod plan;
 pub mod recommend;
 pub mod run;
+mod truth;
 
 #[cfg(test)]
 #[path = "../../../tests/program/committed.rs"]

@@ -108,7 +108,7 @@ impl<'a> Periodic<'a> {
 
 /// Particle `i` touches the image of particle `j` at xj + S·H. Seen from the other side it is the
 /// same contact: `j` touches the image of `i` at xi - S·H; [`ImagePair::new`] takes either.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImagePair {
     /// The smaller number, or the same.
     pub i: u32,

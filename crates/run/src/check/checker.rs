@@ -12,12 +12,11 @@ use super::cases::{CASES, SIZES};
 use super::contender::{Contender, Question, Respondent};
 use super::shrink::shrink;
 use super::{Failure, Limits, MOST_BYTES, Report, Wrong, bytes};
+use crate::truth::truth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
-use contactbench_core::oracle::{self, NoTruth};
-use contactbench_core::periodic::{self, Truth, without_shift};
+use contactbench_core::oracle::NoTruth;
 use contactbench_core::scene::AnyScene;
-use contactbench_core::searcher::Loaded;
 use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_scenes::hard;
@@ -223,22 +222,6 @@ impl<'a> Checker<'a> {
             }
         }
         Ok(())
-    }
-}
-
-/// The contacts to be found.
-pub(super) fn truth(
-    scene: &Loaded<'_>,
-    arithmetic: Arithmetic,
-    limit: u64,
-) -> Result<Truth, NoTruth> {
-    match scene {
-        Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
-        Loaded::Open(stored) => {
-            let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
-            let pairs = without_shift(&found.pairs).collect();
-            Ok(Truth { pairs, digest: found.digest })
-        }
     }
 }
 

@@ -122,14 +122,9 @@ impl Talk<'_> {
     /// Requests that cannot be done: an error, and life goes on.
     fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
         let frames = vec![missing.to_path_buf()];
-        let nowhere = Request::Load(Trajectory {
-            frames,
-            dim: 2,
-            n: 4,
-            radius: Some(0.5),
-            in_box: None,
-            boxes: Vec::new(),
-        });
+        let radius = Some(0.5);
+        let nowhere =
+            Request::Load(Trajectory { frames, dim: 2, n: 4, radius, ..Trajectory::default() });
         for (when, request) in [
             ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
             ("given a file that is not there", nowhere),

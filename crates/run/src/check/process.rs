@@ -125,13 +125,7 @@ impl Foreign {
 }
 
 fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
-    let start = Start {
-        command: command.to_vec(),
-        install: String::new(),
-        time_limit,
-        memory_limit: ADDRESS_SPACE,
-        processor: None,
-    };
+    let start = Start::of(command, time_limit, ADDRESS_SPACE);
     Client::spawn(&start).map_err(|failure| anyhow!(failure.reason))
 }
 

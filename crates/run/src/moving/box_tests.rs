@@ -5,7 +5,7 @@ use super::through::Through;
 use super::*;
 use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::contact::swept::touches_within;
-use contactbench_core::scene::{Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 use contactbench_core::sink::splitmix64;
 use contactbench_core::track;
 use contactbench_scenes::motion::{Frames, Kind, Motion};
@@ -77,18 +77,6 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     assert!(missed > 500, "{missed}");
 }
 
-/// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
-/// far they go.
-#[test]
-fn a_list_serves_a_box_that_is_sheared() {
-    let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
-    let motion = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
-    let mut frames = Frames::new(&scene.given().unwrap(), motion).unwrap();
-    let frames: Vec<Given> = (0..40).map(|k| frames.at(k).unwrap()).collect();
-    let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
-    assert_eq!(followed.trackers[0].builds.built, 1);
-}
-
 /// Two that touch fly on together, through one face after the other.
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
@@ -127,24 +115,6 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     // And one that the box carries past ends, and is another when it comes again.
     let moved = followed(&frames, &[]).moved;
     assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
-}
-
-/// Missed since the frame in which they met, through the face, to the one in which it is reported.
-#[test]
-fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
-    let frames: Vec<Given> = (0..9)
-        .map(|k| {
-            let at = |x: f64| [(x + 0.5 * f64::from(k)).rem_euclid(8.0), 1.0];
-            // They meet in frame 1.
-            let gap = if k == 0 { 1.5 } else { 0.75 };
-            given(vec![at(6.25), at(6.25 + gap)], 0.5, square(8.0))
-        })
-        .collect();
-    let found = followed(&frames, &["verlet(direct,skin=0,rule=every-6)"]);
-    assert_eq!([found.moved.contacts, found.moved.born, found.moved.ended], [8, 1, 0]);
-    let late = &found.trackers[0].late;
-    assert_eq!((late.missed, late.first, late.latest, late.never), (5, Some(1), 5, 0));
-    assert_eq!(late.deepest, 0.5);
 }
 
 /// Places and ways that are whole sixteenths: nothing is rounded.
@@ -308,42 +278,4 @@ fn ways_are_those_to_the_nearest_image() {
             assert!(far(nearest.by(at, then)) <= least + 1e-9, "{lattice:?} {at:?} {then:?}");
         }
     }
-}
-
-/// Whatever image is named, and however often a sheared box was flipped.
-#[test]
-fn contacts_have_one_name_in_all_frames() {
-    let (first, ways) = (sixteenths(1, 12, 64), sixteenths(2, 12, 9));
-    let mut names = Names::default();
-    let mut flips = 0;
-    for k in 0..60i32 {
-        // Wrapped at random, in boxes of 8 by 8 with a tilt that grows by 0.75.
-        let tilt = 0.75 * f64::from(k);
-        let whole = (tilt / 8.0).round();
-        let vectors = [[8.0, 0.0, 0.0], [tilt - 8.0 * whole, 8.0, 0.0], [0.0; 3]];
-        let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
-        flips = whole as i32;
-        let by = |i: usize| -> [i32; 2] {
-            let draw = |v: u64| (splitmix64((v << 40) + ((k as u64) << 20) + i as u64) % 5) as i32;
-            if k == 0 { [0; 2] } else { [draw(1) - 2, draw(2) - 2] }
-        };
-        let place = |i: usize| -> [f64; 2] {
-            let [x, y] = by(i).map(f64::from);
-            let on = |axis: usize| first[i][axis] + f64::from(k) * ways[i][axis];
-            [on(0) + x * 8.0 + y * vectors[1][0], on(1) + y * 8.0]
-        };
-        let frame = given((0..12).map(place).collect(), 0.5, lattice).periodic().unwrap().unwrap();
-        names.next(&frame);
-        for (i, j) in (0..12).flat_map(|i| (i..12).map(move |j| (i, j))) {
-            for image in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-2, 3, 0]] {
-                let ([ix, iy], [jx, jy]) = (by(i), by(j));
-                let here = [image[0] + flips * image[1] + ix - jx, image[1] + iy - jy, 0];
-                let here = ImagePair::new(i as u32, j as u32, here);
-                let always = ImagePair::new(i as u32, j as u32, image);
-                assert_eq!(names.name(here), always, "{k} {i} {j}");
-                assert_eq!(names.called(always), here, "{k} {i} {j}");
-            }
-        }
-    }
-    assert!(flips > 4, "{flips}");
 }

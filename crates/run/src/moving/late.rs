@@ -4,70 +4,14 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use super::names::Names;
-use contactbench_core::contact::depth::depth;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Real, array};
-use contactbench_core::with_scene;
-
-/// A frame, and what contacts are called in it and in all frames.
-pub trait Named {
-    /// A contact as this frame calls it.
-    type Contact: Copy + Ord;
-
-    /// The name in all frames.
-    fn name(&self, contact: Self::Contact) -> ImagePair;
-
-    /// What has this name.
-    fn called(&self, name: ImagePair) -> Self::Contact;
-
-    /// How deep it is.
-    fn depth(&self, contact: Self::Contact) -> f64;
-}
-
-/// In open space.
-impl Named for AnyScene<'_> {
-    type Contact = [u32; 2];
-
-    fn name(&self, [i, j]: [u32; 2]) -> ImagePair {
-        ImagePair::new(i, j, [0; 3])
-    }
-
-    fn called(&self, ImagePair { i, j, .. }: ImagePair) -> [u32; 2] {
-        [i, j]
-    }
-
-    fn depth(&self, [i, j]: [u32; 2]) -> f64 {
-        with_scene!(self, scene => {
-            let at = |k: u32| array(&scene.centres()[k as usize]).map(Real::wide);
-            let radius = |k: u32| scene.radius(k as usize).wide();
-            depth(&at(i), &at(j), radius(i), radius(j))
-        })
-    }
-}
-
-/// In a box.
-impl Named for (&Periodic<'_>, &Names) {
-    type Contact = ImagePair;
-
-    fn name(&self, contact: ImagePair) -> ImagePair {
-        self.1.name(contact)
-    }
-
-    fn called(&self, name: ImagePair) -> ImagePair {
-        self.1.called(name)
-    }
-
-    fn depth(&self, contact: ImagePair) -> f64 {
-        periodic::depth(self.0, contact)
-    }
-}
+use contactbench_core::periodic::ImagePair;
 
 /// Contacts that were not reported in the frame in which they were there.
 ///
 /// A *missed pair-step* is a pair that touches in a frame and is not reported in it. A contact is
 /// missed from one frame on, until it is reported, or until it has ended and nobody knew of it.
 /// Pairs go by names that are the same in all frames.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Late<P: Eq + Hash = ImagePair> {
     /// Missed pair-steps.
     pub missed: u64,
@@ -87,30 +31,17 @@ pub struct Late<P: Eq + Hash = ImagePair> {
     open: HashMap<P, u64>,
 }
 
-impl<P: Eq + Hash> Default for Late<P> {
-    fn default() -> Late<P> {
-        Late {
-            missed: 0,
-            worst: 0,
-            first: None,
-            frames: 0,
-            never: 0,
-            latest: 0,
-            deepest: 0.0,
-            open: HashMap::new(),
-        }
-    }
-}
-
 impl Late {
-    /// Compares what was reported in frame `k` with the truth, both in ascending order. Tells how
-    /// many contacts were reported that are none, or twice.
-    pub fn take<F: Named>(
+    /// Compares what was reported in frame `k` with the truth, both in ascending order, and
+    /// returns how many contacts were reported that are none, or twice. `names` are those of the
+    /// frame; the default ones do in open space.
+    pub fn take(
         &mut self,
         k: u64,
-        frame: &F,
-        reported: &[F::Contact],
-        truth: &[F::Contact],
+        names: &Names,
+        depth: impl Fn(ImagePair) -> f64,
+        reported: &[ImagePair],
+        truth: &[ImagePair],
     ) -> u64 {
         if self.open.is_empty() && reported == truth {
             return 0;
@@ -122,15 +53,14 @@ impl Late {
                 spurious += 1;
             }
             if reports.next_if_eq(&contact).is_none() {
-                missed.push(frame.name(contact));
+                missed.push(names.name(contact));
             }
         }
         spurious += reports.count() as u64;
-        let depth = |&name: &ImagePair| {
-            let contact = frame.called(name);
-            truth.binary_search(&contact).is_ok().then(|| frame.depth(contact))
-        };
-        self.note(k, &missed, depth);
+        self.note(k, &missed, |&name| {
+            let contact = names.called(name);
+            truth.binary_search(&contact).is_ok().then(|| depth(contact))
+        });
         spurious
     }
 }
@@ -177,26 +107,33 @@ impl<P: Copy + Eq + Hash> Late<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::{Radii, Scene};
 
     #[test]
     fn a_contact_is_late_until_it_is_reported_or_ends() {
-        let centres = [0.0, 1.5, 3.0, 4.5].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
-        let frame: AnyScene<'_> = Scene::new(centres, Radii::Uniform(1.0)).unwrap().into();
-        let all = [[0, 1], [1, 2], [2, 3]];
+        let [a, b, c, d] =
+            [[0, 1], [1, 2], [2, 3], [0, 2]].map(|[i, j]| ImagePair::new(i, j, [0; 3]));
         let mut late = Late::default();
-        assert_eq!(late.take(0, &frame, &all, &all), 0);
-        assert_eq!(late, Late::default());
-        // 0-1 is missed in three frames and then reported; 1-2 is missed once and ends; 2-3 is
-        // missed in the last.
-        assert_eq!(late.take(1, &frame, &[[1, 2], [2, 3]], &all), 0);
-        assert_eq!(late.take(2, &frame, &[[2, 3]], &all), 0);
-        assert_eq!(late.take(3, &frame, &[[2, 3]], &[[0, 1], [2, 3]]), 0);
-        assert_eq!((late.never, late.latest), (1, 0));
-        assert_eq!(late.take(4, &frame, &[[0, 1], [2, 3]], &[[0, 1], [2, 3]]), 0);
-        assert_eq!(late.take(5, &frame, &[[0, 1]], &[[0, 1], [2, 3]]), 0);
+        let mut take = |k, reported: &[ImagePair], truth: &[ImagePair]| {
+            let depth = |pair: ImagePair| f64::from(pair.i) + 0.5;
+            let spurious = late.take(k, &Names::default(), depth, reported, truth);
+            (spurious, late.clone())
+        };
+        assert_eq!(take(0, &[a, b, c], &[a, b, c]), (0, Late::default()));
+        // a is missed in three frames and then reported; b is missed once and ends; c is missed in
+        // the last.
+        for (k, reported, truth) in [
+            (1, &[b, c][..], &[a, b, c][..]),
+            (2, &[c], &[a, b, c]),
+            (3, &[c], &[a, c]),
+            (4, &[a, c], &[a, c]),
+            (5, &[a], &[a, c]),
+        ] {
+            let (spurious, late) = take(k, reported, truth);
+            assert_eq!((spurious, late.never), (0, u64::from(k > 2)), "{k}");
+        }
+        // Pairs that do not touch, and one twice.
+        assert_eq!(take(6, &[a, a, d, c], &[a]).0, 3);
         late.end();
-        let found = Late { open: HashMap::new(), ..late.clone() };
         let truth = Late {
             missed: 5,
             worst: 2,
@@ -207,8 +144,6 @@ mod tests {
             deepest: 0.5,
             open: HashMap::new(),
         };
-        assert_eq!(found, truth);
-        // Pairs that do not touch, and one twice.
-        assert_eq!(late.take(6, &frame, &[[0, 1], [0, 1], [0, 2], [2, 3]], &all[..1]), 3);
+        assert_eq!(late, truth);
     }
 }

@@ -1,33 +1,31 @@
 //! Trackers held to the truth, frame by frame: what a kept list costs, and what it misses.
 
-mod between;
 #[cfg(test)]
 mod box_tests;
 mod builds;
-mod course;
 mod late;
 mod names;
 mod recorded;
+mod survey;
 mod through;
 
 use std::time::{Duration, Instant};
 
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::Refusal;
-use contactbench_core::oracle;
-use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};
-use contactbench_core::scene::AnyScene;
-use contactbench_core::sink::normalise;
-use contactbench_core::track::{Step, Tracker, TrackerSpec};
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::periodic::{Contacts, ImagePair};
+use contactbench_core::searcher::Loaded;
+use contactbench_core::track::{Tracker, TrackerSpec};
 use contactbench_io::Given;
+use contactbench_scenes::touching::in_any_box;
 
-pub use between::{Moved, Way};
+use crate::truth;
 pub use builds::Builds;
-pub use course::Course;
+pub use contactbench_terms::moved::{Moved, Way};
 pub use late::Late;
 pub use names::Names;
 pub use recorded::Recorded;
+pub use survey::Survey;
 
 /// What is asked.
 pub struct Question<'a> {
@@ -78,22 +76,6 @@ pub struct Tracked {
 }
 
 impl Tracked {
-    fn new(spec: &TrackerSpec, arithmetic: Arithmetic) -> Tracked {
-        Tracked {
-            spec: spec.clone(),
-            is_safe: spec.is_safe(arithmetic.test()),
-            times: Vec::new(),
-            building: Duration::ZERO,
-            builds: Builds::default(),
-            listed: 0,
-            reported: 0,
-            spurious: 0,
-            late: Late::default(),
-            bytes: 0,
-            refused: None,
-        }
-    }
-
     /// A tracker that promises to miss nothing did, or any reported a pair that does not touch.
     pub fn is_wrong(&self) -> bool {
         self.spurious > 0 || self.is_safe && self.late.missed > 0
@@ -124,86 +106,65 @@ pub fn follow(
         .iter()
         .map(|spec| Follower {
             tracker: spec.make(options),
-            tracked: Tracked::new(spec, arithmetic),
+            tracked: Tracked {
+                spec: spec.clone(),
+                is_safe: spec.is_safe(arithmetic.test()),
+                times: Vec::new(),
+                building: Duration::ZERO,
+                builds: Builds::default(),
+                listed: 0,
+                reported: 0,
+                spurious: 0,
+                late: Late::default(),
+                bytes: 0,
+                refused: None,
+            },
             contacts: Contacts::default(),
         })
         .collect();
-    let mut course = Course::default();
+    let mut survey = Survey::default();
     for k in 0..question.frames {
         let Some(given) = frame(k)? else { break };
+        let frame = given.loaded(arithmetic)?;
+        let truth = truth::truth(&frame, arithmetic, memory_limit)?.pairs;
+        survey.take(&in_any_box(&given)?, &truth, memory_limit);
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
-        if let Some(periodic) = given.periodic()? {
-            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?.pairs;
-            course.in_box(&periodic, &truth, memory_limit);
-            let frame = (&periodic, &course.names);
-            going.for_each(|follower| follower.step_in_box(k, frame, question, &truth));
-        } else {
-            let frame = given.scene.as_stored(arithmetic)?;
-            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
-            going.for_each(|follower| follower.step(k, &frame, arithmetic, &truth));
-            course.open(given.scene, &truth, memory_limit);
-        }
+        going.for_each(|follower| {
+            if let Err(why) = follower.step(k, &frame, arithmetic, &survey.names, &truth) {
+                follower.tracked.refused = Some(format!("frame {k}: {why}"));
+            }
+        });
     }
     let trackers = followers.into_iter().map(|mut follower| {
         follower.tracked.late.end();
         follower.tracked
     });
-    Ok(Followed { moved: course.moved, trackers: trackers.collect() })
+    Ok(Followed { moved: survey.moved, trackers: trackers.collect() })
 }
 
 impl Follower {
-    fn step(&mut self, k: u64, frame: &AnyScene<'_>, arithmetic: Arithmetic, truth: &[[u32; 2]]) {
-        let step = self.timed(k, |tracker, contacts| {
-            tracker.step(frame, arithmetic.test(), None, &mut contacts.plain)
-        });
-        if step {
-            let Follower { tracked, contacts: Contacts { plain, .. }, .. } = self;
-            normalise(plain);
-            tracked.spurious += tracked.late.take(k, frame, plain, truth);
-        }
-    }
-
-    fn step_in_box(
+    /// Asks the tracker for the contacts of a frame, and holds them to the truth.
+    fn step(
         &mut self,
         k: u64,
-        frame: (&Periodic<'_>, &Names),
-        question: &Question<'_>,
+        frame: &Loaded<'_>,
+        arithmetic: Arithmetic,
+        names: &Names,
         truth: &[ImagePair],
-    ) {
-        let step = self.timed(k, |tracker, contacts| {
-            tracker.step_in_box(frame.0, question.arithmetic, None, contacts)
-        });
-        if step {
-            let Follower { tracked, contacts, .. } = self;
-            match contacts.sorted(frame.0.scene().len(), question.memory_limit) {
-                Ok(found) => tracked.spurious += tracked.late.take(k, &frame, &found, truth),
-                Err(refusal) => tracked.refused = Some(format!("frame {k}: {refusal}")),
-            }
-        }
-    }
-
-    /// Asks the tracker, and notes what it did; tells whether it answered.
-    fn timed(
-        &mut self,
-        k: u64,
-        ask: impl FnOnce(&mut dyn Tracker, &mut Contacts) -> Result<Step, Refusal>,
-    ) -> bool {
+    ) -> Result<(), Refusal> {
         let Follower { tracker, tracked, contacts } = self;
         contacts.clear();
         let started = Instant::now();
-        let step = match ask(&mut **tracker, contacts) {
-            Ok(step) => step,
-            Err(refusal) => {
-                tracked.refused = Some(format!("frame {k}: {refusal}"));
-                return false;
-            }
-        };
+        let step = tracker.find(truth::frame(frame, arithmetic), None, contacts)?;
         tracked.times.push(started.elapsed());
         tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;
         tracked.listed = tracked.listed.saturating_add(step.listed);
         tracked.reported += contacts.len();
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
-        true
+        let found = contacts.sorted(frame.particles(), u64::MAX)?;
+        let depth = |pair| truth::depth(frame, pair);
+        tracked.spurious += tracked.late.take(k, names, depth, &found, truth);
+        Ok(())
     }
 }

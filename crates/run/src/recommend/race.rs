@@ -18,18 +18,16 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::recommend::standing::{
-    Contender, HOPELESS, Race, Standing, drop_behind, drop_far, drop_hopeless,
-};
+use crate::recommend::standing::{BEHIND, FAR, HOPELESS, Race, Standing};
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
-use crate::run::judge::Judge;
-use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
+use crate::run::judge::{Judge, Said};
+use crate::run::passes::{self, SHORTEST_SAMPLE_NS};
 use crate::run::processors;
 use crate::run::protocol::{Reply, Request};
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_core::detect::table::{Entry, Role, TABLE};
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::{Interval, ratio};
@@ -72,27 +70,24 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     note("finding the true pairs");
     let mut judge = Judge::new(question.given, question.memory_limit)?;
     let arithmetic = question.arithmetic;
-    if let Some(reason) = judge.hopeless(arithmetic)? {
-        bail!("{reason}");
-    }
-    let Some(contacts) = judge.contacts(arithmetic)? else {
+    let (count, nothing) = judge.count(arithmetic)?;
+    if let Some(nothing) = nothing {
+        if nothing.hopeless {
+            bail!("{}", nothing.reason);
+        }
         bail!(
             "in {} arithmetic no answer could be checked: {}; choose another with --arithmetic",
             arithmetic.name(),
-            judge.why_none(arithmetic)?
+            nothing.reason
         );
-    };
-    let scenes = question.history.iter().chain([question.given]).enumerate();
-    let loads = scenes
-        .map(|(k, given)| {
-            Trajectory::write_at_rest(&folder.path().join(format!("scene-{k}.npy")), given)
-        })
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    }
+    let contacts = count.first;
+    let scenes = question.history.iter().chain([question.given]);
+    let loads = Trajectory::write_all(folder.path(), scenes)?;
     let mut entries: Vec<_> =
         TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
     // The others need not be waited for.
     entries.sort_by_key(|entry| entry.speed);
-    let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
     let mut ground = Ground {
         question,
         judge,
@@ -101,10 +96,10 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         room: contender::room(question.given.scene.len() as u64, contacts),
         started: Instant::now(),
     };
-    let mut standings = ground.probe_all(contenders.collect(), note)?;
+    let mut standings = ground.probe_all(entries, note)?;
     let (blocks, twin) = ground.blocks(&mut standings, note)?;
-    let place = |name: &str| TABLE.iter().position(|entry| entry.name == name);
-    standings.sort_by_key(|standing| place(standing.who.name));
+    standings
+        .sort_by_key(|standing| TABLE.iter().position(|entry| entry.name == standing.entry.name));
     Ok(Race { standings, contacts, blocks, twin })
 }
 
@@ -129,44 +124,38 @@ impl Ground<'_> {
 
     fn probe_all(
         &mut self,
-        contenders: Vec<Contender>,
+        entries: Vec<&'static Entry>,
         note: &mut dyn FnMut(&str),
     ) -> anyhow::Result<Vec<Standing>> {
         let mut standings: Vec<Standing> = Vec::new();
         // The wall time of the fastest probe.
         let mut shortest: Option<Duration> = None;
-        for who in contenders {
-            note(&format!("probing {}", who.name));
-            let mut standing = self.entered(who);
+        for entry in entries {
+            note(&format!("probing {}", entry.name));
+            let mut standing = self.entered(entry);
             // The first may take all of the time, the others what the probes have left.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
                 let reason = "not tried: the time was over (--seconds)".into();
                 standing.fail(Failure { outcome: Outcome::Timeout, reason });
-                standings.push(standing);
-                continue;
-            }
-            let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left));
-            let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
-            if let Some(took) = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)? {
-                shortest = Some(shortest.map_or(took, |shortest| shortest.min(took)));
+            } else {
+                let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left));
+                let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
+                let took = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)?;
+                shortest = shortest.into_iter().chain(took).min();
             }
             standings.push(standing);
         }
-        drop_hopeless(&mut standings);
+        HOPELESS.apply(&mut standings);
         Ok(standings)
     }
 
-    fn entered(&self, who: Contender) -> Standing {
+    fn entered(&self, entry: &'static Entry) -> Standing {
         let Question { ref program, arithmetic, memory_limit: limit, time, .. } = *self.question;
-        let start = Start {
-            command: contender::own(program, who.name, arithmetic, who.threads, limit),
-            install: String::new(),
-            time_limit: time.max(SHORTEST_PROBE),
-            memory_limit: contender::address_space(limit, who.threads).saturating_add(self.room),
-            processor: None,
-        };
-        Standing::new(who, start)
+        let threads = if entry.threads { self.question.threads } else { 1 };
+        let command = contender::own(program, entry.name, arithmetic, threads, limit);
+        let room = contender::address_space(limit, threads).saturating_add(self.room);
+        Standing::new(entry, threads, Start::of(&command, time.max(SHORTEST_PROBE), room))
     }
 
     /// Starts, loads, takes a first sample, and measures the memory unless others are far faster;
@@ -181,15 +170,11 @@ impl Ground<'_> {
         standing.start.time_limit = patience;
         let Some((time, mut client)) = self.sample(standing, None)? else {
             if standing.outcome == Outcome::Timeout {
-                standing.reason = match best {
-                    None => format!(
-                        "not ready after {:.1} s: give more time with --seconds",
-                        patience.as_secs_f64()
-                    ),
-                    Some(_) => {
-                        format!("not ready after {:.1} s, and others are", patience.as_secs_f64())
-                    }
+                let what = match best {
+                    None => ": give more time with --seconds",
+                    Some(_) => ", and others are",
                 };
+                standing.reason = format!("not ready after {:.1} s{what}", patience.as_secs_f64());
             }
             return Ok(None);
         };
@@ -198,7 +183,7 @@ impl Ground<'_> {
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.allow(standing.start.time_limit);
         standing.probe_ns = Some(time);
-        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
+        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS.limit * best as f64);
         if !hopeless {
             match client.ask(&Request::Memory) {
                 Ok(Reply::Memory(memory)) => {
@@ -220,12 +205,9 @@ impl Ground<'_> {
         standing: &mut Standing,
         processor: Option<usize>,
     ) -> anyhow::Result<Option<(u64, Client)>> {
-        let start = Start { processor, ..standing.start.clone() };
-        let answer = Client::start(&start).and_then(|mut client| {
-            client.allow(start.time_limit);
-            load_all(&mut client, &self.loads)?;
-            Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client))
-        });
+        let client = passes::fresh(&standing.start, None, &self.loads, processor);
+        let answer = client
+            .and_then(|mut client| Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
             Err(failure) => {
@@ -235,10 +217,10 @@ impl Ground<'_> {
         };
         let path = self.folder.join("pairs.npy");
         let box_dim = self.loads.last().and_then(Trajectory::box_dim);
-        let fetch = || client.pairs(&path, box_dim, None);
-        let answer = (sample.found.contacts, &*sample.found.digest);
-        let judged =
-            self.judge.judge(standing.who.name, self.question.arithmetic, answer, fetch)?;
+        let fetch = |_| client.pairs(&path, box_dim, None);
+        let arithmetic = self.question.arithmetic;
+        let said = Said { arithmetic, may_miss: false, found: &sample.found };
+        let (judged, _) = self.judge.judge(standing.entry.name, said, fetch)?;
         standing.errors = judged.errors;
         if judged.outcome.is_good() {
             standing.outcome = judged.outcome;
@@ -258,10 +240,7 @@ impl Ground<'_> {
         let racing = standings.iter().filter(|standing| standing.racing);
         let original = racing.min_by_key(|standing| standing.probe_ns);
         // With the limits that its original has since the probe.
-        let mut twin = original.map(|original| Standing {
-            start: original.start.clone(),
-            ..self.entered(original.who)
-        });
+        let mut twin = original.map(|it| Standing::new(it.entry, it.threads, it.start.clone()));
         let mut done = 0;
         for block in 1..=MOST {
             let share = if block <= FEWEST { BEYOND } else { 1.0 };
@@ -273,20 +252,20 @@ impl Ground<'_> {
             note(&format!("block {block}: {} racing", order.len().saturating_sub(1)));
             order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
             for standing in order {
-                let processor = processors::in_block(block).filter(|_| standing.who.threads == 1);
+                let processor = processors::in_block(block).filter(|_| standing.threads == 1);
                 if let Some((time, _)) = self.sample(standing, processor)? {
                     standing.times.insert(block.into(), time);
                 }
             }
             done = block;
             match block {
-                FIRST_BLOCKS => drop_far(standings),
-                FEWEST.. => drop_behind(standings),
+                FIRST_BLOCKS => FAR.apply(standings),
+                FEWEST.. => BEHIND.apply(standings),
                 _ => {}
             }
         }
         let of = |twin: Standing| {
-            let original = standings.iter().find(|it| it.who.name == twin.who.name)?;
+            let original = standings.iter().find(|it| it.entry.name == twin.entry.name)?;
             ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
         };
         Ok((done, twin.and_then(of)))

@@ -31,11 +31,8 @@ impl Verdict {
         let standings = &race.standings;
         let best = fastest(standings)?;
         let against = |k: usize, base: usize| ratio(&standings[k].times, &standings[base].times);
-        let others: Vec<usize> = (0..standings.len())
-            .filter(|&k| {
-                k != best && standings[k].outcome.is_good() && !standings[k].times.is_empty()
-            })
-            .collect();
+        let others: Vec<usize> =
+            (0..standings.len()).filter(|&k| k != best && standings[k].is_timed()).collect();
         let noise = Noise::of_twin(race.twin);
         let sure = |ratio: Interval| ratio.median > 1.0 && noise.decides(&ratio, 0);
         let slower = |k: &usize| against(*k, best).is_some_and(sure);

@@ -72,13 +72,9 @@ pub fn own(
 /// An error if a program does not answer as a build of this one does.
 pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     let limit = 1 << 28;
-    let start = Start {
-        command: own(&[program.display().to_string()], "nothing", Arithmetic::default(), 1, limit),
-        install: String::new(),
-        time_limit: Duration::from_secs(10),
-        memory_limit: address_space(limit, 1),
-        processor: None,
-    };
+    let program = [program.display().to_string()];
+    let command = own(&program, "nothing", Arithmetic::default(), 1, limit);
+    let start = Start::of(&command, Duration::from_secs(10), address_space(limit, 1));
     Client::start(&start).map(drop)
 }
 
@@ -126,12 +122,13 @@ pub fn contenders(
 /// if there is one.
 fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let limit = memory_limit(experiment);
-    let start = |command: Vec<String>, install: &str, threads: usize| Start {
-        command,
+    let start = |command: &[String], install: &str, threads: usize| Start {
         install: install.to_string(),
-        time_limit: Duration::from_secs_f64(experiment.time_limit_s),
-        memory_limit: address_space(limit, threads),
-        processor: None,
+        ..Start::of(
+            command,
+            Duration::from_secs_f64(experiment.time_limit_s),
+            address_space(limit, threads),
+        )
     };
     let path = [path.display().to_string()];
     let of_detector = |entrant: &Entrant, arithmetic| {
@@ -140,7 +137,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
         let Entrant { name, threads, .. } = entrant;
         let spec = track::parse(name);
         let with = |threads| {
-            let mut start = start(own(&path, name, arithmetic, threads, limit), "", threads);
+            let mut start = start(&own(&path, name, arithmetic, threads, limit), "", threads);
             // A tracker may take the limit for its lists beside its detector's arrays.
             if detectors::is_tracker(name) {
                 start.memory_limit = start.memory_limit.saturating_add(limit);
@@ -157,7 +154,8 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let of_runner = |entrant: &Entrant, runner: &ExternalRunner| {
         let with = |threads: usize| {
             let word = |word: &String| word.replace(THREADS, &threads.to_string());
-            start(runner.command.iter().map(word).collect(), &runner.install, threads)
+            let command: Vec<String> = runner.command.iter().map(word).collect();
+            start(&command, &runner.install, threads)
         };
         let copied = experiment.ceiling && says_threads(runner) && entrant.threads > 1;
         Contender {

@@ -60,7 +60,7 @@ impl Stage<'_, '_> {
         };
         let answers = processors::apart(running.contender.threads)
             .into_iter()
-            .map(|place| fresh(start, &running.hello, &running.loads, place))
+            .map(|place| fresh(start, Some(&running.hello), &running.loads, place))
             .collect::<Result<Vec<Client>, Failure>>()
             .and_then(|mut copies| {
                 // What comes first in one block comes last in the next.

@@ -23,4 +23,3 @@ pub mod server;
 pub mod session;
 pub mod stage;
 pub mod trajectory;
-mod walk;

@@ -11,15 +11,14 @@ use std::time::SystemTime;
 use crate::run::client::{Client, Failure, Hello, Start};
 use crate::run::contender::Contender;
 use crate::run::interrupt;
-use crate::run::judge::{self, Judge, Said};
+use crate::run::judge::{Judge, Said, Tracked};
 use crate::run::plan::describe;
 use crate::run::processors;
-use crate::run::protocol::{self, Found, Reply, Request, Sample, Steps};
+use crate::run::protocol::{Found, Reply, Request, Sample, Steps};
 use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::sink::Digest;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};
 
@@ -47,7 +46,7 @@ impl Running {
 
     /// A process of its own, with the scene.
     pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
-        fresh(&self.contender.start, &self.hello, &self.loads, processor)
+        fresh(&self.contender.start, Some(&self.hello), &self.loads, processor)
     }
 
     /// What a sample says, on this processor.
@@ -84,10 +83,11 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// A runner in a process of its own, with the scene; on this processor, if one is given.
+/// A runner in a process of its own, with the scene; on this processor, if one is given. It must
+/// say the same `hello` as before.
 pub fn fresh(
     start: &Start,
-    hello: &Hello,
+    hello: Option<&Hello>,
     loads: &[Trajectory],
     processor: Option<usize>,
 ) -> Result<Client, Failure> {
@@ -95,7 +95,7 @@ pub fn fresh(
     // What started before and does not now gets a second chance: the system may be short of
     // something for a moment.
     let mut client = Client::start(start).or_else(|_| Client::start(start))?;
-    if client.hello != *hello {
+    if hello.is_some_and(|hello| client.hello != *hello) {
         let reason = "the runner says another hello than when it was started first".into();
         return Err(Failure { outcome: Outcome::Crashed, reason });
     }
@@ -232,22 +232,12 @@ impl Stage<'_, '_> {
             row.reason = "control: reports nothing by design".into();
             return Ok(());
         }
-        let Contender { name, may_miss, .. } = contender;
-        let (path, (contacts, digest)) = (self.folder.join("pairs.npy"), found.whole());
+        let (path, moving) = (self.folder.join("pairs.npy"), self.spec.course.is_some());
         let box_dim = loads.last().and_then(Trajectory::box_dim);
-        let judged = if judge.is_moving() {
-            let sum = protocol::digest(contacts, &digest).map_or(0, |digest| digest.sum);
-            let (arithmetic, may_miss, steps) = (*arithmetic, *may_miss, &found.steps);
-            let said = Said { arithmetic, may_miss, steps };
-            let fetch = |frame: u64| client.pairs(&path, box_dim, Some(frame));
-            let (judged, course) =
-                judge.judge_course(name, said, Digest { contacts, sum }, fetch)?;
-            row.course = judged.errors.is_some().then(|| recorded(&course, steps));
-            judged
-        } else {
-            let fetch = || client.pairs(&path, box_dim, None);
-            judge.judge(name, *arithmetic, (contacts, &digest), fetch)?
-        };
+        let fetch = |frame: u64| client.pairs(&path, box_dim, moving.then_some(frame));
+        let said = Said { arithmetic: *arithmetic, may_miss: contender.may_miss, found };
+        let (judged, tracked) = judge.judge(&contender.name, said, fetch)?;
+        row.course = (moving && judged.errors.is_some()).then(|| recorded(&tracked, &found.steps));
         interrupt::check()?;
         row.outcome = judged.outcome;
         row.reason = judged.reason;
@@ -305,8 +295,7 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
 }
 
 /// What a row says of the frames.
-fn recorded(course: &judge::Course, steps: &Steps) -> row::Course {
-    let judge::Course { builds, late } = course;
+fn recorded(Tracked { builds, late }: &Tracked, steps: &Steps) -> row::Course {
     row::Course {
         builds: builds.built,
         dangerous: builds.dangerous,

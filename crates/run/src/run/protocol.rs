@@ -238,16 +238,28 @@ impl From<Steps> for Found {
 }
 
 impl Found {
+    /// The answer to each frame, or what is wrong with one.
+    pub fn answers(&self) -> Result<Vec<Digest>, String> {
+        let Found { contacts, digest: text, steps } = self;
+        match steps.is_empty() {
+            true => Ok(vec![digest(*contacts, text)?]),
+            false => {
+                steps.contacts.iter().zip(&steps.digests).map(|(&n, of)| digest(n, of)).collect()
+            }
+        }
+    }
+
     /// The contacts of all frames together, and a digest of their digests, in order: a chain as
     /// that of [`scene_hash`](contactbench_scenes::stats::scene_hash), over their sums. Those of
     /// the last detection, where there is one frame.
     pub fn whole(&self) -> (u64, String) {
-        let Found { contacts, digest, steps } = self;
+        let Found { contacts, digest: text, steps } = self;
         // Of one frame it is its own.
         if steps.digests.len() < 2 {
-            return (*contacts, digest.clone());
+            return (*contacts, text.clone());
         }
-        let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));
+        let sum = |text: &String| digest(0, text).map_or(0, |digest| digest.sum);
+        let sums = steps.digests.iter().map(sum);
         let chain = sums.fold(0, |hash, sum| splitmix64(hash ^ sum));
         let contacts = steps.contacts.iter().fold(0u64, |all, &one| all.saturating_add(one));
         (contacts, format!("{chain:#018x}"))
@@ -291,11 +303,6 @@ impl Steps {
             self.contacts.last().copied().unwrap_or(0),
             self.digests.last().cloned().unwrap_or_default(),
         )
-    }
-
-    /// The answer to each frame, or what is wrong with it.
-    pub fn answers(&self) -> impl Iterator<Item = Result<Digest, String>> + '_ {
-        self.contacts.iter().zip(&self.digests).map(|(&contacts, text)| digest(contacts, text))
     }
 
     /// How long a list is that has not one value for each of so many frames, and its name; optional
@@ -350,8 +357,7 @@ mod tests {
             dim: 2,
             n: 4,
             radius: Some(0.5),
-            in_box: None,
-            boxes: Vec::new(),
+            ..Trajectory::default()
         })
     }
 

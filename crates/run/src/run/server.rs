@@ -2,10 +2,10 @@
 //! requests of [`crate::run::protocol`] on standard input. A detector that crashes, hangs or eats
 //! memory costs its own rows and nothing else.
 //!
-//! Of a scene at rest, a trajectory of one frame, a pass of a detector is one detection, and a
-//! reset has nothing to drop: the detectors of the table keep buffers, and nothing that was
-//! computed from coordinates. Trackers, and trajectories of several frames, are looked at in
-//! walks (`run::walk`).
+//! A pass of a trajectory looks at each frame in turn, which is read from its file outside the
+//! clock. A scene at rest, a trajectory of one frame, stays in memory: a pass of a detector is then
+//! one detection, and a reset has nothing to drop, because the detectors of the table keep buffers,
+//! and nothing that was computed from coordinates.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -13,38 +13,67 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 use std::time::Instant;
 
+use anyhow::Context;
+
 use crate::plan::detectors;
-use crate::run::alloc;
+use crate::run::alloc::Meter;
 use crate::run::possible::MOST_CALLS;
-use crate::run::protocol::{Counted, Memory, Reply, Request, Sample, VERSION};
+use crate::run::protocol::{Counted, Found, Memory, Reply, Request, Sample, Steps, VERSION};
 use crate::run::trajectory::Trajectory;
-use crate::run::walk::Walk;
+use crate::truth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, Refusal};
 use contactbench_core::periodic::Contacts;
-use contactbench_core::searcher::{LoadError, Loaded, Searcher};
-use contactbench_core::track::{self, TrackerSpec};
+use contactbench_core::probe::Tally;
+use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
 use contactbench_io as io;
 use contactbench_record::record::built::build;
 use contactbench_record::record::provenance;
 
-/// A detector, its scene and its buffers.
+/// Passes over several frames, at most: each reads all of them from their files.
+const MOST_PASSES: u64 = 64;
+
+/// A detector or a tracker, its trajectory and its buffers.
 pub struct Server {
     name: String,
-    /// A detector alone is asked in every frame.
-    tracker: TrackerSpec,
-    /// At work, where this is a tracker or the trajectory has several frames.
-    walk: Option<Walk>,
+    spec: TrackerSpec,
     arithmetic: Arithmetic,
     options: Options,
+    /// Keeps its buffers from scene to scene.
     searcher: Searcher,
-    scene: Option<Loaded<'static>>,
+    /// At work in its place, if this is a tracker or the trajectory has several frames.
+    tracker: Option<Box<dyn Tracker>>,
+    /// Without frames if none is loaded.
+    frames: Trajectory,
+    /// The frame that was read last, and its number.
+    frame: Option<(usize, Loaded<'static>)>,
     contacts: Contacts,
+    /// Detections of a sample of a scene at rest, once they are known.
     calls: Option<u64>,
+    /// After a pass that ended at the pairs of a frame: the frame after it.
+    next: Option<usize>,
 }
 
 /// Either an answer or the reason why there is none.
-pub(super) type Answer<T = Reply> = Result<T, Reply>;
+type Answer<T = Reply> = Result<T, Reply>;
+
+/// What became of a frame.
+struct Seen {
+    step: Step,
+    ns: u64,
+}
+
+/// Times of a sample.
+#[derive(Default)]
+struct Times {
+    /// Of each frame, in all passes together, in nanoseconds.
+    ns: Vec<u64>,
+    passes: u64,
+    /// Of all frames, for building lists that are kept.
+    building: Option<u64>,
+    steps: Steps,
+}
 
 impl Server {
     /// A server without a scene: of a detector or of a tracker.
@@ -52,17 +81,19 @@ impl Server {
     /// # Errors
     /// It is neither.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
-        let tracker = track::parse(text)?;
+        let spec = track::parse(text)?;
         Ok(Server {
             name: detectors::normal(text),
-            searcher: Searcher::new(tracker.detector(), options),
-            tracker,
-            walk: None,
+            searcher: Searcher::new(spec.detector(), options),
+            spec,
             arithmetic,
             options,
-            scene: None,
+            tracker: None,
+            frames: Trajectory::default(),
+            frame: None,
             contacts: Contacts::default(),
             calls: None,
+            next: None,
         })
     }
 
@@ -101,7 +132,7 @@ impl Server {
         let build = build();
         let said = [
             ("features", build.features),
-            ("level", self.tracker.detector().level().unwrap_or_default()),
+            ("level", self.spec.detector().level().unwrap_or_default()),
             ("profile", build.profile),
             ("revision", provenance::revision().unwrap_or("unknown")),
             ("rustflags", build.rustflags),
@@ -112,68 +143,160 @@ impl Server {
     }
 
     fn answer(&mut self, request: Request) -> Answer {
-        if let Some(walk) = &mut self.walk {
-            match &request {
-                Request::Sample { min_ns } => return walk.sample(*min_ns),
-                Request::Count => return walk.count(),
-                Request::Memory => return walk.memory(),
-                Request::Pairs { path, frame } => return walk.write(path, *frame),
-                Request::Load(_) | Request::Quit => {}
-            }
-        }
         match request {
-            Request::Load(trajectory) => self.load(&trajectory),
-            Request::Sample { min_ns } => self.sample(min_ns),
-            Request::Count => {
-                let scene = loaded(&self.scene)?;
-                let tally = self
-                    .searcher
-                    .count(scene, self.arithmetic, &mut self.contacts)
-                    .map_err(refused)?;
-                let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
-                let found = self.contacts.digest().into();
-                Ok(Reply::Count(Counted { counts, found }.into()))
-            }
-            Request::Memory => self.memory(),
-            Request::Pairs { frame: Some(frame @ 1..), .. } => {
-                let reason = format!("there is no frame {frame}; a scene at rest has frame 0");
-                Err(Reply::Error { reason })
-            }
-            Request::Pairs { path, .. } => {
-                self.detect()?;
-                let limit = self.options.memory_limit;
-                write(&path, loaded(&self.scene)?, &self.contacts, limit)
-            }
+            Request::Load(trajectory) => self.load(trajectory),
             Request::Quit => Ok(Reply::Loaded),
+            _ if self.frames.frames.is_empty() => {
+                Err(Reply::Error { reason: "no scene is loaded; send load first".into() })
+            }
+            Request::Sample { min_ns } => self.sample(min_ns).map(|it| Reply::Sample(it.into())),
+            Request::Count => self.count(),
+            Request::Memory => self.memory(),
+            Request::Pairs { path, frame } => self.write(&path, frame),
         }
     }
 
-    fn load(&mut self, trajectory: &Trajectory) -> Answer {
-        (self.scene, self.walk, self.calls) = (None, None, None);
-        if trajectory.frames.len() != 1 || detectors::is_tracker(&self.name) {
-            let Server { tracker, arithmetic, options, .. } = self;
-            self.walk = Some(Walk::new(tracker, *arithmetic, *options, trajectory)?);
-            return Ok(Reply::Loaded);
+    fn load(&mut self, trajectory: Trajectory) -> Answer {
+        (self.frames, self.frame) = (Trajectory::default(), None);
+        (self.calls, self.next) = (None, None);
+        if trajectory.frames.is_empty() {
+            return Err(Reply::Refused { reason: "the trajectory has no frames".into() });
         }
-        let given = trajectory.read_frame(0).map_err(error)?;
-        let refused =
-            |e: LoadError| Reply::Refused { reason: format!("in {}: {e}", self.arithmetic.name()) };
-        self.scene = Some(given.loaded(self.arithmetic).map_err(refused)?);
+        let tracked = trajectory.frames.len() > 1 || detectors::is_tracker(&self.name);
+        self.tracker = tracked.then(|| self.spec.make(self.options));
+        // What is wrong with all frames, or not there, is said at once.
+        let frame = self.read(&trajectory, 0)?;
+        for path in &trajectory.frames {
+            std::fs::metadata(path)
+                .with_context(|| format!("cannot read {}", path.display()))
+                .map_err(error)?;
+        }
+        (self.frame, self.frames) = (Some((0, frame)), trajectory);
         Ok(Reply::Loaded)
     }
 
-    /// One detection into the list of pairs.
-    fn detect(&mut self) -> Result<(), Reply> {
-        let scene = loaded(&self.scene)?;
-        self.searcher.list(scene, self.arithmetic, &mut self.contacts).map_err(refused)
+    fn read(&self, trajectory: &Trajectory, k: usize) -> Answer<Loaded<'static>> {
+        let given = trajectory.read_frame(k).map_err(error)?;
+        given.loaded(self.arithmetic).map_err(|e| {
+            let place = place(trajectory, k, " ");
+            Reply::Refused { reason: format!("{place}in {}: {e}", self.arithmetic.name()) }
+        })
     }
 
-    fn sample(&mut self, min_ns: u64) -> Answer {
-        // The first detection warms caches and buffers.
+    /// Looks at a frame, in the place of what is in the list.
+    fn step(&mut self, k: usize, tally: Option<&mut Tally>) -> Answer<Seen> {
+        let Server { tracker, searcher, contacts, arithmetic, .. } = self;
+        let Some((_, scene)) = &self.frame else {
+            return Err(Reply::Error { reason: format!("frame {k} is not there") });
+        };
         let start = Instant::now();
-        self.detect()?;
-        let first_ns = Some(start.elapsed().as_nanos() as u64).filter(|&ns| ns > 0);
-        let (calls, elapsed_ns) = match self.calls {
+        let step = match (tracker, tally) {
+            (None, None) => searcher.list(scene, *arithmetic, contacts).map(|()| Step::default()),
+            (None, Some(tally)) => searcher.count(scene, *arithmetic, contacts).map(|counted| {
+                *tally = counted;
+                Step::default()
+            }),
+            (Some(tracker), tally) => {
+                contacts.clear();
+                tracker.find(truth::frame(scene, *arithmetic), tally, contacts)
+            }
+        };
+        let ns = start.elapsed().as_nanos() as u64;
+        match step {
+            Ok(step) => Ok(Seen { step, ns }),
+            Err(refusal) => {
+                let reason = format!("{}{refusal}", place(&self.frames, k, ": "));
+                Err(Reply::Refused { reason })
+            }
+        }
+    }
+
+    /// Reads a frame, unless it is there.
+    fn fetch(&mut self, k: usize) -> Answer<()> {
+        if self.frame.as_ref().is_none_or(|(last, _)| *last != k) {
+            self.frame = Some((k, self.read(&self.frames, k)?));
+        }
+        Ok(())
+    }
+
+    /// Looks at all frames, as if none had been seen before.
+    fn pass(
+        &mut self,
+        mut tally: Option<&mut Tally>,
+        mut each: impl FnMut(usize, &Seen, &Contacts),
+    ) -> Answer<()> {
+        for k in 0..self.frames.frames.len() {
+            self.fetch(k)?;
+            let start = Instant::now();
+            if k == 0 {
+                self.reset();
+            }
+            let reset = start.elapsed().as_nanos() as u64;
+            let mut seen = self.step(k, tally.as_deref_mut())?;
+            seen.ns += if self.tracker.is_some() { reset } else { 0 };
+            each(k, &seen, &self.contacts);
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.tracker.iter_mut().for_each(|tracker| tracker.forget());
+        self.next = None;
+    }
+
+    /// What was found in a pass: of a detector of a scene at rest, without steps.
+    fn found(&self, steps: Steps) -> Found {
+        let found = Found::from(steps);
+        if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
+    }
+
+    fn sample(&mut self, min_ns: u64) -> Answer<Sample> {
+        let count = self.frames.frames.len() as u64;
+        // The first pass warms caches and buffers.
+        let mut first = 0;
+        self.pass(None, |_, seen, _| first += seen.ns)?;
+        let times = match &self.tracker {
+            None => self.detections(min_ns)?,
+            Some(_) => self.passes(min_ns)?,
+        };
+        let Times { ns, passes, building, steps } = times;
+        let (elapsed_ns, calls) = (ns.iter().sum::<u64>(), passes * count);
+        let mean = |ns: u64, calls: u64| (ns + calls / 2) / calls;
+        Ok(Sample {
+            time_ns: mean(elapsed_ns, calls),
+            calls,
+            elapsed_ns,
+            step_ns: ns.into_iter().map(|ns| mean(ns, passes)).collect(),
+            building_ns: building.map(|ns| mean(ns, calls)),
+            first_ns: Some(first / count).filter(|&ns| ns > 0),
+            found: self.found(steps),
+        })
+    }
+
+    /// Passes of at least `min_ns` nanoseconds together; over several frames at most
+    /// [`MOST_PASSES`].
+    fn passes(&mut self, min_ns: u64) -> Answer<Times> {
+        let count = self.frames.frames.len();
+        let most = if count == 1 { MOST_CALLS } else { MOST_PASSES };
+        let mut times = Times { ns: vec![0; count], ..Times::default() };
+        let mut building = 0;
+        while times.passes == 0 || times.passes < most && times.ns.iter().sum::<u64>() < min_ns {
+            let Times { ns, passes, steps, .. } = &mut times;
+            self.pass(None, |k, seen, contacts| {
+                ns[k] += seen.ns;
+                building += seen.step.building.as_nanos() as u64;
+                if *passes == 0 {
+                    steps.push(contacts.digest(), &seen.step);
+                }
+            })?;
+            *passes += 1;
+        }
+        Ok(Times { building: Some(building), ..times })
+    }
+
+    /// Detections in a scene at rest, as many as last `min_ns` nanoseconds in the first sample.
+    fn detections(&mut self, min_ns: u64) -> Answer<Times> {
+        let (passes, elapsed_ns) = match self.calls {
             Some(calls) => (calls, self.repeat(calls)?),
             None => loop {
                 let calls = self.calibrate(min_ns)?;
@@ -185,109 +308,129 @@ impl Server {
                 }
             },
         };
-        let time_ns = (elapsed_ns + calls / 2) / calls;
-        let (step_ns, found) = (vec![time_ns], self.contacts.digest().into());
-        let sample =
-            Sample { time_ns, calls, elapsed_ns, step_ns, building_ns: None, first_ns, found };
-        Ok(Reply::Sample(sample.into()))
+        let mut steps = Steps::default();
+        steps.push(self.contacts.digest(), &Step::default());
+        Ok(Times { ns: vec![elapsed_ns], passes, building: None, steps })
     }
 
     /// How many detections make a sample of `min_ns`.
-    fn calibrate(&mut self, min_ns: u64) -> Result<u64, Reply> {
+    fn calibrate(&mut self, min_ns: u64) -> Answer<u64> {
         let mut calls = 1;
         loop {
             let elapsed = self.repeat(calls)?;
             if elapsed >= min_ns || calls >= MOST_CALLS {
                 return Ok(calls);
             }
-            calls = more(min_ns, calls, elapsed);
+            // Ten times as many at once: the first guesses are mostly the cost of the clock.
+            let wanted = u128::from(min_ns) * u128::from(calls) * 9 / 8;
+            let wanted = wanted.div_ceil(u128::from(elapsed.max(1))) as u64;
+            calls = wanted.clamp(calls + 1, (calls * 10).min(MOST_CALLS));
         }
     }
 
     /// Nanoseconds of so many detections, each into the same lists: the timed loop.
-    fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
-        let (scene, arithmetic) = (loaded(&self.scene)?, self.arithmetic);
+    fn repeat(&mut self, calls: u64) -> Answer<u64> {
+        let Server { searcher, contacts, arithmetic, .. } = self;
+        let Some((_, scene)) = &self.frame else { return Ok(0) };
         let start = Instant::now();
         for _ in 0..calls {
-            self.searcher
-                .list(black_box(scene), arithmetic, &mut self.contacts)
-                .map_err(refused)?;
-            black_box(&self.contacts);
+            searcher.list(black_box(scene), *arithmetic, contacts).map_err(refused)?;
+            black_box(&*contacts);
         }
         Ok(start.elapsed().as_nanos() as u64)
     }
 
-    /// Measures what is timed, with as many threads: the list of pairs goes where there is room for
-    /// it already, and is not measured.
+    /// One pass, counted.
+    fn count(&mut self) -> Answer {
+        let (mut tally, mut steps) = (Tally::default(), Steps::default());
+        self.pass(Some(&mut tally), |_, seen, contacts| {
+            steps.push(contacts.digest(), &seen.step);
+        })?;
+        let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
+        Ok(Reply::Count(Counted { counts, found: self.found(steps) }.into()))
+    }
+
+    /// Two passes with fresh buffers, and as many threads as are timed. The list of pairs goes
+    /// where there is room for it already, and is not measured.
     fn memory(&mut self) -> Answer {
         // Makes that room.
-        self.detect()?;
-        // The buffers of the detector at hand must not count against the limit of the one that is
-        // measured.
-        self.searcher = Searcher::new(self.tracker.detector(), self.options);
-        let (scene, arithmetic) = (loaded(&self.scene)?, self.arithmetic);
-        let contacts = &mut self.contacts;
-        let ((result, mut searcher), cold) = alloc::measure(|| {
-            let mut searcher = Searcher::new(self.tracker.detector(), self.options);
-            (searcher.list(scene, arithmetic, contacts), searcher)
-        });
-        result.map_err(refused)?;
-        let found = contacts.digest().into();
+        self.pass(None, |_, _, _| ())?;
+        // The buffers at hand must not count against the limit of those that are measured.
+        self.searcher = Searcher::new(self.spec.detector(), self.options);
+        self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
+        let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
+        for _ in 0..2 {
+            steps = Steps::default();
+            let meter = Meter::start();
+            self.reset();
+            for k in 0..self.frames.frames.len() {
+                self.fetch(k)?;
+                let seen = meter.during(|| self.step(k, None))?;
+                steps.push(self.contacts.digest(), &seen.step);
+                let of_frame = match (&self.tracker, &self.frame) {
+                    (Some(tracker), _) => tracker.formula_bytes(),
+                    (None, Some((_, scene))) => self.searcher.formula_bytes(scene),
+                    (None, None) => 0,
+                };
+                formula = formula.max(of_frame);
+            }
+            usage.push(meter.end());
+        }
+        let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
         // A library declares no formula.
-        let formula_bytes =
-            self.tracker.detector().entry.is_ours().then(|| searcher.formula_bytes(scene));
-        let (again, warm) = alloc::measure(|| searcher.list(scene, arithmetic, contacts));
-        again.map_err(refused)?;
-        let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
-        // The detector itself is one allocation of a few hundred bytes: its box is not part of the
-        // algorithm.
-        let frame = std::mem::size_of_val(searcher.detector()) as u64;
-        let boxed = u64::from(frame > 0);
+        let ours = self.spec.detector().entry.is_ours();
         let memory = Memory {
-            // Threads of rayon's may have given back, meanwhile, more than that.
-            peak_bytes: cold.peak_bytes.saturating_sub(frame),
-            live_bytes: cold.live_bytes.saturating_sub(frame),
-            allocations: cold.allocations - boxed,
+            peak_bytes: cold.peak_bytes,
+            live_bytes: cold.live_bytes,
+            allocations: cold.allocations,
             warm_allocations: Some(warm.allocations),
-            formula_bytes,
-            found,
+            formula_bytes: ours.then_some(formula),
+            found: self.found(steps),
         };
         Ok(Reply::Memory(memory.into()))
     }
-}
 
-/// Detections that may last `min_ns`, where fewer than [`MOST_CALLS`] took `elapsed` ns.
-fn more(min_ns: u64, calls: u64, elapsed: u64) -> u64 {
-    // Ten times as many at once: the first guesses are mostly the cost of the clock.
-    let wanted =
-        (u128::from(min_ns) * u128::from(calls) * 9 / 8).div_ceil(u128::from(elapsed.max(1)));
-    (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS))
-}
-
-/// Writes the contacts of a scene; those in a box in order, in a list of at most `limit` bytes.
-pub(super) fn write(path: &Path, scene: &Loaded<'_>, contacts: &Contacts, limit: u64) -> Answer {
-    match scene {
-        Loaded::Open(_) => io::write::pairs(path, &contacts.plain),
-        Loaded::InBox(periodic) => {
-            let scene = periodic.scene();
-            let pairs = contacts.sorted(scene.len(), limit).map_err(refused)?;
-            io::write::images(path, &pairs, scene.dim())
+    /// Writes the pairs of a frame, of the last if none is named; those in a box in order. Frames
+    /// that are asked for in order are of one pass.
+    fn write(&mut self, path: &Path, frame: Option<u64>) -> Answer {
+        let count = self.frames.frames.len();
+        let wanted = frame.unwrap_or(count as u64 - 1);
+        if wanted >= count as u64 {
+            let reason = format!("there is no frame {wanted}; the trajectory has {count}");
+            return Err(Reply::Error { reason });
         }
+        let wanted = wanted as usize;
+        if self.next.is_none_or(|next| next > wanted) {
+            self.reset();
+        }
+        for k in self.next.take().unwrap_or(0)..=wanted {
+            self.fetch(k)?;
+            self.step(k, None)?;
+        }
+        self.next = Some(wanted + 1);
+        let contacts = &self.contacts;
+        match &self.frame {
+            Some((_, Loaded::InBox(periodic))) => {
+                let scene = periodic.scene();
+                let pairs = contacts.sorted(scene.len(), self.options.memory_limit);
+                io::write::images(path, &pairs.map_err(refused)?, scene.dim())
+            }
+            _ => io::write::pairs(path, &contacts.plain),
+        }
+        .map_err(error)?;
+        Ok(Reply::Pairs { contacts: contacts.len() })
     }
-    .map_err(error)?;
-    Ok(Reply::Pairs { contacts: contacts.len() })
 }
 
-fn loaded<'a>(scene: &'a Option<Loaded<'static>>) -> Result<&'a Loaded<'static>, Reply> {
-    scene
-        .as_ref()
-        .ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })
+/// Which of several frames.
+fn place(trajectory: &Trajectory, k: usize, then: &str) -> String {
+    if trajectory.frames.len() > 1 { format!("frame {k}{then}") } else { String::new() }
 }
 
 fn refused(refusal: Refusal) -> Reply {
     Reply::Refused { reason: refusal.to_string() }
 }
 
-pub(super) fn error(error: anyhow::Error) -> Reply {
+fn error(error: anyhow::Error) -> Reply {
     Reply::Error { reason: format!("{error:#}") }
 }

@@ -106,12 +106,8 @@ impl Stage<'_, '_> {
             moving.remove();
             return Ok(());
         }
-        let mut loads = Vec::new();
         let history = self.spec.history()?;
-        for (k, given) in history.iter().chain([&given]).enumerate() {
-            let path = self.folder.join(format!("scene-{k}.npy"));
-            loads.push(Trajectory::write_at_rest(&path, given)?);
-        }
+        let loads = Trajectory::write_all(self.folder, history.iter().chain([&given]))?;
         let mut judge = Judge::new(&given, limit)?;
         let scene = Staged { given: &given, loads: loads.into(), moved: None };
         let running = self.enter_all(contenders, scene, &mut judge)?;
@@ -140,18 +136,19 @@ impl Stage<'_, '_> {
         Staged { given, loads, moved }: Staged<'_>,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
-        let contacts = judge.contacts(Arithmetic::Exact)?.unwrap_or(0);
-        let (scene, stats) = (&given.scene, stats::stats(given, contacts));
-        let most = judge.most_contacts()?;
+        let (count, nothing) = judge.count(Arithmetic::Exact)?;
+        let hopeless = nothing.filter(|nothing| nothing.hopeless);
+        let (scene, stats) = (&given.scene, stats::stats(given, count.first));
         let mut running = Vec::new();
         for contender in contenders {
-            let contender = contender.allowing(scene, most);
+            let contender = contender.allowing(scene, count.most);
             let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
             let blank = Row { moved: moved.clone(), ..blank };
             if self.give_up(&blank)? {
                 continue;
             }
-            if let Some(reason) = judge.hopeless(Arithmetic::Exact)? {
+            if let Some(nothing) = &hopeless {
+                let reason = nothing.reason.clone();
                 let failure = Failure { outcome: Outcome::Refused, reason };
                 self.fail(&blank, failure, &Pass::ALL)?;
             } else {

@@ -14,7 +14,7 @@ use contactbench_io::exchange;
 use contactbench_scenes::motion::Frames;
 
 /// The files of a trajectory. A runner opens one after the other: it never holds them all.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// One NumPy npy file per frame, in order; a file may stand there more than once. Little-endian
     /// f64, C order: `n` rows of `dim` coordinates, and the radius as one more column if `radius`
@@ -85,6 +85,15 @@ impl Trajectory {
             in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
             boxes: Vec::new(),
         })
+    }
+
+    /// Writes scenes at rest to files in a folder, each as a trajectory of its own.
+    pub fn write_all<'a>(
+        folder: &Path,
+        scenes: impl Iterator<Item = &'a Given>,
+    ) -> anyhow::Result<Vec<Trajectory>> {
+        let path = |k| folder.join(format!("scene-{k}.npy"));
+        scenes.enumerate().map(|(k, given)| Trajectory::write_at_rest(&path(k), given)).collect()
     }
 
     /// Writes the frames of a motion to files in a folder, one after the other.

@@ -1,10 +1,10 @@
 //! Every detector, held to the truth on the scenes that bytes describe.
 
 use crate::check::bytes::{nudged, scene_from_bytes};
-use crate::check::checker::truth;
 use crate::check::contender::{Answer, Expected, answer};
 use crate::check::numbers::Numbers;
 use crate::check::{Wrong, as_csv};
+use crate::truth::truth;
 use contactbench_core::contact::{Arithmetic, exact};
 use contactbench_core::detect::spec::DetectorSpec;
 use contactbench_core::detect::table::TABLE;

@@ -21,7 +21,8 @@ use listing::{ImagesOf, Listing, Taking};
 pub use mistake::{Mistake, Reading, rounded_up};
 use search::Search;
 
-use crate::run::judge::Judge;
+use crate::run::judge::{Judge, Said};
+use crate::run::protocol::Found;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, Causes, Errors, NoTruth};
 use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};
@@ -205,10 +206,10 @@ pub fn causes(
     arithmetic: Arithmetic,
     memory_limit: u64,
 ) -> anyhow::Result<Option<Causes>> {
-    let (digest, fetch) = (contacts.digest(), || Ok(contacts.clone()));
-    let said = (digest.contacts, &*digest.hex());
+    let found = &Found::from(contacts.digest());
+    let said = Said { arithmetic, may_miss: false, found };
     let mut judge = Judge::new(given, memory_limit)?;
-    Ok(judge.judge("list", arithmetic, said, fetch)?.causes)
+    Ok(judge.judge("list", said, |_| Ok(contacts.clone()))?.0.causes)
 }
 
 /// The truth in an arithmetic, sorted; lists may take `limit` bytes.

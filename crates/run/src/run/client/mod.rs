@@ -37,6 +37,12 @@ pub struct Start {
 }
 
 impl Start {
+    /// A command without a remedy, wherever the system puts it.
+    pub fn of(command: &[String], time_limit: Duration, memory_limit: u64) -> Start {
+        let (command, install) = (command.to_vec(), String::new());
+        Start { command, install, time_limit, memory_limit, processor: None }
+    }
+
     /// What to do if the program is not there, to be put after the reason.
     fn hint(&self) -> String {
         if self.install.is_empty() { String::new() } else { format!("; {}", self.install) }

@@ -6,14 +6,8 @@ use crate::run::trajectory::Trajectory;
 /// A runner in shell, with its first line for `HELLO`.
 fn shell(protocol: u32, script: &str) -> Client {
     let hello = format!(r#"{{"reply":"hello","protocol":{protocol},"detector":"one"}}"#);
-    let start = Start {
-        command: ["sh", "-c", &script.replace("HELLO", &hello)].map(String::from).into(),
-        install: String::new(),
-        time_limit: Duration::from_secs(10),
-        memory_limit: 1 << 30,
-        processor: None,
-    };
-    Client::start(&start).unwrap()
+    let command = ["sh", "-c", &script.replace("HELLO", &hello)].map(String::from);
+    Client::start(&Start::of(&command, Duration::from_secs(10), 1 << 30)).unwrap()
 }
 
 const DEAF: &str = "echo 'HELLO'; while read -r line; do :; done; while :; do sleep 0.01; done";
@@ -50,8 +44,7 @@ done"#;
 #[test]
 fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     let frames = ["/tmp-3.npy", "/tmp-1.npy", "/tmp-2.npy"].map(Into::into).to_vec();
-    let (radius, in_box, boxes) = (Some(0.5), None, Vec::new());
-    let moving = Trajectory { frames, dim: 2, n: 4, radius, in_box, boxes };
+    let moving = Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), ..Trajectory::default() };
     let (rest, load) = (moving.at_rest(1), Request::Load(moving));
     let mut runner = shell(1, AT_REST);
     assert_eq!(runner.ask(&load), Ok(Reply::Loaded));

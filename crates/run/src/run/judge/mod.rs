@@ -1,44 +1,74 @@
 //! The judge: whether an answer is right, lossy or wrong, and why, is decided here and nowhere
-//! else.
+//! else. A scene at rest is a trajectory of one frame.
 
-mod at_rest;
-mod moving;
+mod frame;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::rc::Rc;
 
-use at_rest::AtRest;
-use moving::Moving;
-pub(crate) use moving::{Course, Said};
+use anyhow::Context;
+use frame::{Differs, Frame, Truths};
 
-use crate::moving::Moved;
-use crate::run::protocol;
+use crate::moving::{Builds, Late, Moved, Names, Survey};
+use crate::run::interrupt;
+use crate::run::protocol::Found;
 use crate::run::trajectory::Trajectory;
+use crate::truth::depth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{Causes, Errors, NoTruth};
 use contactbench_core::periodic::Contacts;
+use contactbench_core::searcher::Loaded;
 use contactbench_core::sink::{Digest, splitmix64};
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
+use contactbench_scenes::touching::in_any_box;
 
-/// Judges the answers about one scene. What is true is found when it is first needed.
+/// Judges the answers about one trajectory. What is true is found when it is first needed.
 pub struct Judge<'a> {
-    of: Of<'a>,
+    /// The files of the frames; `None` for a scene at rest, which stays.
+    trajectory: Option<Trajectory>,
+    /// For a list of contacts, in bytes.
+    memory_limit: u64,
+    /// The frame that was looked at last.
+    frame: Option<(usize, Frame<'a>)>,
+    right: Known<Rc<[Right]>>,
     /// Answers judged before, by who gave them: timed samples repeat the same answer.
-    seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Course)>,
+    seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Tracked)>,
 }
 
-/// What is known of a scene.
-enum Of<'a> {
-    AtRest(AtRest<'a>),
-    Moving(Moving),
+/// What was found out in each arithmetic.
+type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
+
+/// Keeps what was found out, unless that is a defect.
+fn kept<T: Clone>(
+    known: &mut Known<T>,
+    arithmetic: Arithmetic,
+    found: Result<T, Unjudged>,
+) -> Result<T, Unjudged> {
+    let kept = match &found {
+        Ok(found) => Ok(found.clone()),
+        Err(Unjudged::Nothing(nothing)) => Err(nothing.clone()),
+        Err(Unjudged::Defect(_)) => return found,
+    };
+    known.insert(arithmetic, kept);
+    found
+}
+
+/// The right answer in a frame, in an arithmetic.
+#[derive(Clone)]
+struct Right {
+    digest: Digest,
+    differs: Differs,
 }
 
 /// Why nothing is known of a scene in an arithmetic.
 #[derive(Clone)]
-struct Nothing {
-    reason: String,
-    /// Nobody can answer: the contacts of the scene are too many, or its box makes no sense.
-    hopeless: bool,
+pub struct Nothing {
+    /// The reason.
+    pub reason: String,
+    /// No detector can answer: the contacts of the scene are too many, or its box makes no sense.
+    pub hopeless: bool,
 }
 
 /// Why an answer is not judged.
@@ -76,6 +106,33 @@ impl Unjudged {
     }
 }
 
+/// How many contacts there are.
+#[derive(Default)]
+pub struct Count {
+    /// In frame 0.
+    pub first: u64,
+    /// In the frame that has the most.
+    pub most: u64,
+}
+
+/// An answer to all frames.
+#[derive(Clone, Copy)]
+pub(crate) struct Said<'a> {
+    pub arithmetic: Arithmetic,
+    /// Contacts may be missed.
+    pub may_miss: bool,
+    pub found: &'a Found,
+}
+
+/// What an answer to several frames shows of its tracker.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tracked {
+    /// When lists were built.
+    pub builds: Builds,
+    /// What was missed in the frames in which it was there.
+    pub late: Late,
+}
+
 /// The judgement on an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Judged {
@@ -90,30 +147,28 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    fn without_pairs(outcome: Outcome, reason: String) -> Judged {
-        Judged { outcome, reason, errors: None, causes: None }
+    fn without_pairs(outcome: Outcome, reason: String) -> (Judged, Tracked) {
+        (Judged { outcome, reason, errors: None, causes: None }, Tracked::default())
     }
 
-    /// Nobody knows the right one.
-    fn unknown(nothing: Nothing) -> Judged {
-        let reason = format!("the answer cannot be checked: {}", nothing.reason);
-        Judged::without_pairs(Outcome::Refused, reason)
-    }
-
-    /// The answer is not the right one, and nobody can see in what.
-    fn unseen(why: &str) -> Judged {
+    /// The digest is wrong, and the pairs could not be read.
+    fn unseen(why: &str) -> (Judged, Tracked) {
         let reason = format!("the pairs differ from the truth, and could not be read: {why}");
         Judged::without_pairs(Outcome::Wrong, reason)
     }
 
-    /// By the errors against the truth in an arithmetic.
-    fn by(own: &Errors, arithmetic: Arithmetic) -> Judged {
-        let outcome = outcome(own, arithmetic);
+    fn new(differs: Differs, Said { arithmetic, may_miss, .. }: Said<'_>) -> Judged {
+        let Differs { own, errors, causes } = differs;
+        let only_missed = own.missed > 0 && own.wrong() == own.missed;
+        let outcome = match outcome(&own, arithmetic) {
+            _ if may_miss && only_missed => Outcome::Lossy,
+            outcome => outcome,
+        };
         let reason = match outcome {
             Outcome::Ok => String::new(),
             _ => format!("against the true pairs in {}: {own}", arithmetic.name()),
         };
-        Judged::without_pairs(outcome, reason)
+        Judged { outcome, reason, errors, causes }
     }
 }
 
@@ -130,13 +185,13 @@ pub fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
 }
 
 impl<'a> Judge<'a> {
-    /// A judge who knows nothing yet. A list of contacts may take so many bytes.
+    /// A judge of a scene at rest. A list of contacts may take `memory_limit` bytes.
     ///
     /// # Errors
     /// A box that does not suit the scene.
     pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
-        let of = Of::AtRest(AtRest::new(given, memory_limit)?);
-        Ok(Judge { of, seen: HashMap::new() })
+        let frame = Frame::new(Cow::Borrowed(given), memory_limit)?;
+        Ok(Judge { frame: Some((0, frame)), ..Judge::of(None, memory_limit) })
     }
 
     /// A judge of all frames of a trajectory, and what the motion is like, if the truth is known in
@@ -145,256 +200,191 @@ impl<'a> Judge<'a> {
         trajectory: Trajectory,
         memory_limit: u64,
     ) -> anyhow::Result<(Judge<'static>, Option<Moved>)> {
-        let (moving, moved) = Moving::new(trajectory, memory_limit)?;
-        Ok((Judge { of: Of::Moving(moving), seen: HashMap::new() }, moved))
+        let (mut judge, mut survey) =
+            (Judge::of(Some(trajectory), memory_limit), Survey::default());
+        let found = judge.right(Arithmetic::Exact, |given, truths| {
+            let truth = truths.own.contacts.sorted(given.scene.len(), u64::MAX);
+            let truth = truth.map_err(NoTruth::from)?;
+            survey.take(&in_any_box(given)?, &truth, memory_limit);
+            Ok(())
+        });
+        let moved = match found.map_err(Unjudged::nothing) {
+            Ok(_) => Some(survey.moved),
+            Err(nothing) => nothing.map(|_| None)?,
+        };
+        Ok((judge, moved))
     }
 
-    /// Judges the answer of a contender in its arithmetic: the number and the digest of its pairs.
-    /// `fetch` asks for the pairs; it is not called for an answer that is right or was judged
-    /// before.
+    fn of(trajectory: Option<Trajectory>, memory_limit: u64) -> Judge<'a> {
+        let (right, seen) = (HashMap::new(), HashMap::new());
+        Judge { trajectory, memory_limit, frame: None, right, seen }
+    }
+
+    /// Judges an answer. `fetch` asks for the pairs of a frame, in order; it is not called for a
+    /// frame whose answer is right, nor for what was judged before.
     pub(crate) fn judge(
         &mut self,
         contender: &str,
-        arithmetic: Arithmetic,
-        (contacts, digest): (u64, &str),
-        fetch: impl FnOnce() -> Result<Contacts, String>,
-    ) -> anyhow::Result<Judged> {
-        let said = match protocol::digest(contacts, digest) {
-            Ok(said) => said,
-            Err(reason) => return Ok(Judged::without_pairs(Outcome::Wrong, reason)),
+        said: Said<'_>,
+        fetch: impl FnMut(u64) -> Result<Contacts, String>,
+    ) -> anyhow::Result<(Judged, Tracked)> {
+        let answers = match said.found.answers() {
+            Ok(answers) => answers,
+            Err(why) => return Ok(Judged::without_pairs(Outcome::Wrong, why)),
         };
-        let key = (arithmetic, contender.to_string(), said.contacts, said.sum);
-        if let Some((judged, _)) = self.seen.get(&key) {
-            return Ok(judged.clone());
+        // When lists were built is part of what is said.
+        let steps = &said.found.steps;
+        let flags = steps.built.iter().chain(&steps.dangerous).map(|&flag| u64::from(flag));
+        let sums = answers.iter().flat_map(|answer| [answer.contacts, answer.sum]);
+        let sum = sums.chain(flags).fold(0, |hash, next| splitmix64(hash ^ next));
+        let key = (said.arithmetic, contender.to_string(), said.found.contacts, sum);
+        if let Some(known) = self.seen.get(&key) {
+            return Ok(known.clone());
         }
-        let fetch = || {
-            let contacts = fetch()?;
-            let same = contacts.digest() == said;
-            if same { Ok(contacts) } else { Err("asked for them, it gave others".into()) }
-        };
-        let judged = match &mut self.of {
-            Of::AtRest(scene) => scene.judge(arithmetic, said, fetch),
-            Of::Moving(_) => Ok(Judged::unseen("it answers one frame of several")),
-        };
-        let judged = judged.or_else(|why| why.nothing().map(Judged::unknown))?;
-        if judged.errors.is_some() {
-            self.seen.insert(key, (judged.clone(), Course::default()));
+        let judged = self.hold(said, &answers, fetch).or_else(|why| {
+            let reason = format!("the answer cannot be checked: {}", why.nothing()?.reason);
+            anyhow::Ok(Judged::without_pairs(Outcome::Refused, reason))
+        })?;
+        if judged.0.errors.is_some() {
+            self.seen.insert(key, judged.clone());
         }
         Ok(judged)
     }
 
-    /// Judges the answers of a contender to all frames of a trajectory, and the digest of all of
-    /// them. `fetch` asks for the pairs of a frame, as in [`Judge::judge`].
-    pub(crate) fn judge_course(
+    /// Holds the answers to all frames to the truth.
+    fn hold(
         &mut self,
-        contender: &str,
         said: Said<'_>,
-        whole: Digest,
-        fetch: impl FnMut(u64) -> Result<Contacts, String>,
-    ) -> anyhow::Result<(Judged, Course)> {
-        if let Some(why) = said.steps.answers().find_map(Result::err) {
-            return Ok((Judged::without_pairs(Outcome::Wrong, why), Course::default()));
+        answers: &[Digest],
+        mut fetch: impl FnMut(u64) -> Result<Contacts, String>,
+    ) -> Result<(Judged, Tracked), Unjudged> {
+        let (arithmetic, steps, moving) =
+            (said.arithmetic, &said.found.steps, self.trajectory.is_some());
+        let right = self.right(arithmetic, |_, _| Ok(()))?;
+        let (asked, given) = (right.len(), answers.len());
+        if given != asked {
+            return Ok(Judged::unseen(&format!("it answers {given} frames of {asked}")));
         }
-        // When lists were built is part of what is said.
-        let flags = said.steps.built.iter().chain(&said.steps.dangerous);
-        let sum = flags.fold(whole.sum, |sum, &flag| splitmix64(sum ^ u64::from(flag)));
-        let key = (said.arithmetic, contender.to_string(), whole.contacts, sum);
-        if let Some(known) = self.seen.get(&key) {
-            return Ok(known.clone());
+        let (errors, causes) = (Some(Errors::default()), Some(Causes::default()));
+        let mut all = Differs { errors, causes, ..Differs::default() };
+        let (mut tracked, mut names) = (Tracked::default(), Names::default());
+        for (k, (&found, right)) in answers.iter().zip(&*right).enumerate() {
+            let flag = |flags: &[bool]| flags.get(k) == Some(&true);
+            let missed = tracked.late.missed;
+            tracked.builds.take(flag(&steps.built), flag(&steps.dangerous), missed);
+            let mut contacts = None;
+            if found == right.digest {
+                all.add(&right.differs);
+                if !tracked.late.is_open() {
+                    continue;
+                }
+            } else {
+                let why = match fetch(k as u64) {
+                    Ok(mut fetched) if fetched.digest() == found => {
+                        fetched.sort();
+                        contacts = Some(fetched);
+                        None
+                    }
+                    Ok(_) => Some("asked for them, it gave others".to_string()),
+                    Err(why) => Some(why),
+                };
+                if let Some(why) = why {
+                    let place = if moving { format!("frame {k}: ") } else { String::new() };
+                    return Ok(Judged::unseen(&format!("{place}{why}")));
+                }
+            }
+            let frame = self.frame(k)?;
+            if moving {
+                let known = frame.known(arithmetic)?;
+                late(&mut tracked.late, k, &known, &mut names, contacts.as_ref())?;
+            }
+            if let Some(contacts) = &contacts {
+                all.add(&frame.compare(arithmetic, Some(contacts))?);
+            }
         }
-        let Of::Moving(moving) = &mut self.of else {
-            let words = "it answers several frames, and there is one";
-            return Ok((Judged::unseen(words), Course::default()));
-        };
-        let found = moving
-            .judge(said, fetch)
-            .or_else(|why| anyhow::Ok((Judged::unknown(why.nothing()?), Course::default())))?;
-        if found.0.errors.is_some() {
-            self.seen.insert(key, found.clone());
+        tracked.late.end();
+        Ok((Judged::new(all, said), tracked))
+    }
+
+    /// The right answers to all frames; where they are found now, `each` gets the frames with what
+    /// is true in them.
+    fn right(
+        &mut self,
+        arithmetic: Arithmetic,
+        each: impl FnMut(&Given, &Truths) -> Result<(), Unjudged>,
+    ) -> Result<Rc<[Right]>, Unjudged> {
+        if let Some(known) = self.right.get(&arithmetic) {
+            return known.clone().map_err(Unjudged::Nothing);
         }
-        Ok(found)
+        let found = self.find(arithmetic, each).map(Rc::from);
+        kept(&mut self.right, arithmetic, found)
     }
 
-    /// How many contacts there are at most in a frame, in exact arithmetic.
-    pub fn most_contacts(&mut self) -> anyhow::Result<u64> {
-        let most = match &mut self.of {
-            Of::Moving(moving) => moving.most_contacts(),
-            Of::AtRest(_) => self.truth(Arithmetic::Exact).map(|digest| digest.contacts),
-        };
-        most.or_else(|why| why.nothing().map(|_| 0))
+    fn find(
+        &mut self,
+        arithmetic: Arithmetic,
+        mut each: impl FnMut(&Given, &Truths) -> Result<(), Unjudged>,
+    ) -> Result<Vec<Right>, Unjudged> {
+        let frames = self.trajectory.as_ref().map_or(1, |trajectory| trajectory.frames.len());
+        let mut all = Vec::new();
+        for k in 0..frames {
+            interrupt::check().map_err(anyhow::Error::from)?;
+            let frame = self.frame(k)?;
+            let (truths, differs) = (frame.known(arithmetic)?, frame.compare(arithmetic, None)?);
+            all.push(Right { digest: truths.own.digest, differs });
+            each(&frame.given, &truths)?;
+        }
+        Ok(all)
     }
 
-    pub fn is_moving(&self) -> bool {
-        matches!(self.of, Of::Moving(_))
+    fn frame(&mut self, k: usize) -> anyhow::Result<&mut Frame<'a>> {
+        if let Some(trajectory) = &self.trajectory
+            && self.frame.as_ref().is_none_or(|(last, _)| *last != k)
+        {
+            // One is held at a time.
+            self.frame = None;
+            let given = Cow::Owned(trajectory.read_frame(k)?);
+            self.frame = Some((k, Frame::new(given, self.memory_limit)?));
+        }
+        self.frame.as_mut().map(|(_, frame)| frame).context("there is no frame")
     }
 
-    /// How many contacts there are by the arithmetic's own contact test. `None` where no truth is
-    /// known.
-    pub fn contacts(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<u64>> {
-        let contacts = self.truth(arithmetic).map(|digest| Some(digest.contacts));
-        contacts.or_else(|why| why.nothing().map(|_| None))
-    }
-
-    /// Why nobody can answer, if nobody can.
-    pub fn hopeless(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<String>> {
-        let nothing = self.nothing(arithmetic)?.filter(|nothing| nothing.hopeless);
-        Ok(nothing.map(|nothing| nothing.reason))
-    }
-
-    /// Why no truth is known in `arithmetic`; empty where one is.
-    pub fn why_none(&mut self, arithmetic: Arithmetic) -> anyhow::Result<String> {
-        Ok(self.nothing(arithmetic)?.map_or_else(String::new, |nothing| nothing.reason))
-    }
-
-    fn nothing(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<Nothing>> {
-        self.truth(arithmetic).err().map(Unjudged::nothing).transpose()
-    }
-
-    /// The fingerprint of the right answer.
-    fn truth(&mut self, arithmetic: Arithmetic) -> Result<Digest, Unjudged> {
-        match &mut self.of {
-            Of::AtRest(scene) => Ok(scene.known(arithmetic)?.own.digest),
-            Of::Moving(moving) => moving.truth(arithmetic),
+    /// How many contacts there are by the arithmetic's own contact test, or why that is not known.
+    pub fn count(&mut self, arithmetic: Arithmetic) -> anyhow::Result<(Count, Option<Nothing>)> {
+        match self.right(arithmetic, |_, _| Ok(())) {
+            Ok(right) => {
+                let contacts = || right.iter().map(|right| right.digest.contacts);
+                let (first, most) = (contacts().next(), contacts().max());
+                let count = Count { first: first.unwrap_or(0), most: most.unwrap_or(0) };
+                Ok((count, None))
+            }
+            Err(why) => Ok((Count::default(), Some(why.nothing()?))),
         }
     }
+}
+
+/// Notes what is late in a frame; an answer without contacts is the right one.
+fn late(
+    late: &mut Late,
+    k: usize,
+    known: &Truths,
+    names: &mut Names,
+    contacts: Option<&Contacts>,
+) -> Result<(), Unjudged> {
+    if let Loaded::InBox(periodic) = &*known.stored {
+        // In frames that were passed over nothing was missed: no name goes through them.
+        names.next(periodic);
+    }
+    let sorted = |contacts: &Contacts| {
+        let sorted = contacts.sorted(known.stored.particles(), u64::MAX);
+        sorted.map_err(NoTruth::from)
+    };
+    let truth = sorted(&known.own.contacts)?;
+    let reported = contacts.map(sorted).transpose()?;
+    let depth = |pair| depth(&known.stored, pair);
+    late.take(k as u64, names, depth, reported.as_ref().unwrap_or(&truth), &truth);
+    Ok(())
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use contactbench_core::periodic::ImagePair;
-    use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, Stored};
-
-    /// Four unit discs in a row, of which neighbours touch.
-    fn row() -> Given {
-        let centres = [0.0, 2.0, 4.0, 6.0].map(|x| nalgebra::Point::from([x, 0.0]));
-        Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
-    }
-
-    fn seen(pairs: &[[u32; 2]]) -> Contacts {
-        Contacts { plain: pairs.to_vec(), ..Contacts::default() }
-    }
-
-    const RIGHT: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
-
-    fn judged(arithmetic: Arithmetic, said: &[[u32; 2]], shown: Option<&[[u32; 2]]>) -> Judged {
-        let scene = row();
-        let digest = Digest::from_pairs(said);
-        let fetch = || shown.map(seen).ok_or_else(|| "it has gone".into());
-        let answer = (digest.contacts, &*digest.hex());
-        Judge::new(&scene, 1 << 20).unwrap().judge("one", arithmetic, answer, fetch).unwrap()
-    }
-
-    #[test]
-    fn answers_are_right_lossy_or_wrong() {
-        use Outcome::{Lossy, Ok, Wrong};
-        let turned = [[2, 1], [3, 2], [1, 0]];
-        let (fewer, more) = (&RIGHT[..2], [[0, 1], [1, 2], [2, 3], [0, 3]]);
-        let twice = [[0, 1], [1, 2], [1, 2]];
-        for (arithmetic, said, outcome) in [
-            (Arithmetic::Exact, &turned[..], Ok),
-            (Arithmetic::Exact, fewer, Wrong),
-            (Arithmetic::Textbook, fewer, Lossy),
-            (Arithmetic::Textbook, &more, Wrong),
-            (Arithmetic::Textbook, &twice, Wrong),
-        ] {
-            let judged = judged(arithmetic, said, Some(said));
-            assert_eq!(judged.outcome, outcome, "{arithmetic:?} {said:?}: {}", judged.reason);
-            assert_eq!(judged.reason.is_empty(), outcome == Ok, "{}", judged.reason);
-            let wrong = |errors: Option<Errors>| errors.unwrap().wrong() > 0;
-            assert_eq!(wrong(judged.errors), outcome != Ok);
-            assert_eq!(wrong(judged.causes.map(|causes| causes.search)), outcome != Ok);
-        }
-    }
-
-    #[test]
-    fn pairs_that_cannot_be_seen_are_wrong_with_the_reason() {
-        for (shown, words) in [(None, "it has gone"), (Some(&RIGHT[..1]), "it gave others")] {
-            let judged = judged(Arithmetic::Textbook, &RIGHT[..2], shown);
-            assert_eq!((judged.outcome, judged.errors), (Outcome::Wrong, None));
-            assert!(judged.reason.contains(words), "{}", judged.reason);
-        }
-        // Nobody asks for the pairs of a right answer.
-        assert_eq!(judged(Arithmetic::F32, &RIGHT, None).outcome, Outcome::Ok);
-    }
-
-    #[test]
-    fn a_digest_that_is_none_is_wrong() {
-        let scene = row();
-        let upper = Digest::from_pairs(&RIGHT).hex().to_uppercase();
-        let judged = Judge::new(&scene, 1 << 20)
-            .unwrap()
-            .judge("one", Arithmetic::Exact, (3, &upper), || Ok(seen(&RIGHT)))
-            .unwrap();
-        assert_eq!(judged.outcome, Outcome::Wrong);
-        assert!(judged.reason.contains("16 lower-case hexadecimal digits"), "{}", judged.reason);
-    }
-
-    #[test]
-    fn what_nobody_knows_cannot_be_checked() {
-        let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
-        let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
-        let digest = Digest::from_pairs(&RIGHT);
-        for given in [row(), Given::in_box(scene.into(), edges).unwrap()] {
-            let mut judge = Judge::new(&given, 0).unwrap();
-            let said = (digest.contacts, &*digest.hex());
-            let judged = judge.judge("one", Arithmetic::Exact, said, || Ok(seen(&RIGHT))).unwrap();
-            assert_eq!((judged.outcome, judged.errors), (Outcome::Refused, None));
-            let words = "the answer cannot be checked: ";
-            assert!(judged.reason.starts_with(words), "{}", judged.reason);
-            assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), None);
-        }
-    }
-
-    #[test]
-    fn errors_in_a_box_have_their_causes() {
-        use Outcome::Ok;
-        // Through a face, by 2^-30 too far: along x that is lost where coordinates are stored in
-        // f32, across it where the test rounds squares in f64.
-        let judged = |x: f64, y: f64, arithmetic| {
-            let centres = [[x, y], [7.5, 4.0]].map(nalgebra::Point::from).to_vec();
-            let scene: Scene<'_, f64, 2> = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-            let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
-            let given = Given::in_box(scene.into(), edges).unwrap();
-            let mut judge = Judge::new(&given, 1 << 20).unwrap();
-            let shifted = vec![ImagePair::new(0, 1, [-1, 0, 0])];
-            let contacts = Contacts { plain: Vec::new(), shifted };
-            let digest = contacts.digest();
-            let said = (digest.contacts, &*digest.hex());
-            let judged = judge.judge("one", arithmetic, said, || Result::Ok(contacts)).unwrap();
-            assert_eq!(judged.outcome, Ok, "{}", judged.reason);
-            let Causes { representation, predicate, search, .. } = judged.causes.unwrap();
-            [judged.errors.unwrap(), representation, predicate, search].map(|e| e.spurious)
-        };
-        assert_eq!(judged(0.5, 4.0, Arithmetic::Exact), [0, 0, 0, 0]);
-        assert_eq!(judged(0.5 + 2f64.powi(-30), 4.0, Arithmetic::F32), [1, 1, 0, 0]);
-        assert_eq!(judged(0.5, 4.0 + 2f64.powi(-30), Arithmetic::F64), [1, 0, 1, 0]);
-    }
-
-    #[test]
-    fn contacts_in_a_box_have_their_images() {
-        use Outcome::{Ok, Wrong};
-        let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
-        let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
-        let given = Given::in_box(scene.into(), edges).unwrap();
-        let mut judge = Judge::new(&given, 1 << 20).unwrap();
-        assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), Some(4));
-        let through = |image: i32| {
-            let shifted = vec![ImagePair::new(0, 3, [image, 0, 0])];
-            Contacts { plain: RIGHT.to_vec(), shifted }
-        };
-        for (arithmetic, contacts, outcome, missed, spurious) in [
-            (Arithmetic::Exact, through(-1), Ok, 0, 0),
-            (Arithmetic::F64, through(-1), Ok, 0, 0),
-            (Arithmetic::Exact, through(1), Wrong, 1, 1),
-            (Arithmetic::F32, seen(&RIGHT), Wrong, 1, 0),
-        ] {
-            let digest = contacts.digest();
-            let said = (digest.contacts, &*digest.hex());
-            let judged = judge.judge("one", arithmetic, said, || Result::Ok(contacts)).unwrap();
-            assert_eq!(judged.outcome, outcome, "{}", judged.reason);
-            let errors = judged.errors.unwrap();
-            assert_eq!((errors.missed, errors.spurious), (missed, spurious));
-        }
-    }
-}
+mod tests;

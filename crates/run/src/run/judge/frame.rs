@@ -1,20 +1,21 @@
-//! The judge of a scene at rest, or of one frame, in open space or in a box.
+//! One frame, in open space or in a box: what is true of it, and how an answer differs.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use crate::run::judge::{Judged, Nothing, Unjudged};
+use crate::run::judge::{Nothing, Unjudged, kept};
+use crate::truth::depth;
 use contactbench_core::contact::{Arithmetic, Test};
 use contactbench_core::oracle::{self, Causes, Errors, NoTruth, compare_by};
 use contactbench_core::periodic::{self, Contacts, ImagePair};
-use contactbench_core::scene::AnyScene;
 use contactbench_core::searcher::Loaded;
 use contactbench_core::sink::Digest;
 use contactbench_io::Given;
 
-/// What is true of a scene.
-pub(super) struct AtRest<'a> {
-    scene: &'a AnyScene<'static>,
+/// What is true of a frame.
+pub(super) struct Frame<'a> {
+    pub given: Cow<'a, Given>,
     /// The scene in its box, if it has one.
     boxed: Option<Rc<Loaded<'static>>>,
     /// For a list of contacts, in bytes.
@@ -53,52 +54,63 @@ impl From<periodic::Truth> for Truth {
     }
 }
 
-impl<'a> AtRest<'a> {
+/// How an answer differs from the truth.
+#[derive(Clone, Default)]
+pub(super) struct Differs {
+    /// In the arithmetic.
+    pub own: Errors,
+    /// Against exact decisions on the scene as given; `None` if these are not known.
+    pub errors: Option<Errors>,
+    /// The same by cause.
+    pub causes: Option<Causes>,
+}
+
+impl Differs {
+    /// Adds those of another frame.
+    pub fn add(&mut self, other: &Differs) {
+        self.own.add(&other.own);
+        match (&mut self.errors, &other.errors) {
+            (Some(all), Some(of)) => all.add(of),
+            (all, _) => *all = None,
+        }
+        match (&mut self.causes, &other.causes) {
+            (Some(all), Some(of)) => all.add(of),
+            (all, _) => *all = None,
+        }
+    }
+}
+
+impl<'a> Frame<'a> {
     /// Knows nothing yet. A list of contacts may take `memory_limit` bytes.
     ///
     /// # Errors
     /// A box that does not suit the scene.
-    pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<AtRest<'a>> {
+    pub fn new(given: Cow<'a, Given>, memory_limit: u64) -> anyhow::Result<Frame<'a>> {
         let boxed = given.periodic()?.map(|periodic| Rc::new(Loaded::InBox(periodic)));
-        Ok(AtRest { scene: &given.scene, boxed, memory_limit, known: HashMap::new() })
+        Ok(Frame { given, boxed, memory_limit, known: HashMap::new() })
     }
 
-    /// Judges an answer; `fetch` gives its contacts, and is not called for a right one.
-    pub fn judge(
+    /// Compares the sorted contacts of an answer; those of the right one if there are none.
+    pub fn compare(
         &mut self,
         arithmetic: Arithmetic,
-        said: Digest,
-        fetch: impl FnOnce() -> Result<Contacts, String>,
-    ) -> Result<Judged, Unjudged> {
+        contacts: Option<&Contacts>,
+    ) -> Result<Differs, Unjudged> {
         let truths = self.known(arithmetic)?;
-        let fetched;
-        let contacts = if said == truths.own.digest {
-            &truths.own.contacts
-        } else {
-            match fetch() {
-                Ok(mut contacts) => {
-                    contacts.sort();
-                    fetched = contacts;
-                }
-                Err(why) => return Ok(Judged::unseen(&why)),
-            }
-            &fetched
-        };
+        let contacts = contacts.unwrap_or(&truths.own.contacts);
         let own = compare(contacts, &truths.own, &truths.stored);
-        let mut judged = Judged::by(&own, arithmetic);
         let given = match self.known(Arithmetic::Exact) {
             Ok(given) => given,
-            Err(Unjudged::Nothing(_)) => return Ok(judged),
+            Err(Unjudged::Nothing(_)) => return Ok(Differs { own, ..Differs::default() }),
             Err(defect) => return Err(defect),
         };
-        judged.errors = Some(compare(contacts, &given.own, &given.stored));
-        judged.causes = truths.exact.map(|exact| Causes {
+        let causes = truths.exact.map(|exact| Causes {
             representation: compare(&exact.contacts, &given.own, &given.stored),
             predicate: compare(&truths.own.contacts, &exact, &truths.stored),
             search: own,
             stored: compare(contacts, &exact, &truths.stored),
         });
-        Ok(judged)
+        Ok(Differs { own, errors: Some(compare(contacts, &given.own, &given.stored)), causes })
     }
 
     /// What is true in an arithmetic.
@@ -106,13 +118,8 @@ impl<'a> AtRest<'a> {
         if let Some(known) = self.known.get(&arithmetic) {
             return known.clone().map_err(Unjudged::Nothing);
         }
-        let found = match self.find(arithmetic) {
-            Ok(truths) => Ok(truths),
-            Err(Unjudged::Nothing(nothing)) => Err(nothing),
-            Err(defect) => return Err(defect),
-        };
-        self.known.insert(arithmetic, found.clone());
-        found.map_err(Unjudged::Nothing)
+        let found = self.find(arithmetic);
+        kept(&mut self.known, arithmetic, found)
     }
 
     fn find(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
@@ -122,7 +129,7 @@ impl<'a> AtRest<'a> {
             // It stores the scene as exact arithmetic does.
             (None, Arithmetic::F64) => self.known(Arithmetic::Exact)?.stored,
             (None, _) => {
-                let stored = self.scene.stored(arithmetic).map_err(NoTruth::from)?;
+                let stored = self.given.scene.stored(arithmetic).map_err(NoTruth::from)?;
                 Rc::new(Loaded::Open(stored))
             }
         };
@@ -177,15 +184,8 @@ fn compare(reported: &Contacts, truth: &Truth, scene: &Loaded<'_>) -> Errors {
         return Errors::default();
     }
     let (plain, shifted) = (&truth.contacts.plain, &truth.contacts.shifted);
-    match scene {
-        Loaded::Open(scene) => oracle::compare(&reported.plain, plain, scene),
-        Loaded::InBox(periodic) => {
-            let depth = |pair| periodic::depth(periodic, pair);
-            let own = |[i, j]: [u32; 2]| i == j;
-            let unshifted = |[i, j]: [u32; 2]| depth(ImagePair::new(i, j, [0; 3]));
-            let mut errors = compare_by(&reported.plain, plain, own, unshifted);
-            errors.add(&compare_by(&reported.shifted, shifted, |_| false, depth));
-            errors
-        }
-    }
+    let unshifted = |[i, j]: [u32; 2]| depth(scene, ImagePair::new(i, j, [0; 3]));
+    let mut errors = compare_by(&reported.plain, plain, |[i, j]| i == j, unshifted);
+    errors.add(&compare_by(&reported.shifted, shifted, |_| false, |pair| depth(scene, pair)));
+    errors
 }

@@ -1,0 +1,97 @@
+//! What a motion is like from frame to frame.
+
+use super::names::Names;
+use super::through::Through;
+use contactbench_core::periodic::{ImagePair, Periodic};
+use contactbench_terms::moved::Moved;
+
+/// Sums up what happens from frame to frame.
+#[derive(Default)]
+pub struct Survey {
+    pub moved: Moved,
+    /// Names of contacts in the last frame.
+    pub names: Names,
+    /// Contacts of the last frame, by their names in all frames.
+    last: Vec<ImagePair>,
+}
+
+impl Survey {
+    /// Takes one more frame, and its contacts in ascending order.
+    pub fn take(&mut self, frame: &Periodic<'static>, contacts: &[ImagePair], memory_limit: u64) {
+        let step = self.names.next(frame);
+        let mut named: Vec<_> = contacts.iter().map(|&pair| self.names.name(pair)).collect();
+        named.sort_unstable();
+        let moved = &mut self.moved;
+        moved.frames += 1;
+        moved.particles = frame.scene().len() as u64;
+        moved.contacts += named.len() as u64;
+        let before = std::mem::replace(&mut self.last, named);
+        let Some((last, onward)) = step else { return };
+        let stay = common(&before, &self.last);
+        moved.born += self.last.len() as u64 - stay;
+        moved.ended += before.len() as u64 - stay;
+        let through = Through::new(&last, frame, &onward);
+        let (ways, at_rest) = through.ways();
+        let diameter = 2.0 * frame.scene().largest_radius();
+        moved.way.at_rest += at_rest as u64;
+        if diameter > 0.0 {
+            let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
+            moved.way.sum += ways.iter().sum::<f64>() / diameter;
+            moved.way.longest = moved.way.longest.max(longest / diameter);
+        }
+        if at_rest < ways.len() || through.changes() {
+            match through.tunnelled(&ways, memory_limit) {
+                Ok(tunnelled) => moved.tunnelled += tunnelled,
+                Err(why) => {
+                    moved.uncounted.get_or_insert(why);
+                }
+            }
+        }
+    }
+}
+
+/// Counts the pairs that are in both lists, which are in ascending order.
+fn common(a: &[ImagePair], b: &[ImagePair]) -> u64 {
+    let mut b = b.iter().peekable();
+    let is_there = |pair: &&ImagePair| {
+        while b.next_if(|other| other < pair).is_some() {}
+        b.next_if_eq(pair).is_some()
+    };
+    a.iter().filter(is_there).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_core::periodic::without_shift;
+    use contactbench_core::scene::{AnyScene, Radii, Scene};
+    use contactbench_scenes::touching::in_open_space;
+
+    #[test]
+    fn contacts_begin_end_and_lie_between_frames() {
+        let mut survey = Survey::default();
+        // Unit discs on a line.
+        let mut take = |places: [f64; 4], pairs: &[[u32; 2]]| {
+            let centres = places.map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
+            let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(1.0)).unwrap().into();
+            let contacts: Vec<ImagePair> = without_shift(pairs).collect();
+            survey.take(&in_open_space(&scene).unwrap(), &contacts, 1 << 20);
+            survey.moved.clone()
+        };
+        let moved = take([0.0, 2.0, 5.0, 20.0], &[[0, 1]]);
+        assert_eq!((moved.frames, moved.contacts, moved.born, moved.steps()), (1, 1, 0, 0));
+        let moved = take([0.0, 2.5, 4.5, 20.0], &[[1, 2]]);
+        assert_eq!([moved.born, moved.ended, moved.tunnelled], [1, 1, 0]);
+        assert_eq!((moved.way.at_rest, moved.steps()), (2, 1));
+        assert!((moved.way.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
+        assert!((moved.mean_way() - 0.125).abs() < 1e-12);
+        // The last flies through all others but the first, and beyond the third.
+        let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
+        assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
+        assert_eq!(moved.uncounted, None);
+        // What cannot be counted costs nothing else.
+        take([0.0, 2.5, 4.5, 1.7e308], &[]);
+        let moved = take([0.0, 2.5, 4.5, -1.7e308], &[]);
+        assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");
+    }
+}

@@ -1,0 +1,39 @@
+//! What is true of a scene, in open space or in a box.
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::oracle::{self, NoTruth};
+use contactbench_core::periodic::{self, ImagePair, Truth, without_shift};
+use contactbench_core::searcher::Loaded;
+use contactbench_core::track::Frame;
+
+/// Finds the contacts, in ascending order; lists of them may take `limit` bytes.
+pub(crate) fn truth(
+    scene: &Loaded<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> Result<Truth, NoTruth> {
+    match scene {
+        Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
+        Loaded::Open(stored) => {
+            let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
+            let pairs = without_shift(&found.pairs).collect();
+            Ok(Truth { pairs, digest: found.digest })
+        }
+    }
+}
+
+/// Returns how deep a contact is, in mean radii; negative for a pair that is apart.
+pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
+    match scene {
+        Loaded::Open(scene) => oracle::depth_of(scene, [pair.i, pair.j]),
+        Loaded::InBox(periodic) => periodic::depth(periodic, pair),
+    }
+}
+
+/// The scene as trackers take it.
+pub(crate) fn frame<'a>(scene: &'a Loaded<'_>, arithmetic: Arithmetic) -> Frame<'a> {
+    match scene {
+        Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
+        Loaded::InBox(periodic) => Frame::Boxed(periodic, arithmetic),
+    }
+}
