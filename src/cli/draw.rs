@@ -22,7 +22,7 @@ use contactbench_scenes::motion::Motion;
 use contactbench_scenes::touching::{in_any_box, in_open_space};
 use contactbench_terms::number::plural;
 use contactbench_views::draw::{self, Highlighted, Look, Slice};
-use contactbench_views::film::Film;
+use contactbench_views::film::{self, Film};
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -187,7 +187,7 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
     // Nobody asked for the next: whatever is wrong with it, the file has more.
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
-    let (html, place) = (film.html(), options.output.display());
+    let (html, place) = (film::html(&film), options.output.display());
     io::write::whole(&options.output, |out| out.write_all(html.as_bytes()))
         .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
     let size = crate::cli::bytes(html.len() as u64);

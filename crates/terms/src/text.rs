@@ -75,6 +75,20 @@ pub fn html(text: &str) -> String {
     out
 }
 
+/// Puts values in the places `{{name}}` of a template; nothing inside a value is replaced. Places
+/// without a value are left out.
+pub fn fill(template: &str, values: &[(&str, String)]) -> String {
+    let mut out = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        out += before;
+        let Some((name, after)) = after.split_once("}}") else { break };
+        out += values.iter().find(|(known, _)| *known == name).map_or("", |(_, value)| value);
+        rest = after;
+    }
+    out + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,5 +125,11 @@ mod tests {
         for text in ["", "-1", "+1e5", "-inf", "a=b", "nbs", "1-1"] {
             assert_eq!(csv_cell(text), text);
         }
+    }
+
+    #[test]
+    fn templates_are_filled_once() {
+        let values = [("a", "{{b}}".to_string()), ("b", "2".to_string())];
+        assert_eq!(fill("<{{a}}{{b}}{{none}}>", &values), "<{{b}}2>");
     }
 }

@@ -31,20 +31,6 @@ pub fn data_uri(svg: &str) -> String {
     out
 }
 
-/// Puts values in the places `{{name}}` of a template; nothing inside a value is replaced. Places
-/// without a value are left out.
-pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
-    let mut out = String::new();
-    let mut rest = template;
-    while let Some((before, after)) = rest.split_once("{{") {
-        out += before;
-        let Some((name, after)) = after.split_once("}}") else { break };
-        out += values.iter().find(|(known, _)| *known == name).map_or("", |(_, value)| value);
-        rest = after;
-    }
-    out + rest
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,11 +41,6 @@ mod tests {
         let json = script_safe(&serde_json::json!([evil]).to_string());
         assert!(!json.contains(['<', '>', '&', '\u{2028}']), "{json}");
         assert_eq!(serde_json::from_str::<Vec<String>>(&json).unwrap(), [evil]);
-    }
-
-    #[test]
-    fn templates_are_filled_once() {
-        assert_eq!(fill("<{{a}}{{b}}{{none}}>", &[("a", "{{b}}"), ("b", "2")]), "<{{b}}2>");
     }
 
     #[test]

@@ -30,6 +30,7 @@ use crate::sections;
 use crate::sections::map::Drawn;
 use contactbench_record::findings::claim::{Status, Verdict};
 use contactbench_record::findings::failures::failures;
+use contactbench_terms::text;
 
 const TEMPLATE: &str = include_str!("../../assets/report/page.html");
 const STYLE: &str = include_str!("../../assets/report/style.css");
@@ -77,7 +78,7 @@ pub fn html(facts: &Facts<'_>) -> String {
         ("uplot-style", UPLOT_STYLE.into()),
         ("uplot-licence", escape(UPLOT_LICENCE)),
     ];
-    markup::fill(TEMPLATE, &values.each_ref().map(|(name, value)| (*name, value.as_str())))
+    text::fill(TEMPLATE, &values)
 }
 
 /// The line below the title: when, on what, by which program.

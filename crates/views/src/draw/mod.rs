@@ -36,6 +36,7 @@ use bodies::Bodies;
 pub use pairs::Highlighted;
 use plane::Plane;
 pub use plane::Slice;
+use sheet::Sheet;
 
 use contactbench_core::periodic::Periodic;
 use contactbench_terms::number::number;
@@ -118,5 +119,6 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow:
         "{lines} pairs are too many to be seen; at most {MOST_LINES} are drawn: draw a part of the \
          scene, or are the radii in another unit than the coordinates?"
     );
-    Ok(sheet::Sheet::new(periodic, &bodies, &plane, pairs, look, detail).draw())
+    let (bodies, plane) = (&bodies, &plane);
+    Ok(Sheet { periodic, bodies, plane, pairs, look, detail }.svg())
 }

@@ -3,6 +3,8 @@
 
 mod page;
 
+pub use page::html;
+
 use anyhow::{bail, ensure};
 
 use crate::draw::bodies::particles;
@@ -19,13 +21,13 @@ pub const MOST_CIRCLES: usize = 20_000;
 /// bits for each number, four letters for three bytes.
 const CIRCLE: [usize; 2] = [6, 8];
 const PAIR: usize = 6;
-/// The same of the picture of the first frame, as text.
+/// The same of the picture of the first frame, as text; of a frame; and of the page without frames.
 const DRAWN: [usize; 2] = [64, 40];
-/// The same of a frame, and of the page without frames.
 const FRAME: usize = 64;
 const EMPTY: usize = 20_000;
 
 /// Frames that are to be played.
+#[derive(Default)]
 pub struct Film {
     title: String,
     motion: String,
@@ -38,8 +40,9 @@ pub struct Film {
     own_radii: bool,
     particles: usize,
     factor: f64,
-    /// Of the page, about.
-    bytes: usize,
+    /// Of all frames.
+    circles: usize,
+    pairs: usize,
 }
 
 struct Frame {
@@ -60,9 +63,7 @@ impl Film {
     /// frame.
     pub fn new(title: &str, motion: &str, tracker: &str, slice: Option<Slice>) -> Film {
         let [title, motion, tracker] = [title, motion, tracker].map(String::from);
-        let (frames, bytes) = (Vec::new(), EMPTY);
-        let (space, own_radii, particles, factor) = (false, false, 0, 1.0);
-        Film { title, motion, tracker, slice, frames, space, own_radii, particles, factor, bytes }
+        Film { title, motion, tracker, slice, ..Film::default() }
     }
 
     /// One more frame, with its contacts and what was missed of them, and whether the list was
@@ -102,49 +103,49 @@ impl Film {
         let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
         let first = self.frames.first();
         let others = first.is_some_and(|first| radii(&first.circles) != radii(&plane.circles));
-        if (self.space || others) && !self.own_radii {
-            // Those of earlier frames are written, too.
-            let before: usize = self.frames.iter().map(|frame| frame.circles.len()).sum();
-            self.bytes += (CIRCLE[1] - CIRCLE[0]) * before;
-            self.own_radii = true;
-        }
+        self.own_radii |= self.space || others;
         let place = |particle: u32| u16::try_from(plane.place(particle)?).ok();
         let shown = |pairs: &[ImagePair]| -> Vec<[u16; 2]> {
             pairs.iter().filter_map(|pair| Some([place(pair.i)?, place(pair.j)?])).collect()
         };
-        let (mut both, missed) = (shown(&pairs.contacts), shown(&pairs.missed));
-        let missed_here = missed.len();
-        both.extend(missed);
-        self.bytes += FRAME + CIRCLE[usize::from(self.own_radii)] * circles + PAIR * both.len();
-        if k == 0 {
-            self.bytes += DRAWN[0] * circles + DRAWN[1] * both.len();
-        }
-        if self.bytes > MOST_BYTES {
-            let megabytes = MOST_BYTES / 1_000_000;
-            match k {
-                0 | 1 => {
-                    bail!("two frames are a page of more than {megabytes} MB; take fewer bodies")
-                }
-                _ => bail!(
-                    "a page of at most {megabytes} MB holds {k} such frames; take --frames {k}, or \
-                     fewer bodies"
-                ),
-            }
-        }
+        let (shown_contacts, shown_missed) = (shown(&pairs.contacts), shown(&pairs.missed));
+        self.circles += circles;
+        self.pairs += shown_contacts.len() + shown_missed.len();
         self.frames.push(Frame {
+            missed_here: shown_missed.len(),
+            pairs: [shown_contacts, shown_missed].concat(),
             circles: plane.circles,
-            pairs: both,
-            missed_here,
             contacts: pairs.contacts.len() + pairs.missed.len(),
             missed: pairs.missed.len(),
             built,
         });
-        Ok(())
+        let megabytes = MOST_BYTES / 1_000_000;
+        match k {
+            _ if self.bytes() <= MOST_BYTES => Ok(()),
+            0 | 1 => bail!("two frames are a page of more than {megabytes} MB; take fewer bodies"),
+            _ => bail!(
+                "a page of at most {megabytes} MB holds {k} such frames; take --frames {k}, or \
+                 fewer bodies"
+            ),
+        }
+    }
+
+    /// The size of the page, about.
+    fn bytes(&self) -> usize {
+        let circle = CIRCLE[usize::from(self.own_radii)];
+        let first = self.frames.first();
+        let drawn = first.map_or([0, 0], |first| [first.circles.len(), first.pairs.len()]);
+        EMPTY
+            + FRAME * self.frames.len()
+            + circle * self.circles
+            + PAIR * self.pairs
+            + DRAWN[0] * drawn[0]
+            + DRAWN[1] * drawn[1]
     }
 
     /// What there is to see, in a sentence.
     pub fn summary(&self) -> String {
-        let Film { tracker, particles, .. } = self;
+        let Film { tracker, particles, motion, .. } = self;
         let bodies = if self.space { "spheres" } else { "discs" };
         let built = self.frames.iter().filter(|frame| frame.built).count();
         let missed: usize = self.frames.iter().map(|frame| frame.missed).sum();
@@ -154,18 +155,11 @@ impl Film {
         let frames = plural(self.frames.len(), "frame");
         let missed = match self.frames.iter().position(|frame| frame.missed > 0) {
             None => "missed no contact".into(),
-            Some(first) => {
-                format!("missed {} since frame {first}", plural(missed, "contact"))
-            }
+            Some(first) => format!("missed {} since frame {first}", plural(missed, "contact")),
         };
         format!(
-            "{particles} {bodies}{slice}, {}, {frames}. {tracker} built in {built} of them and \
-             {missed}.",
-            self.motion
+            "{particles} {bodies}{slice}, {motion}, {frames}. {tracker} built in {built} of them \
+             and {missed}."
         )
-    }
-
-    pub fn html(&self) -> String {
-        page::html(self)
     }
 }

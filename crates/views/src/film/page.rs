@@ -14,38 +14,37 @@ use contactbench_terms::text;
 const MOST: [f64; 2] = [1200.0, 900.0];
 /// Numbers of the page for a pixel: what is finer is not seen.
 const FINE: f64 = 32.0;
+
+/// The page of a film.
 pub fn html(film: &Film) -> String {
-    let page = page(film);
+    let (page, first) = (page(film), film.frames.first());
+    let radii = first
+        .filter(|_| !film.own_radii)
+        .map(|first| base64(first.circles.iter().map(|circle| fine(page.length(circle.r)))));
     let data = json!({
         "scale": FINE,
         "slice": film.space,
-        "radii": if film.own_radii { Value::Null } else { film.frames.first().map(|first| {
-            base64(first.circles.iter().map(|circle| fine(page.length(circle.r))))
-        }).into() },
+        "radii": radii,
         "frames": film.frames.iter().map(|frame| numbers(film, frame, &page)).collect::<Vec<_>>(),
     });
-    // In a script nothing but its end tag must be avoided.
-    let data = data.to_string().replace("</", "<\\/");
-    let [discs, contacts, missed] =
-        film.frames.first().map_or_else(Default::default, |first| picture(first, &page));
-    let [width, height] = page.size.map(px);
-    let last = film.frames.len().saturating_sub(1);
-    let summary = text::html(&film.summary());
-    include_str!("page.html")
-        .replace("@@STYLE@@", &format!("{}{}", colours(), player::STYLE))
-        .replace("@@PLAYER@@", player::SCRIPT)
-        .replace("@@SCENE@@", &format!("0 0 {width} {height}"))
-        .replace("@@DISCS@@", &discs)
-        .replace("@@CONTACTS@@", &contacts)
-        .replace("@@MISSED@@", &missed)
-        .replace("@@LINE@@", &last.max(1).to_string())
-        .replace("@@BUILDS@@", &marks(film, |frame| frame.built, 0, 10))
-        .replace("@@MISSES@@", &marks(film, |frame| frame.missed > 0, 5, 10))
-        .replace("@@LAST@@", &last.to_string())
-        .replace("@@DATA@@", &data)
-        // Last, so that a name cannot be taken for a place.
-        .replace("@@SUMMARY@@", &summary)
-        .replace("@@TITLE@@", &text::html(&film.title))
+    let [discs, contacts, missed] = first.map_or_else(Default::default, |it| picture(it, &page));
+    let ([width, height], last) = (page.size.map(px), film.frames.len().saturating_sub(1));
+    let values = [
+        ("style", colours() + player::STYLE),
+        ("player", player::SCRIPT.into()),
+        ("scene", format!("0 0 {width} {height}")),
+        ("discs", discs),
+        ("contacts", contacts),
+        ("missed", missed),
+        ("line", last.max(1).to_string()),
+        ("builds", marks(film, |frame| frame.built, "0V10")),
+        ("misses", marks(film, |frame| frame.missed > 0, "5V10")),
+        ("last", last.to_string()),
+        ("data", player::data(&data)),
+        ("summary", text::html(&film.summary())),
+        ("title", text::html(&film.title)),
+    ];
+    text::fill(include_str!("page.html"), &values)
 }
 
 /// Around the circles of all frames.
@@ -88,10 +87,10 @@ fn picture(frame: &Frame, page: &PageCoordinates) -> [String; 3] {
     [discs, contacts, missed]
 }
 
-/// Strokes on the line of time, from `top` to `bottom`.
-fn marks(film: &Film, is_marked: impl Fn(&Frame) -> bool, top: u32, bottom: u32) -> String {
+/// Strokes on the line of time, so long.
+fn marks(film: &Film, is_marked: impl Fn(&Frame) -> bool, stroke: &str) -> String {
     let marked = film.frames.iter().enumerate().filter(|(_, frame)| is_marked(frame));
-    marked.map(|(k, _)| format!("M{k} {top}V{bottom}")).collect()
+    marked.map(|(k, _)| format!("M{k} {stroke}")).collect()
 }
 
 fn colours() -> String {
@@ -111,31 +110,22 @@ fn base64(numbers: impl Iterator<Item = u16>) -> String {
     for group in bytes.chunks(3) {
         let at = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
         let bits = at(0) << 16 | at(1) << 8 | at(2);
-        for k in 0..4 {
-            // A group of n bytes has n + 1 letters.
-            match k <= group.len() {
-                true => text.push(LETTERS[(bits >> (18 - 6 * k) & 63) as usize].into()),
-                false => text.push('='),
-            }
-        }
+        let letter = |k: usize| LETTERS[(bits >> (18 - 6 * k) & 63) as usize].into();
+        // A group of n bytes has n + 1 letters.
+        text.extend((0..4).map(|k| if k <= group.len() { letter(k) } else { '=' }));
     }
     text
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_written_as_browsers_read_them() {
-        for (numbers, text) in [
-            (&[][..], ""),
-            (&[0x614d], "TWE="),
-            (&[0x614d, 0x4d6e], "TWFuTQ=="),
-            (&[0x614d, 0x4d6e, 0x6e61], "TWFuTWFu"),
-        ] {
-            assert_eq!(base64(numbers.iter().copied()), text);
-        }
-        assert_eq!([-1.0, 1.0, 1e9].map(fine), [0, 32, u16::MAX]);
+#[test]
+fn numbers_are_written_as_browsers_read_them() {
+    for (numbers, text) in [
+        (&[][..], ""),
+        (&[0x614d], "TWE="),
+        (&[0x614d, 0x4d6e], "TWFuTQ=="),
+        (&[0x614d, 0x4d6e, 0x6e61], "TWFuTWFu"),
+    ] {
+        assert_eq!(base64(numbers.iter().copied()), text);
     }
+    assert_eq!([-1.0, 1.0, 1e9].map(fine), [0, 32, u16::MAX]);
 }

@@ -30,6 +30,11 @@ const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@missed", ["#d11507", "#ff6b5e"]),
 ];
 
+/// Data in a script of a page: nothing but its end tag must be avoided.
+pub fn data(value: &serde_json::Value) -> String {
+    value.to_string().replace("</", "<\\/")
+}
+
 /// Puts the colours into rules that name them as `@ink`.
 pub fn painted(rules: &str, dark: bool) -> String {
     COLOURS.iter().fold(rules.to_string(), |rules, (name, colours)| {

@@ -17,9 +17,9 @@ const CAPTION: f64 = 16.0;
 const LINE: f64 = VALUE[1] + CAPTION + 6.0;
 const TITLE: f64 = 26.0;
 
-/// The layout of one block of the panel.
+/// What one block of the panel shows.
 #[derive(Clone, Copy)]
-enum Kind {
+pub enum Kind {
     /// The first particles of lists that lie along an axis.
     Heads(usize),
     /// The first particles of the lists of all cells.
@@ -32,12 +32,12 @@ enum Kind {
 }
 
 /// Letter, kind and title of an array.
-type Array = (char, Kind, &'static str);
+pub type Array = (char, Kind, &'static str);
 
 const NEXT: Array = ('E', Kind::Particles, "E: next particle in the cell");
 
-/// The blocks of an algorithm, one below the other.
-fn blocks(algorithm: Algorithm) -> &'static [Array] {
+/// The arrays of an algorithm, one below the other.
+pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
     match algorithm {
         Algorithm::Nbs => &[
             ('B', Kind::Heads(1), "B: first particle of each row"),
@@ -115,13 +115,9 @@ impl<'a> Arrays<'a> {
     /// Values side by side, and below one another where they are many.
     fn row(&self, step: &Step, letter: char, kind: Kind) -> String {
         let (names, slots) = (&self.trace.names, step.state.array(letter));
-        let numbers = match kind {
-            Kind::Heads(axis) => self.trace.shown(axis),
-            _ => 0..slots.len() as i64,
-        };
-        let first = match kind {
-            Kind::Heads(axis) => i64::from(names.shift[axis]),
-            _ => i64::from(names.first),
+        let (numbers, first) = match kind {
+            Kind::Heads(axis) => (self.trace.shown(axis), names.shift[axis]),
+            _ => (0..slots.len() as i64, names.first),
         };
         let size = (0.45 * self.width).clamp(17.0, 26.0);
         let mut svg = String::new();
@@ -134,21 +130,34 @@ impl<'a> Arrays<'a> {
                 }
                 _ => names.maybe(slot.value),
             };
-            let class = class(step, letter, at, slot);
             let [x, y] = [(k % PER_LINE) as f64 * self.width, (k / PER_LINE) as f64 * LINE];
             let (middle, top) = (x + 0.5 * self.width - 1.5, y + CAPTION);
-            svg += &label("i", [middle, top - 4.0], None, number + first);
-            let size_of_box = [self.width - 4.0, VALUE[1]];
-            svg += &rect(&format!("v{class}"), [x + 1.0, top], size_of_box, " rx=\"3\"");
+            svg += &label("i", [middle, top - 4.0], None, number + i64::from(first));
+            let place = (letter, at, slot);
+            let corner = [x + 1.0, top];
+            svg += &value(step, place, corner, [self.width - 4.0, VALUE[1]], " rx=\"3\"");
             let base = top + 0.5 * VALUE[1] + 0.36 * size;
-            svg += &label(&format!("t{class}"), [middle, base], Some(size), text);
+            svg += &text_of(step, place, [middle, base], size, text);
         }
         svg
     }
 }
 
+/// A place of an array: its letter, its number if it is there, and what stands in it.
+type Place = (char, Option<usize>, Slot);
+
+/// The box of a value.
+fn value(step: &Step, place: Place, at: [f64; 2], size: [f64; 2], more: &str) -> String {
+    rect(&format!("v{}", class(step, place)), at, size, more)
+}
+
+/// The value in it.
+fn text_of(step: &Step, place: Place, at: [f64; 2], size: f64, text: String) -> String {
+    label(&format!("t{}", class(step, place)), at, Some(size), text)
+}
+
 /// How a place of an array looks: written or read in this step, in the range, empty, marked old.
-fn class(step: &Step, letter: char, at: Option<usize>, slot: Slot) -> String {
+fn class(step: &Step, (letter, at, slot): Place) -> String {
     let marks = &step.marks;
     let holds = |places: &[(char, usize)]| at.is_some_and(|at| places.contains(&(letter, at)));
     let within = |[from, to]: [usize; 2]| at.is_some_and(|at| (from..to).contains(&at));
@@ -174,29 +183,29 @@ fn matrix(trace: &Trace, step: &Step) -> String {
     let heads = step.state.array('C');
     let (nx, rows) = (i64::from(trace.cells.count[0]), trace.shown(1).count());
     let size = (0.6 * height).min(0.42 * width).clamp(8.0, 19.0);
-    let shown = |k: i64, axis: usize| k + i64::from(names.shift[axis]);
+    let number =
+        |at: [f64; 2], k: i64, axis: usize| label("i", at, None, k + i64::from(names.shift[axis]));
     let mut svg = String::new();
     for (down, row) in trace.shown(1).rev().enumerate() {
         let y = down as f64 * height;
-        svg += &label("i", [12.0, y + 0.5 * height + 4.0], None, shown(row, 1));
+        svg += &number([12.0, y + 0.5 * height + 4.0], row, 1);
         for (right, column) in trace.shown(0).enumerate() {
             let x = 26.0 + right as f64 * width;
             let inside = (0..nx).contains(&column) && row >= 0;
             let at = usize::try_from(row * nx + column).ok();
             let at = at.filter(|&at| inside && at < heads.len());
-            let head = at.map_or(Slot::default(), |at| heads[at]);
-            let class = class(step, 'C', at, head);
-            svg += &rect(&format!("v{class}"), [x, y], [width - 2.0, height - 2.0], "");
+            let place = ('C', at, at.map_or(Slot::default(), |at| heads[at]));
+            svg += &value(step, place, [x, y], [width - 2.0, height - 2.0], "");
             // Most cells are empty: their -1 only where there is room for it.
-            if head.value.is_some() || height > 20.0 {
+            if place.2.value.is_some() || height > 20.0 {
                 let at = [x + 0.5 * width - 1.0, y + 0.5 * height + 0.34 * size];
-                svg += &label(&format!("t{class}"), at, Some(size), names.maybe(head.value));
+                svg += &text_of(step, place, at, size, names.maybe(place.2.value));
             }
         }
     }
     for (right, column) in trace.shown(0).enumerate() {
         let x = 25.0 + (right as f64 + 0.5) * width;
-        svg += &label("i", [x, rows as f64 * height + 14.0], None, shown(column, 0));
+        svg += &number([x, rows as f64 * height + 14.0], column, 0);
     }
     svg
 }

@@ -11,59 +11,38 @@ use contactbench_core::scene::{AnyScene, Radii, Scene};
 
 pub struct Example {
     pub name: &'static str,
-    pub centres: &'static [[f64; 2]],
+    centres: &'static [(f64, f64)],
     /// Added to the number of a cell to have the book's: our cells begin at the lowest centre.
     pub shift: [u32; 2],
 }
 
 /// The ten particles of NBS, p103-110. The book does not show the column of particle 9; any will
 /// do.
-const TEN: [[f64; 2]; 10] = [
-    [32.0, 68.0],
-    [41.0, 74.0],
-    [31.0, 56.0],
-    [46.0, 67.0],
-    [36.0, 40.0],
-    [45.0, 57.0],
-    [20.0, 63.0],
-    [53.0, 52.0],
-    [84.0, 55.0],
-    [38.0, 61.0],
+#[rustfmt::skip]
+const TEN: [(f64, f64); 10] = [
+    (32.0, 68.0), (41.0, 74.0), (31.0, 56.0), (46.0, 67.0), (36.0, 40.0),
+    (45.0, 57.0), (20.0, 63.0), (53.0, 52.0), (84.0, 55.0), (38.0, 61.0),
 ];
 
 /// The nine particles of screening, p90-91.
-const NINE: [[f64; 2]; 9] = [
-    [42.0, 62.0],
-    [48.0, 69.0],
-    [10.0, 62.0],
-    [41.0, 69.0],
-    [16.0, 69.0],
-    [46.0, 54.0],
-    [18.0, 61.0],
-    [54.0, 50.0],
-    [11.0, 68.0],
+#[rustfmt::skip]
+const NINE: [(f64, f64); 9] = [
+    (42.0, 62.0), (48.0, 69.0), (10.0, 62.0), (41.0, 69.0), (16.0, 69.0),
+    (46.0, 54.0), (18.0, 61.0), (54.0, 50.0), (11.0, 68.0),
 ];
 
 pub fn example(algorithm: Algorithm) -> Example {
-    match algorithm {
-        Algorithm::Nbs => {
-            Example { name: "the book's ten particles", centres: &TEN, shift: [2, 4] }
-        }
-        Algorithm::BinaryTree => {
-            Example { name: "the book's ten particles", centres: &TEN, shift: [2, 4] }
-        }
-        Algorithm::Screening => {
-            Example { name: "the book's nine particles", centres: &NINE, shift: [1, 5] }
-        }
-        Algorithm::Sorting => {
-            Example { name: "the book's eight particles", centres: &TEN[..8], shift: [2, 4] }
-        }
-    }
+    let (name, centres, shift) = match algorithm {
+        Algorithm::Nbs | Algorithm::BinaryTree => ("the book's ten particles", &TEN[..], [2, 4]),
+        Algorithm::Screening => ("the book's nine particles", &NINE[..], [1, 5]),
+        Algorithm::Sorting => ("the book's eight particles", &TEN[..8], [2, 4]),
+    };
+    Example { name, centres, shift }
 }
 
 impl Example {
     pub fn scene(&self) -> AnyScene<'static> {
-        let centres: Vec<_> = self.centres.iter().copied().map(Point::from).collect();
+        let centres: Vec<_> = self.centres.iter().map(|&(x, y)| Point::from([x, y])).collect();
         // Finite centres and a positive radius: cannot fail; an empty scene would be seen by the
         // tests.
         let scene = Scene::new(centres, Radii::Uniform(5.0))

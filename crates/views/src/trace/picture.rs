@@ -2,6 +2,7 @@
 
 use crate::player::painted;
 use crate::px;
+use crate::trace::arrays::{Arrays, WIDTH};
 use crate::trace::recorder::Step;
 use crate::trace::{Algorithm, Trace};
 
@@ -31,7 +32,7 @@ pub struct Scene<'a> {
     first: [i64; 2],
     cells: [usize; 2],
     /// Width and height of the panel.
-    pub size: [f64; 2],
+    size: [f64; 2],
 }
 
 impl Trace {
@@ -48,6 +49,20 @@ impl<'a> Scene<'a> {
         let edge = (SIDE / cells[0].max(cells[1]).max(1) as f64).min(110.0);
         let size = cells.map(|count| count as f64 * edge + MARGIN);
         Scene { trace, edge, first: [0, 1].map(|axis| trace.shown(axis).start), cells, size }
+    }
+
+    /// What templates show of a scene and its arrays in all steps.
+    pub fn values(&self, arrays: &Arrays<'_>) -> [(&'static str, String); 7] {
+        let panel = |[width, height]: [f64; 2]| format!("0 0 {} {}", px(width), px(height));
+        [
+            ("scene", panel(self.size)),
+            ("arrays", panel([WIDTH, arrays.height])),
+            ("ground", self.ground()),
+            ("grid", self.grid()),
+            ("discs", (0..self.trace.discs.len() as u32).map(|k| self.disc(k, "disc")).collect()),
+            ("numbers", self.numbers()),
+            ("last", (self.trace.steps.len() - 1).to_string()),
+        ]
     }
 
     /// Left and top of a cell.
@@ -72,7 +87,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The border cells, which hold no particles: what lies below everything.
-    pub fn ground(&self) -> String {
+    fn ground(&self) -> String {
         let count = self.trace.cells.count.map(i64::from);
         let border = |cell: &[i64; 2]| (0..2).any(|k| cell[k] <= 0 || cell[k] >= count[k] - 1);
         let cells = self.all_cells().filter(|cell| !self.trace.names.book && border(cell));
@@ -80,7 +95,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The lines between cells, and the numbers of columns and rows.
-    pub fn grid(&self) -> String {
+    fn grid(&self) -> String {
         let mut svg: String = self.all_cells().map(|cell| self.cell(cell, "cell")).collect();
         let size = (0.34 * self.edge).clamp(9.0, 17.0);
         let number = |at: [f64; 2], k: i64, axis: usize| {
@@ -106,10 +121,6 @@ impl<'a> Scene<'a> {
         rect(class, [MARGIN, y], [width, self.edge], "")
     }
 
-    pub fn discs(&self) -> String {
-        (0..self.trace.discs.len() as u32).map(|k| self.disc(k, "disc")).collect()
-    }
-
     /// A disc; none of a particle that is not there.
     fn disc(&self, k: u32, class: &str) -> String {
         let Some(disc) = self.trace.discs.get(k as usize) else { return String::new() };
@@ -118,7 +129,7 @@ impl<'a> Scene<'a> {
         format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>")
     }
 
-    pub fn numbers(&self) -> String {
+    fn numbers(&self) -> String {
         let size = (0.3 * self.edge).clamp(9.0, 24.0);
         let number = |(k, at): (u32, [f64; 2])| {
             let [x, y] = self.at(at);

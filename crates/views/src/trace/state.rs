@@ -1,6 +1,9 @@
 //! What stands in a detector's arrays: a copy that follows the writes of its events.
 
+use std::collections::BTreeMap;
+
 use crate::trace::Algorithm;
+use crate::trace::arrays::{Kind, blocks};
 use contactbench_core::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,9 +33,8 @@ pub struct Node {
 /// The arrays of an algorithm, with the contacts found so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// The arrays by letter. NBS: heads B, A and a (the row below), links Y and X. Screening: heads
-    /// C, links E. Sorting: keys X and Y, particles D. The tree: links E.
-    pub arrays: Vec<(char, Vec<Slot>)>,
+    /// The arrays by letter, as [`blocks`] has them.
+    arrays: BTreeMap<char, Vec<Slot>>,
     pub nodes: Vec<Node>,
     pub contacts: Vec<[u32; 2]>,
 }
@@ -47,21 +49,24 @@ pub fn links(heads: char) -> char {
 }
 
 impl State {
-    /// The arrays of an algorithm for `n` particles in `nx` x `ny` cells, before it begins.
-    pub fn new(algorithm: Algorithm, n: usize, [nx, ny]: [usize; 2]) -> State {
-        let lengths: &[(char, usize)] = match algorithm {
-            Algorithm::Nbs => &[('B', ny), ('Y', n), ('A', nx), ('a', nx), ('X', n)],
-            Algorithm::Screening => &[('C', nx * ny), ('E', n)],
-            Algorithm::Sorting => &[('X', n), ('Y', n), ('D', n)],
-            Algorithm::BinaryTree => &[('E', n)],
-        };
-        let empty = |&(letter, length)| (letter, vec![Slot::default(); length]);
-        let mut state = State { arrays: lengths.iter().map(empty).collect(), ..State::default() };
-        match algorithm {
-            Algorithm::Sorting => (0..n).for_each(|k| state.set('D', k, Some(k as u32))),
-            Algorithm::BinaryTree => state.nodes.push(Node::default()),
-            _ => {}
+    /// The arrays of an algorithm for `n` particles in so many cells along the axes, before it
+    /// begins.
+    pub fn new(algorithm: Algorithm, n: usize, cells: [usize; 2]) -> State {
+        let mut state = State::default();
+        for &(letter, kind, _) in blocks(algorithm) {
+            let length = match kind {
+                Kind::Heads(axis) => cells[axis],
+                Kind::Matrix => cells[0] * cells[1],
+                Kind::Particles | Kind::Keys(_) => n,
+                Kind::Tree => {
+                    state.nodes.push(Node::default());
+                    continue;
+                }
+            };
+            state.arrays.insert(letter, vec![Slot::default(); length]);
         }
+        // Sorting has all particles in their order.
+        (0..n).for_each(|k| state.set('D', k, Some(k as u32)));
         state
     }
 
@@ -84,10 +89,9 @@ impl State {
                 self.set(['X', 'Y'][axis], particle as usize, Some(key))
             }
             Event::Swap { axis, places: [a, b] } => {
-                let swapped = &['X', 'Y', 'D'][axis..];
-                let arrays = self.arrays.iter_mut();
-                let arrays = arrays.filter(|(letter, _)| swapped.contains(letter));
-                arrays.for_each(|(_, slots)| slots.swap(a, b));
+                for letter in &['X', 'Y', 'D'][axis..] {
+                    self.arrays.entry(*letter).and_modify(|slots| slots.swap(a, b));
+                }
             }
             Event::Made { node, parent, half } => {
                 let level = self.nodes.get(parent as usize).map_or(0, |parent| parent.level + 1);
@@ -103,7 +107,7 @@ impl State {
     }
 
     fn slot(&mut self, letter: char, at: usize) -> Option<&mut Slot> {
-        self.arrays.iter_mut().find(|array| array.0 == letter)?.1.get_mut(at)
+        self.arrays.get_mut(&letter)?.get_mut(at)
     }
 
     fn set(&mut self, letter: char, at: usize, value: Option<u32>) {
@@ -120,7 +124,7 @@ impl State {
 
     /// The array of this letter; empty if the algorithm has none.
     pub fn array(&self, letter: char) -> &[Slot] {
-        self.arrays.iter().find(|array| array.0 == letter).map_or(&[], |array| &array.1)
+        self.arrays.get(&letter).map_or(&[], Vec::as_slice)
     }
 
     /// What stands at a place of an array.

@@ -5,7 +5,7 @@ mod lines;
 use crate::draw::bodies::{Bodies, Body};
 use crate::draw::outline::{Face, faces};
 use crate::draw::page_coordinates::PageCoordinates;
-use crate::draw::plane::{Circle, Plane};
+use crate::draw::plane::{Circle, Plane, hull};
 use crate::draw::{Highlighted, LABELLED, Look};
 use crate::{px, segment};
 use contactbench_core::contact::{Test, any_bodies};
@@ -44,122 +44,48 @@ const BOX: &str = "#555";
 const MISSED: &str = "#d11507";
 const SPURIOUS: &str = "#e07b00";
 
+/// What is drawn.
 pub struct Sheet<'a> {
-    periodic: &'a Periodic<'a>,
-    bodies: &'a Bodies,
-    plane: &'a Plane,
-    pairs: &'a Highlighted,
-    look: &'a Look,
-    faces: Vec<Face>,
+    pub periodic: &'a Periodic<'a>,
+    pub bodies: &'a Bodies,
+    pub plane: &'a Plane,
+    pub pairs: &'a Highlighted,
+    pub look: &'a Look,
+    /// The lines of a mistake that is drawn with its neighbourhood alone.
+    pub detail: Option<[u32; 2]>,
+}
+
+/// A picture that is being drawn.
+struct Picture<'a> {
+    sheet: &'a Sheet<'a>,
     page: PageCoordinates,
-    title: Vec<String>,
-    /// The lines under it.
-    subtitle: Vec<String>,
-    /// The pixels of both.
-    header: f64,
     /// Rows below the drawing: a mark, and what it means.
     rows: Vec<(String, String)>,
     body: String,
 }
 
-impl<'a> Sheet<'a> {
-    /// An empty sheet, large enough.
-    pub fn new(
-        periodic: &'a Periodic<'a>,
-        bodies: &'a Bodies,
-        plane: &'a Plane,
-        pairs: &'a Highlighted,
-        look: &'a Look,
-        detail: Option<[u32; 2]>,
-    ) -> Sheet<'a> {
-        let lattice = periodic.lattice();
-        let view = plane.bounds().filter(|_| detail.is_some());
-        let faces = if lattice.repeats() { faces(plane, lattice, view) } else { Vec::new() };
-        let bounds = around(plane, &faces).unwrap_or([[0.0; 2], [1.0; 2]]);
+impl Sheet<'_> {
+    pub fn svg(&self) -> String {
+        let (look, lattice) = (self.look, self.periodic.lattice());
+        let view = self.plane.bounds().filter(|_| self.detail.is_some());
+        let faces = if lattice.repeats() { faces(self.plane, lattice, view) } else { Vec::new() };
+        let corners = faces.iter().flat_map(|face| face.ends).map(|end| [end, end]);
+        let bounds = hull(self.plane.bounds().into_iter().chain(corners));
+        let bounds = bounds.unwrap_or([[0.0; 2], [1.0; 2]]);
         let width = PageCoordinates::around(bounds, MOST, HEADER).size[0];
-        let count = periodic.scene().len();
-        let mut subtitle =
-            format!("{count} {}", if periodic.scene().dim() == 2 { "discs" } else { "spheres" });
-        if lattice.repeats() {
-            let centres = bodies.all[..count].iter().map(|body| body.centre);
-            subtitle += &format!(" in a box that repeats along {}", along(lattice.periodic()));
-            subtitle += &match outside(centres, lattice).len() {
-                0 => String::new(),
-                count => format!(", {count} outside it"),
-            };
-        }
-        if let Some(slice) = plane.slice {
-            subtitle += &format!(", slice {} = {}", slice.name(), slice.at);
-            if detail.is_none() {
-                let met = plane.circles.iter().filter(|circle| (circle.id as usize) < count);
-                subtitle += &format!(": {} meet it", met.count());
-            }
-        }
-        if let Some(pair) = detail {
-            let [i, j] = pair.map(|body| bodies.all[body as usize].particle);
-            subtitle += &format!(", around {i} and {j}: the worst mistake");
-        }
         let title = wrap(&look.title, (width / TITLE_LETTER) as usize);
-        let subtitle = wrap(&subtitle, (width / LETTER) as usize);
+        let subtitle = wrap(&self.subtitle(), (width / LETTER) as usize);
         let header = HEADER + TITLE * (title.len() - 1) as f64 + LINE * (subtitle.len() - 1) as f64;
         let page = PageCoordinates::around(bounds, MOST, header);
-        let (rows, body) = (Vec::new(), String::new());
-        Sheet {
-            periodic,
-            bodies,
-            plane,
-            pairs,
-            look,
-            faces,
-            page,
-            title,
-            subtitle,
-            header,
-            rows,
-            body,
-        }
-    }
-
-    pub fn draw(mut self) -> String {
-        if self.look.grid {
-            self.grid();
-        }
-        self.circles();
-        self.faces();
-        self.contacts();
-        let pairs = self.pairs;
-        self.wrong(&pairs.duplicates, SPURIOUS, "2 4", "reported more than once");
-        self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
-        self.wrong(&pairs.missed, MISSED, "9 5", "missed: touching, but not reported");
-        let own =
-            self.plane.circles.iter().filter(|circle| !self.body_of(circle).is_image()).count();
-        if self.look.labels.unwrap_or(own <= LABELLED) {
-            self.labels();
-        }
-        self.finish()
-    }
-
-    fn finish(self) -> String {
-        let Sheet { look, page, title, subtitle, header, rows, body, .. } = self;
-        let width = page.size[0];
-        let most = ((width - LEGEND) / LETTER) as usize;
-        let mut legend = String::new();
-        let mut y = header + page.size[1];
-        for (mark, text) in rows {
-            legend += &format!("<g transform=\"translate(16 {})\">{mark}", px(y + 0.5 * ROW));
-            for (k, line) in wrap(&text, most).iter().enumerate() {
-                let at = px(5.0 + LINE * k as f64);
-                legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", text::html(line));
-                y += if k == 0 { ROW } else { LINE };
-            }
-            legend += "</g>\n";
-        }
-        let height = y + 14.0;
+        let mut picture = Picture { sheet: self, page, rows: Vec::new(), body: String::new() };
+        picture.draw(&faces);
+        let Picture { rows, body, .. } = picture;
+        let (legend, bottom) = legend(&rows, width, header + page.size[1]);
         let (mut texts, mut y) = (String::new(), 22.0);
+        let bold = "font-size=\"16\" font-weight=\"bold\"";
         for line in &title {
-            let bold = "font-size=\"16\" font-weight=\"bold\"";
-            let line = text::html(line);
-            texts += &format!("<text x=\"14\" y=\"{}\" {bold}>{line}</text>\n", px(y));
+            let (at, line) = (px(y), text::html(line));
+            texts += &format!("<text x=\"14\" y=\"{at}\" {bold}>{line}</text>\n");
             y += TITLE;
         }
         for line in &subtitle {
@@ -168,7 +94,7 @@ impl<'a> Sheet<'a> {
             y += LINE;
         }
         let whole = text::html(&look.title);
-        let (w, h) = (px(width), px(height));
+        let (w, h) = (px(width), px(bottom + 14.0));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 \
              {w} {h}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-size=\"13\" \
@@ -177,18 +103,101 @@ impl<'a> Sheet<'a> {
         )
     }
 
+    /// What the scene is, and which part of it is seen.
+    fn subtitle(&self) -> String {
+        let (scene, lattice) = (self.periodic.scene(), self.periodic.lattice());
+        let count = scene.len();
+        let mut said = format!("{count} {}", if scene.dim() == 2 { "discs" } else { "spheres" });
+        if lattice.repeats() {
+            let centres = self.bodies.all[..count].iter().map(|body| body.centre);
+            said += &format!(" in a box that repeats along {}", along(lattice.periodic()));
+            said += &match outside(centres, lattice).len() {
+                0 => String::new(),
+                count => format!(", {count} outside it"),
+            };
+        }
+        if let Some(slice) = self.plane.slice {
+            said += &format!(", slice {} = {}", slice.name(), slice.at);
+            if self.detail.is_none() {
+                let met = self.plane.circles.iter().filter(|circle| (circle.id as usize) < count);
+                said += &format!(": {} meet it", met.count());
+            }
+        }
+        if let Some(pair) = self.detail {
+            let [i, j] = pair.map(|body| self.bodies.all[body as usize].particle);
+            said += &format!(", around {i} and {j}: the worst mistake");
+        }
+        said
+    }
+
+    fn body_of(&self, circle: &Circle) -> &Body {
+        &self.bodies.all[circle.id as usize]
+    }
+}
+
+/// The rows below the drawing, from here, and where they end.
+fn legend(rows: &[(String, String)], width: f64, mut y: f64) -> (String, f64) {
+    let most = ((width - LEGEND) / LETTER) as usize;
+    let mut legend = String::new();
+    for (mark, meaning) in rows {
+        legend += &format!("<g transform=\"translate(16 {})\">{mark}", px(y + 0.5 * ROW));
+        for (k, line) in wrap(meaning, most).iter().enumerate() {
+            let at = px(5.0 + LINE * k as f64);
+            legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", text::html(line));
+            y += if k == 0 { ROW } else { LINE };
+        }
+        legend += "</g>\n";
+    }
+    (legend, y)
+}
+
+impl Picture<'_> {
+    fn draw(&mut self, faces: &[Face]) {
+        let Sheet { pairs, look, plane, .. } = self.sheet;
+        if look.grid {
+            self.grid();
+        }
+        self.circles();
+        self.faces(faces);
+        self.contacts();
+        self.wrong(
+            &pairs.duplicates,
+            SPURIOUS,
+            " stroke-dasharray=\"2 4\"",
+            "reported more than once",
+        );
+        self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
+        let missed = "missed: touching, but not reported";
+        self.wrong(&pairs.missed, MISSED, " stroke-dasharray=\"9 5\"", missed);
+        let own = plane.circles.iter().filter(|circle| !self.sheet.body_of(circle).is_image());
+        if look.labels.unwrap_or(own.count() <= LABELLED) {
+            self.labels();
+        }
+    }
+
+    /// Draws lines, unless there are none.
+    fn path(&mut self, lines: &str, look: &str) {
+        if !lines.is_empty() {
+            self.body += &format!("<path d=\"{lines}\" {look} fill=\"none\"/>\n");
+        }
+    }
+
+    /// Says what lines of this look mean.
+    fn meaning(&mut self, look: &str, meaning: String) {
+        self.rows.push((format!("<path d=\"M0 0H32\" {look} fill=\"none\"/>"), meaning));
+    }
+
     fn circles(&mut self) {
-        let crowd = self.plane.circles.len() > CROWD;
+        let circles = &self.sheet.plane.circles;
+        let crowd = circles.len() > CROWD;
         // Points, and discs too small to be seen, are dots.
         let least = if crowd { 0.5 } else { 1.6 };
-        for (images, fill, rim) in [
-            (true, IMAGE, format!("{IMAGE_RIM}\" stroke-dasharray=\"4 3")),
-            (false, DISC, RIM.into()),
-        ] {
-            let look = if crowd { String::new() } else { format!(" stroke=\"{rim}\"") };
+        for (images, fill, rim, dash) in
+            [(true, IMAGE, IMAGE_RIM, "\" stroke-dasharray=\"4 3"), (false, DISC, RIM, "")]
+        {
+            let look = if crowd { String::new() } else { format!(" stroke=\"{rim}{dash}\"") };
             let (mut discs, mut dots) = (String::new(), String::new());
-            let circles = &self.plane.circles;
-            let such = |circle: &&Circle| self.body_of(circle).is_image() == images;
+            let such = |circle: &&Circle| self.sheet.body_of(circle).is_image() == images;
             for circle in circles.iter().filter(such) {
                 let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
                 if r < least {
@@ -200,53 +209,41 @@ impl<'a> Sheet<'a> {
             if !images || !discs.is_empty() {
                 self.body += &format!("<g fill=\"{fill}\"{look}>\n{discs}</g>\n");
             }
-            if !dots.is_empty() {
-                let (width, rim) = (px(2.0 * least), if images { IMAGE_RIM } else { RIM });
-                self.body += &format!(
-                    "<path d=\"{dots}\" stroke=\"{rim}\" stroke-width=\"{width}\" \
-                     stroke-linecap=\"round\" fill=\"none\"/>\n"
-                );
-            }
+            let width = px(2.0 * least);
+            let look =
+                format!("stroke=\"{rim}\" stroke-width=\"{width}\" stroke-linecap=\"round\"");
+            self.path(&dots, &look);
         }
     }
 
-    fn body_of(&self, circle: &Circle) -> &'a Body {
-        &self.bodies.all[circle.id as usize]
-    }
-
     /// The outline of the box.
-    fn faces(&mut self) {
+    fn faces(&mut self, faces: &[Face]) {
         for (repeats, look, meaning) in [
             (true, "stroke-width=\"1.6\"", "faces of the box"),
             (false, "stroke-width=\"1.2\" stroke-dasharray=\"2 5\"", "open faces of the box"),
         ] {
             let mut lines = String::new();
-            for face in self.faces.iter().filter(|face| face.repeats == repeats) {
+            for face in faces.iter().filter(|face| face.repeats == repeats) {
                 let [a, b] = face.ends.map(|end| self.page.at(end));
                 segment(&mut lines, a, b);
             }
             if !lines.is_empty() {
-                let look = format!("stroke=\"{BOX}\" {look} fill=\"none\"");
-                self.body += &format!("<path d=\"{lines}\" {look}/>\n");
-                self.rows.push((format!("<path d=\"M0 0H32\" {look}/>"), meaning.into()));
+                let look = format!("stroke=\"{BOX}\" {look}");
+                self.path(&lines, &look);
+                self.meaning(&look, meaning.into());
             }
         }
     }
 
     fn labels(&mut self) {
         let mut texts = String::new();
-        for circle in &self.plane.circles {
+        for circle in &self.sheet.plane.circles {
             let [x, y] = self.page.at(circle.at);
             let size = (0.8 * self.page.length(circle.r)).clamp(8.0, 17.0);
-            let body = self.body_of(circle);
+            let body = self.sheet.body_of(circle);
             let pale = if body.is_image() { " fill=\"#8a8167\"" } else { "" };
-            texts += &format!(
-                "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{pale}>{}</text>\n",
-                px(x),
-                px(y + 0.36 * size),
-                px(size),
-                body.particle
-            );
+            let ([x, y, size], k) = ([x, y + 0.36 * size, size].map(px), body.particle);
+            texts += &format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{pale}>{k}</text>\n");
         }
         self.body += &format!(
             "<g text-anchor=\"middle\" font-weight=\"bold\" stroke=\"#fff\" stroke-width=\"3\" \
@@ -255,20 +252,17 @@ impl<'a> Sheet<'a> {
     }
 
     fn grid(&mut self) {
-        let Some((origin, edge)) = cells(self.periodic.scene()) else { return };
-        let Some([low, high]) = self.plane.bounds() else { return };
-        let look = "stroke=\"#b9b9b0\" stroke-width=\"1\" fill=\"none\"";
-        let edge_here = edge * self.plane.factor;
+        let plane = self.sheet.plane;
+        let Some((origin, edge)) = cells(self.sheet.periodic.scene()) else { return };
+        let Some([low, high]) = plane.bounds() else { return };
+        let edge_here = edge * plane.factor;
         if (0..2).any(|k| (high[k] - low[k]) / edge_here > MOST_LINES) {
-            self.rows.push((
-                String::new(),
-                format!("the cells of edge {edge:e} are too many to be seen"),
-            ));
-            return;
+            let meaning = format!("the cells of edge {edge:e} are too many to be seen");
+            return self.rows.push((String::new(), meaning));
         }
         let mut lines = String::new();
         for k in 0..2 {
-            let first = origin[self.plane.axes[k]] * self.plane.factor;
+            let first = origin[plane.axes[k]] * plane.factor;
             let numbers = ((low[k] - first) / edge_here).ceil() as i64
                 ..=((high[k] - first) / edge_here).floor() as i64;
             for number in numbers {
@@ -278,20 +272,10 @@ impl<'a> Sheet<'a> {
                 segment(&mut lines, self.page.at(a), self.page.at(b));
             }
         }
-        self.body += &format!("<path d=\"{lines}\" {look}/>\n");
-        self.rows.push((
-            format!("<path d=\"M0 0H32\" {look}/>"),
-            format!("cells of edge {edge}, as detectors use them"),
-        ));
+        let look = "stroke=\"#b9b9b0\" stroke-width=\"1\"";
+        self.body += &format!("<path d=\"{lines}\" {look} fill=\"none\"/>\n");
+        self.meaning(look, format!("cells of edge {edge}, as detectors use them"));
     }
-}
-
-/// The rectangle around all circles and faces.
-fn around(plane: &Plane, faces: &[Face]) -> Option<[[f64; 2]; 2]> {
-    faces.iter().flat_map(|face| face.ends).fold(plane.bounds(), |bounds, point| {
-        let [low, high] = bounds.unwrap_or([point; 2]);
-        Some([[0, 1].map(|k| low[k].min(point[k])), [0, 1].map(|k| high[k].max(point[k]))])
-    })
 }
 
 /// Is a pair too small to be seen in a picture of all circles?
