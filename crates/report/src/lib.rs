@@ -2,7 +2,6 @@
 
 pub mod csv;
 pub mod document;
-pub mod escape;
 pub mod figure;
 pub mod page;
 pub mod report;

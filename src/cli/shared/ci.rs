@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use contactbench_io::write;
-use contactbench_report::escape;
+use contactbench_terms::text::html;
 use contactbench_terms::text::lines;
 
 /// Options of verbs with a verdict.
@@ -127,7 +127,7 @@ pub fn junit(suite: &str, cases: &[Case]) -> String {
 /// Text for particles and attributes. In an attribute a bare line break would be read as a blank.
 fn xml(text: &str) -> String {
     let broken = [('\n', "&#10;"), ('\t', "&#9;"), ('\r', "&#13;")];
-    broken.into_iter().fold(escape::html(text), |text, (c, name)| text.replace(c, name))
+    broken.into_iter().fold(html(text), |text, (c, name)| text.replace(c, name))
 }
 
 /// A line per failure and per note.

@@ -1,5 +1,5 @@
 use super::{Block, Span, Text};
-use crate::escape;
+use contactbench_terms::text::html as escape;
 
 /// Returns the blocks as HTML. A figure is replaced by its title; the page adds the picture.
 pub fn html(blocks: &[Block]) -> String {
@@ -19,19 +19,19 @@ fn block_text(block: &Block) -> String {
                 items.iter().map(|item| format!("<li>{}</li>\n", words(item))).collect();
             format!("<ul>\n{items}</ul>\n")
         }
-        Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape::html(text)),
+        Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape(text)),
         Block::Table(table) => table.html(),
-        Block::Figure { title, .. } => format!("<p>{}</p>\n", escape::html(title)),
+        Block::Figure { title, .. } => format!("<p>{}</p>\n", escape(title)),
     }
 }
 
 /// Words in HTML, without a paragraph around them.
 pub fn words(text: &Text) -> String {
     let span = |span: &Span| match span {
-        Span::Plain(text) => escape::html(text),
-        Span::Strong(text) => format!("<strong>{}</strong>", escape::html(text)),
-        Span::Emphasis(text) => format!("<em>{}</em>", escape::html(text)),
-        Span::Code(text) => format!("<code>{}</code>", escape::html(text)),
+        Span::Plain(text) => escape(text),
+        Span::Strong(text) => format!("<strong>{}</strong>", escape(text)),
+        Span::Emphasis(text) => format!("<em>{}</em>", escape(text)),
+        Span::Code(text) => format!("<code>{}</code>", escape(text)),
     };
     text.0.iter().map(span).collect()
 }

@@ -1,5 +1,4 @@
 use super::{Block, Span, Text};
-use crate::escape;
 
 /// The blocks in Markdown, an empty line after each.
 pub fn markdown(blocks: &[Block]) -> String {
@@ -19,17 +18,40 @@ fn block_text(block: &Block) -> String {
         Block::Table(table) => table.markdown(),
         Block::Figure { title, path } => {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            format!("![{}](figures/{name})\n", escape::markdown(title))
+            format!("![{}](figures/{name})\n", escaped(title))
         }
     }
 }
 
 fn words(text: &Text) -> String {
     let span = |span: &Span| match span {
-        Span::Plain(text) => escape::markdown(text),
-        Span::Strong(text) => format!("**{}**", escape::markdown(text)),
-        Span::Emphasis(text) => format!("*{}*", escape::markdown(text)),
-        Span::Code(text) => format!("`{}`", escape::one_line(text).replace('`', "'")),
+        Span::Plain(text) => escaped(text),
+        Span::Strong(text) => format!("**{}**", escaped(text)),
+        Span::Emphasis(text) => format!("*{}*", escaped(text)),
+        Span::Code(text) => format!("`{}`", text.replace(is_break, " ").replace('`', "'")),
     };
     text.0.iter().map(span).collect()
+}
+
+/// Text for Markdown: nothing that Markdown would take for markup, no line breaks.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '|' | '*' | '_' | '<' | '>' | '`' | '\\' | '[' | ']' | '#' => out.extend(['\\', c]),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// What would end a line of code.
+fn is_break(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+#[test]
+fn nothing_becomes_markup() {
+    assert_eq!(escaped("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
 }

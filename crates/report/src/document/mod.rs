@@ -8,7 +8,7 @@ mod plain;
 use std::path::PathBuf;
 
 pub use html::{html, words as inline_html};
-pub use markdown::markdown;
+pub use markdown::{escaped, markdown};
 pub use plain::{indented, plain};
 
 use crate::table::Table;

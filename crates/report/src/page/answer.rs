@@ -3,12 +3,12 @@
 
 use std::fmt::Write as _;
 
-use crate::escape;
 use crate::figure::style::{Marker, Styles};
 use crate::page::marks;
 use crate::sections::winners;
 use contactbench_record::findings::winners::{Contender, Contest, Winners};
 use contactbench_terms::number::with_interval;
+use contactbench_terms::text::html as escape;
 
 /// The ratio at the right edge of the picture; larger ones stand there, too.
 const EDGE: f64 = 16.0;
@@ -70,7 +70,7 @@ fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
     let middle = SIZE.1 / 2.0;
     let said = |it: &Contender| Some(format!("{} {}", it.name, with_interval(it.ratio.as_ref()?)));
     let all: Vec<String> = contest.others.iter().filter_map(said).collect();
-    let label = escape::html(&format!("{} 1; {}", contest.first.name, all.join("; ")));
+    let label = escape(&format!("{} 1; {}", contest.first.name, all.join("; ")));
     let mut out = format!(
         "<svg class=\"strip\" viewBox=\"0 0 {} {}\" role=\"img\" \
          aria-label=\"{label}\"><title>{label}</title>",

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use crate::document;
-use crate::escape::html as escape;
 use crate::report::{Facts, Part};
 use contactbench_record::cells::Cell;
 use contactbench_record::findings::claim::{self, Status};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::plural;
+use contactbench_terms::text::html as escape;
 
 pub fn html(facts: &Facts<'_>) -> String {
     let card = |head: &str, (class, body): (&str, String)| {

@@ -1,6 +1,6 @@
 //! What the charts and the table of a page are made from: one row per cell, as JSON.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
@@ -33,22 +33,6 @@ const MEASURES: [&str; 17] = [
 /// Fields that are words.
 const WORDS: [&str; 7] =
     ["experiment", "scene", "order", "arithmetic", "detector", "outcome", "reason"];
-
-/// The texts of all rows, each once.
-#[derive(Default)]
-struct Texts(BTreeMap<String, usize>, Vec<String>);
-
-impl Texts {
-    fn index(&mut self, text: &str) -> Value {
-        if let Some(&known) = self.0.get(text) {
-            return json!(known);
-        }
-        let next = self.1.len();
-        self.0.insert(text.into(), next);
-        self.1.push(text.into());
-        json!(next)
-    }
-}
 
 /// A number in its shortest form; null for none and for what JSON cannot say.
 fn number(value: Option<f64>) -> Value {
@@ -84,54 +68,56 @@ pub fn json(
     detectors: &[&str],
     styles: &Styles,
 ) -> Value {
-    let all: Vec<&Cell> = cells.iter().collect();
-    let swept = label::swept(&all);
-    let is_word = |name: &str| {
-        let text = |cell: &Cell| matches!(cell.id.axis(name), Some(AxisValue::Text(_)));
-        WORDS.contains(&name)
-            || (swept.iter().any(|known| known == name) && all.iter().any(|cell| text(cell)))
+    let swept = label::swept(&cells.iter().collect::<Vec<_>>());
+    let has_text = |name: &str| {
+        cells.iter().any(|cell| matches!(cell.id.axis(name), Some(AxisValue::Text(_))))
     };
-    let keys: Vec<&str> = ["experiment", "scene", "dim"]
-        .into_iter()
-        .chain(swept.iter().map(String::as_str))
-        .chain(["order", "n", "seed", "detector", "arithmetic", "threads"])
+    let is_word =
+        |name: &str| WORDS.contains(&name) || swept.iter().any(|it| it == name) && has_text(name);
+    let keys = ["experiment", "scene", "dim"].into_iter().chain(swept.iter().map(String::as_str));
+    let keys = keys.chain(["order", "n", "seed", "detector", "arithmetic", "threads"]);
+    // Name, whether it is of the cell's id, whether it is of words.
+    let columns: Vec<(&str, bool, bool)> = keys
+        .map(|name| (name, true, is_word(name)))
+        .chain(MEASURES.map(|name| (name, false, is_word(name))))
         .collect();
-    debug_assert!(FIELDS.iter().all(|field| keys.contains(field)), "a field of cells is not shown");
-    let words: BTreeSet<&str> =
-        keys.iter().chain(&MEASURES).copied().filter(|name| is_word(name)).collect();
-    let columns: Vec<Value> =
-        (keys.iter().map(|name| (name, true)).chain(MEASURES.iter().map(|name| (name, false))))
-            .map(|(name, key)| json!({"name": name, "key": key, "text": words.contains(name)}))
-            .collect();
-    let mut texts = Texts::default();
-    let rows: Vec<Value> = cells
-        .iter()
-        .map(|cell| {
-            let (outcome, reason) = cell.overall();
-            let key = |name: &&str| match cell.id.axis(name) {
-                Some(_) if *name == "detector" => texts.index(&cell.id.contender()),
-                Some(value) if words.contains(name) => texts.index(&value.to_string()),
-                value => number(value.and_then(|value| value.number())),
-            };
-            let mut row: Vec<Value> = keys.iter().map(key).collect();
-            row.extend(MEASURES.iter().map(|name| match *name {
-                "outcome" => texts.index(outcome.name()),
-                "reason" => texts.index(reason),
-                name => number(measure(cell, name)),
-            }));
-            Value::Array(row)
+    debug_assert!(FIELDS.iter().all(|field| columns.iter().any(|column| column.0 == *field)));
+    // The texts of all rows, each once.
+    let (mut texts, mut places) = (Vec::new(), BTreeMap::new());
+    let mut index = |text: String| {
+        *places.entry(text).or_insert_with_key(|text| {
+            texts.push(text.clone());
+            texts.len() - 1
         })
-        .collect();
+    };
+    let mut value = |cell: &Cell, &(name, key, word): &(&str, bool, bool)| {
+        let axis = cell.id.axis(name).filter(|_| key);
+        let text = match name {
+            "detector" => Some(cell.id.contender()),
+            "outcome" => Some(cell.overall().0.name().into()),
+            "reason" => Some(cell.overall().1.into()),
+            _ => axis.as_ref().filter(|_| word).map(AxisValue::to_string),
+        };
+        match text {
+            Some(text) => json!(index(text)),
+            None if key => number(axis.and_then(|value| value.number())),
+            None => number(measure(cell, name)),
+        }
+    };
+    let mut row = |cell| columns.iter().map(|column| value(cell, column)).collect();
+    let rows: Vec<Value> = cells.iter().map(&mut row).collect();
     let detector = |name: &&str| {
         let style = styles.get(name);
         json!({"name": name, "mark": marks::outline(style.marker), "control": style.control,
             "filled": !matches!(style.marker, Marker::Cross | Marker::Plus)})
     };
+    let columns =
+        columns.iter().map(|(name, key, text)| json!({"name": name, "key": key, "text": text}));
     json!({
         "detectors": detectors.iter().map(detector).collect::<Vec<_>>(),
         "experiments": experiments,
-        "columns": columns,
-        "texts": texts.1,
+        "columns": columns.collect::<Vec<_>>(),
+        "texts": texts,
         "rows": rows,
     })
 }
@@ -147,48 +133,28 @@ mod tests {
     #[test]
     fn rows_hold_what_was_measured_and_null_for_the_rest() {
         let mut lab = Lab::new("e", "packed");
-        lab.param("s", 2)
-            .time(&[300, 100, 200])
-            .count(&[("contact_test", 60), ("list_push", 40)])
-            .memory(1024, 1000);
+        let counts = [("contact_test", 60), ("list_push", 40)];
+        lab.param("s", 2).time(&[300, 100, 200]).count(&counts).memory(1024, 1000);
         lab.edit(|row| row.errors = Some(Errors { missed: 2, ..Errors::default() }));
         lab.param("s", "wide").detector("sorting").fail(Pass::Time, Outcome::Timeout, "30 s");
         let cells = cells::cells(&lab.rows());
-        let styles = Styles::new(cells.iter());
-        let data = json(&[("e", "A title")], &cells, &["nbs", "sorting"], &styles);
+        let data = json(&[], &cells, &["nbs", "sorting"], &Styles::new(cells.iter()));
         let at = |row: usize, name: &str| {
-            let column = data["columns"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .position(|column| column["name"] == name)
-                .unwrap();
-            let value = data["rows"][row][column].clone();
-            match (value.as_u64(), data["columns"][column]["text"].as_bool().unwrap()) {
-                (Some(index), true) => data["texts"][index as usize].clone(),
-                _ => value,
+            let columns = data["columns"].as_array().unwrap();
+            let k = columns.iter().position(|column| column["name"] == name).unwrap();
+            match (&data["rows"][row][k], &columns[k]["text"]) {
+                (Value::Number(text), Value::Bool(true)) => {
+                    data["texts"][text.as_u64().unwrap() as usize].clone()
+                }
+                (value, _) => value.clone(),
             }
         };
-        assert_eq!(
-            ["time_ns", "time_low", "time_high", "blocks"].map(|name| at(0, name)),
-            [200, 100, 300, 3].map(|v| json!(v))
-        );
-        assert_eq!(
-            ["operations", "contact_test", "peak_bytes", "wrong"].map(|name| at(0, name)),
-            [100, 60, 1024, 2].map(|v| json!(v))
-        );
-        assert_eq!(
-            ["s", "detector", "outcome"].map(|name| at(0, name)),
-            ["2", "nbs", "ok"].map(|v| json!(v))
-        );
-        assert_eq!(
-            ["s", "outcome", "reason"].map(|name| at(1, name)),
-            ["wide", "timeout", "30 s"].map(|v| json!(v))
-        );
-        assert_eq!(
-            (at(1, "time_ns"), at(1, "error_rate"), at(1, "operations")),
-            (Value::Null, Value::Null, Value::Null)
-        );
-        assert_eq!(data["experiments"], json!([["e", "A title"]]));
+        let (time, counted) = (json!([200, 100, 300, 3]), json!([100, 60, 1024, 2]));
+        let first = |names: [&str; 4]| json!(names.map(|name| at(0, name)));
+        assert_eq!(first(["time_ns", "time_low", "time_high", "blocks"]), time);
+        assert_eq!(first(["operations", "contact_test", "peak_bytes", "wrong"]), counted);
+        assert_eq!(["s", "detector"].map(|name| at(0, name)), ["2", "nbs"]);
+        assert_eq!(["s", "outcome", "reason"].map(|name| at(1, name)), ["wide", "timeout", "30 s"]);
+        assert!(["time_ns", "error_rate", "operations"].iter().all(|name| at(1, name).is_null()));
     }
 }

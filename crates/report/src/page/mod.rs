@@ -23,7 +23,6 @@ use markup::data_uri;
 use origin::shown;
 
 use crate::document::{self, Block};
-use crate::escape::html as escape;
 use crate::figure::style::ranked;
 use crate::report::{Facts, Part};
 use crate::sections;
@@ -31,6 +30,7 @@ use crate::sections::map::Drawn;
 use contactbench_record::findings::claim::{Status, Verdict};
 use contactbench_record::findings::failures::failures;
 use contactbench_terms::text;
+use contactbench_terms::text::html as escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report/page.html");
 const STYLE: &str = include_str!("../../assets/report/style.css");

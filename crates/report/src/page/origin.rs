@@ -3,9 +3,9 @@
 use serde_json::Value;
 
 use crate::document::{self, Block, Text};
-use crate::escape::html as escape;
 use crate::report::Origin;
 use crate::sections::conditions;
+use contactbench_terms::text::html as escape;
 
 impl Origin {
     /// What else the machine did, and how often it was slow.

@@ -5,12 +5,14 @@ use crate::sections::coverage::partial;
 use contactbench_record::cells;
 use contactbench_record::cells::Cell;
 use contactbench_record::cells::testing::{self, Lab};
-use contactbench_record::experiment::Planned;
-use contactbench_record::experiment::{Claim, Experiment};
-use contactbench_record::findings::claim::{Status, Verdict, verdicts};
+use contactbench_record::experiment::{Claim, Experiment, Planned};
+use contactbench_record::findings::claim::Status::{self, *};
+use contactbench_record::findings::claim::{Verdict, verdicts};
 use contactbench_record::findings::coverage::*;
 use contactbench_record::record::row::{Outcome, Pass};
-use serde_json::Value;
+use serde_json::{Value, json};
+
+const ALL: [u64; 9] = [1, 2, 5, 10, 20, 50, 100, 150, 200];
 
 /// Nine spacings, of which a quick run takes four; two detectors, seven blocks.
 fn experiment(more: &str) -> Experiment {
@@ -30,189 +32,159 @@ fn experiment(more: &str) -> Experiment {
     Experiment { planned, ..testing::read(&text) }
 }
 
-/// All passes of both detectors on one spacing.
-fn scene(lab: &mut Lab, s: u64, blocks: usize) {
-    lab.param("diameter", 1).param("s", s);
-    for (name, time) in [("nbs", 100), ("sorting", 300)] {
-        lab.detector(name).count(&[("list_push", 200)]).memory(9, 9).time(&vec![time; blocks]);
+/// All passes of both detectors on these spacings.
+fn lab(spacings: &[u64], blocks: usize) -> Lab {
+    let mut lab = Lab::new("e", "pack-c");
+    for &s in spacings {
+        lab.param("diameter", 1).param("s", s);
+        for (name, time) in [("nbs", 100), ("sorting", 300)] {
+            lab.detector(name).count(&[("list_push", 200)]).memory(9, 9).time(&vec![time; blocks]);
+        }
     }
+    lab
 }
 
 struct Held {
     summary: Summary,
     verdicts: Vec<Verdict>,
+    /// What is said of the part that is there.
+    words: String,
 }
 
 impl Held {
     fn new(lab: &Lab, experiment: &Experiment, provenance: Value) -> Held {
         let cells = cells::cells(&lab.rows());
         let own: Vec<&Cell> = cells.iter().collect();
-        let all = std::slice::from_ref(experiment);
-        let scope = Scope::new(Some(&provenance), all);
+        let scope = Scope::new(Some(&provenance), std::slice::from_ref(experiment));
         let coverage = Coverage::new(experiment, &own, &scope);
-        Held { summary: coverage.summary(), verdicts: verdicts(experiment, &cells, &coverage) }
+        let summary = coverage.summary();
+        let words = partial(&summary).unwrap_or_default();
+        Held { summary, verdicts: verdicts(experiment, &cells, &coverage), words }
     }
 
-    fn words(&self) -> String {
-        partial(&self.summary).unwrap_or_default()
+    fn plain(lab: &Lab) -> Held {
+        Held::new(lab, &experiment(""), Value::Null)
     }
 
     fn statuses(&self) -> Vec<Status> {
         self.verdicts.iter().map(|verdict| verdict.status).collect()
     }
-}
 
-fn lab(spacings: &[u64], blocks: usize) -> Lab {
-    let mut lab = Lab::new("e", "pack-c");
-    spacings.iter().for_each(|&s| scene(&mut lab, s, blocks));
-    lab
+    fn evidence(&self, claim: usize) -> String {
+        evidence(&self.verdicts[claim].evidence)
+    }
 }
-
-const ALL: [u64; 9] = [1, 2, 5, 10, 20, 50, 100, 150, 200];
 
 #[test]
 fn a_claim_holds_over_all_that_is_planned() {
-    let whole = Held::new(&lab(&ALL, 7), &experiment(""), Value::Null);
-    assert_eq!(whole.statuses(), [Status::Holds; 2]);
-    assert_eq!((whole.summary.scenes, whole.summary.cells), ([9, 9], [18, 18]));
-    assert_eq!(partial(&whole.summary), None);
+    let mut lab = lab(&ALL, 7);
+    // Twins that the plan does not name are counted beside it, so that all cells are accounted for.
+    lab.param("s", 5).detector("nbs-twin").time(&[100; 7]);
+    let Held { summary, words, .. } = &Held::plain(&lab);
+    assert_eq!(Held::plain(&lab).statuses(), [Holds; 2]);
+    assert_eq!((summary.scenes, summary.cells, summary.twins), ([9, 9], [18, 18], 1));
+    assert_eq!(words, "");
 }
 
 #[test]
 fn a_part_is_not_covered_and_says_which() {
-    let held = Held::new(&lab(&ALL[..5], 7), &experiment(""), Value::Null);
-    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
-    let words = evidence(&held.verdicts[0].evidence);
-    assert!(
-        words.starts_with(
-            "not in this record: s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped); in the other \
-             cells: 200 to 200 over s = 2..20"
-        ),
-        "{words}"
-    );
+    let part = &mut lab(&ALL[..5], 7);
+    let held = Held::plain(part);
+    assert_eq!(held.statuses(), [NotCovered; 2]);
+    let words = "not in this record: s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped); in the \
+                 other cells: 200 to 200 over s = 2..20";
+    assert!(held.evidence(0).starts_with(words), "{}", held.evidence(0));
     assert_eq!(
-        held.words(),
+        held.words,
         "e: 5 of 9 scenes and 10 of 18 cells of the plan are there; missing: 8 cells (stopped). \
          A claim holds only if it is true of the whole plan."
     );
     // Of a claim about what is there, nothing is missing.
+    let near = "name = 'n'\nkind = { constant = { value = 'list_push' } }\nwhere = { s = '<= 20' }";
+    let filter = toml::from_str::<Claim>(near).unwrap().filter;
     let near = experiment("");
-    let text = "s = '<= 20'";
-    let mut claim = near.claims[0].clone();
-    let wanted: Claim = toml::from_str(&format!(
-        "name = 'n'\nkind = {{ constant = {{ value = 'list_push' }} }}\nwhere = {{ {text} }}"
-    ))
-    .unwrap();
-    claim.filter = wanted.filter;
-    let near = Experiment { claims: vec![claim], ..near };
-    assert_eq!(Held::new(&lab(&ALL[..5], 7), &near, Value::Null).statuses(), [Status::Holds]);
-}
-
-#[test]
-fn what_is_false_in_a_part_is_false() {
-    let mut lab = lab(&ALL[..5], 7);
-    lab.param("s", 50).detector("nbs").count(&[("list_push", 900)]);
-    let held = Held::new(&lab, &experiment(""), Value::Null);
-    assert_eq!(held.statuses()[0], Status::Fails);
+    let claims = vec![Claim { filter, ..near.claims[0].clone() }];
+    let near = Experiment { claims, ..near };
+    assert_eq!(Held::new(part, &near, Value::Null).statuses(), [Holds]);
+    // What is false in a part is false.
+    part.param("s", 50).detector("nbs").count(&[("list_push", 900)]);
+    assert_eq!(Held::plain(part).statuses()[0], Fails);
 }
 
 #[test]
 fn a_scene_that_is_half_done_and_its_blocks_are_said() {
     let mut lab = lab(&ALL[..8], 7);
     lab.param("s", 200).detector("nbs").count(&[("list_push", 200)]).memory(9, 9).time(&[100; 3]);
-    let held = Held::new(&lab, &experiment(""), Value::Null);
+    let held = Held::plain(&lab);
     // The counts are all there, the times are not.
-    assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
+    assert_eq!(held.statuses(), [Holds, NotCovered]);
     assert_eq!(
-        held.words(),
+        held.words,
         "e: 8 of 9 scenes and 17 of 18 cells of the plan are there; missing: 1 cell (stopped); 1 \
          cell got 3 of its 7 blocks (stopped). A claim holds only if it is true of the whole \
          plan."
     );
-    let words = evidence(&held.verdicts[1].evidence);
+    let words = held.evidence(1);
     assert!(words.contains(": s = 200 of 1 to 200; 2 of 18 cells"), "{words}");
 }
 
 #[test]
 fn quick_runs_shards_and_budgets_are_told_apart() {
-    let quick = serde_json::json!({"quick": true});
-    let held = Held::new(&lab(&[1, 2, 50, 200], 3), &experiment(""), quick);
-    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
-    assert!(
-        held.words().contains("missing: 10 cells (quick run); 8 cells got 3 of their 7 blocks")
-    );
-    let words = evidence(&held.verdicts[0].evidence);
+    let quick = json!({"quick": true});
+    let held = Held::new(&lab(&[1, 2, 50, 200], 3), &experiment(""), quick.clone());
+    assert_eq!(held.statuses(), [NotCovered; 2]);
+    let words = "missing: 10 cells (quick run); 8 cells got 3 of their 7 blocks";
+    assert!(held.words.contains(words), "{}", held.words);
+    let words = held.evidence(0);
     assert!(words.contains("5, 10, 20") || words.contains("5 of 8 values of s"), "{words}");
-    let shard = serde_json::json!({"shard": "1/9"});
-    let held = Held::new(&lab(&[1], 7), &experiment(""), shard);
-    assert!(held.words().contains("missing: 16 cells (other shard)."), "{}", held.words());
-    let merged = serde_json::json!({"merged_from": ["a", "b"]});
-    let held = Held::new(&lab(&[1], 7), &experiment(""), merged);
-    assert!(held.words().contains("missing: 16 cells (not merged)."), "{}", held.words());
+    for (provenance, words) in [
+        (json!({"shard": "1/9"}), "missing: 16 cells (other shard)."),
+        (json!({"merged_from": ["a", "b"]}), "missing: 16 cells (not merged)."),
+    ] {
+        let held = Held::new(&lab(&[1], 7), &experiment(""), provenance);
+        assert!(held.words.contains(words), "{}", held.words);
+    }
     // A budget may end the blocks after six.
     let budget = experiment("block-budget-s = 1\n");
     let held = Held::new(&lab(&ALL, 6), &budget, Value::Null);
-    assert_eq!(held.statuses(), [Status::Holds; 2]);
-    assert_eq!(partial(&held.summary), None);
+    assert_eq!((held.statuses(), &*held.words), (vec![Holds; 2], ""));
     let short = Short { cells: 18, blocks: [6, 6] };
     assert_eq!(held.summary.short, [(Why::Budget, short)].into());
-    assert_eq!(Held::new(&lab(&ALL, 5), &budget, Value::Null).statuses()[1], Status::NotCovered);
+    assert_eq!(Held::new(&lab(&ALL, 5), &budget, Value::Null).statuses()[1], NotCovered);
+    // Scenes outside of the plan cover nothing.
+    let held = Held::new(&lab(&[3, 4], 7), &experiment(""), quick);
+    assert_eq!((held.summary.scenes[0], held.summary.outside), (0, 2));
+    assert_eq!(held.statuses(), [NotCovered; 2]);
+    let words = "not in this record: all 8 cells (stopped, quick run); in its own cells";
+    assert!(held.evidence(0).starts_with(words), "{}", held.evidence(0));
 }
 
 #[test]
 fn what_ended_badly_is_there_and_what_could_not_start_is_not() {
-    let mut lab = lab(&ALL[..8], 7);
-    lab.param("s", 200);
-    for (name, outcome) in [("nbs", Outcome::Refused), ("sorting", Outcome::Unavailable)] {
-        lab.detector(name).fail(Pass::Count, outcome, "why");
-    }
-    let held = Held::new(&lab, &experiment(""), Value::Null);
-    assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
-    assert_eq!(held.summary.scenes, [9, 9]);
-    assert!(held.words().contains("missing: 1 cell (unavailable)"), "{}", held.words());
-    let words = evidence(&held.verdicts[1].evidence);
+    let mut some = lab(&ALL[..8], 7);
+    some.param("s", 200).detector("nbs").fail(Pass::Count, Outcome::Refused, "why");
+    some.detector("sorting").fail(Pass::Count, Outcome::Unavailable, "why");
+    let held = Held::plain(&some);
+    assert_eq!((held.statuses(), held.summary.scenes), (vec![Holds, NotCovered], [9, 9]));
+    assert!(held.words.contains("missing: 1 cell (unavailable)"), "{}", held.words);
+    let words = held.evidence(1);
     assert!(words.contains("1 of 18 cells (sorting could not be started)"), "{words}");
-}
-
-/// The missing feature is the cause, not the quick run.
-#[test]
-fn a_quick_run_does_not_hide_what_could_not_be_started() {
-    let mut lab = lab(&[3, 4], 3);
+    // The missing feature is the cause, not the quick run.
+    let mut none = lab(&[3, 4], 3);
     for s in [3, 4] {
-        lab.param("s", s).detector("sorting").fail(Pass::Count, Outcome::Unavailable, "no feature");
+        let none = none.param("s", s).detector("sorting");
+        none.fail(Pass::Count, Outcome::Unavailable, "no feature");
     }
-    let quick = serde_json::json!({"quick": true});
-    let held = Held::new(&lab, &experiment(""), quick);
+    let held = Held::new(&none, &experiment(""), json!({"quick": true}));
     assert_eq!(held.summary.missing[&Why::Unavailable], 9);
-    assert!(held.words().contains("not started: sorting: no feature"), "{}", held.words());
-}
-
-/// Twins that the plan does not name are counted beside it, so that all cells are accounted for.
-#[test]
-fn twins_are_counted_beside_the_plan() {
-    let mut lab = lab(&ALL, 7);
-    lab.param("s", 5).detector("nbs-twin").time(&[100; 7]);
-    let held = Held::new(&lab, &experiment(""), Value::Null);
-    assert_eq!((held.summary.cells, held.summary.twins), ([18, 18], 1));
-    assert_eq!(partial(&held.summary), None);
-}
-
-#[test]
-fn scenes_outside_of_the_plan_cover_nothing() {
-    let held = Held::new(&lab(&[3, 4], 7), &experiment(""), serde_json::json!({"quick": true}));
-    assert_eq!((held.summary.scenes[0], held.summary.outside), (0, 2));
-    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
-    let words = evidence(&held.verdicts[0].evidence);
-    assert!(
-        words.starts_with("not in this record: all 8 cells (stopped, quick run); in its own cells"),
-        "{words}"
-    );
+    assert!(held.words.contains("not started: sorting: no feature"), "{}", held.words);
 }
 
 /// Files bring their own particles, and are named from the folder of the experiment; runners say
-/// their arithmetic.
+/// their arithmetic. A grading curve is a file, too; its points written out are the same wherever
+/// they are read.
 #[test]
-fn files_and_runners_are_known_again() {
+fn files_runners_and_grading_curves_are_known_again() {
     let text = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 0\ndetectors = \
                 ['nbs']\n[[scene]]\nname = 'file'\npath = './data/discs.csv'\n[[runner]]\nname = \
                 'theirs'\ncommand = ['x']\n";
@@ -224,16 +196,12 @@ fn files_and_runners_are_known_again() {
     lab.n(77).param("path", "/home/a/./data/discs.csv");
     lab.detector("nbs").count(&[]).memory(1, 1);
     lab.detector("theirs").arithmetic("f64").count(&[]).memory(1, 1);
-    let held = Held::new(&lab, &experiment, Value::Null);
-    assert_eq!((held.summary.cells, held.summary.outside), ([2, 2], 0));
+    let Held { summary, .. } = Held::new(&lab, &experiment, Value::Null);
+    assert_eq!((summary.cells, summary.outside), ([2, 2], 0));
     let mut other = Lab::new("e", "file");
     other.param("path", "/home/a/other/discs.csv").count(&[]).memory(1, 1);
     assert_eq!(Held::new(&other, &experiment, Value::Null).summary.cells, [0, 2]);
-}
 
-/// A grading curve is a file, too; its points written out are the same wherever they are read.
-#[test]
-fn grading_curves_are_known_again() {
     let mut lab = Lab::new("e", "loose");
     for path in ["/home/a/sand.csv", "1 0, 2 100"] {
         lab.param("grading", path).param("fraction", 0.5).count(&[]).memory(1, 1);
@@ -244,6 +212,6 @@ fn grading_curves_are_known_again() {
     let defaults = [(("loose".to_string(), 2), given)].into();
     let planned = Planned { defaults, ..planned };
     let experiment = Experiment { planned, blocks: 0, ..testing::experiment("") };
-    let held = Held::new(&lab, &experiment, Value::Null);
-    assert_eq!((held.summary.cells, held.summary.outside), ([2, 2], 0));
+    let Held { summary, .. } = Held::new(&lab, &experiment, Value::Null);
+    assert_eq!((summary.cells, summary.outside), ([2, 2], 0));
 }

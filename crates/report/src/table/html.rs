@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 
 use super::Table;
-use crate::escape;
+use contactbench_terms::text::html as escape;
 
 impl Table {
     /// A table that scrolls by itself where it is wider than the page; numbers have the class
@@ -23,19 +23,19 @@ impl Table {
         }
         out.push('>');
         if !self.title.is_empty() {
-            let _ = write!(out, "<caption>{}</caption>", escape::html(&self.title));
+            let _ = write!(out, "<caption>{}</caption>", escape(&self.title));
         }
         let sides = self.columns.iter().map(|it| if it.right { " class=\"number\"" } else { "" });
         out += "<thead><tr>";
         for (k, (column, side)) in self.columns.iter().zip(sides.clone()).enumerate() {
-            let head = escape::html(&column.head());
+            let head = escape(&column.head());
             let _ = write!(out, "<th{side}>{}{head}</th>", before(None, k));
         }
         out += "</tr></thead><tbody>\n";
         for (j, row) in self.rows.iter().enumerate() {
             out += "<tr>";
             for (k, (cell, side)) in row.iter().zip(sides.clone()).enumerate() {
-                let lines: Vec<String> = cell.lines().iter().map(|it| escape::html(it)).collect();
+                let lines: Vec<String> = cell.lines().iter().map(|it| escape(it)).collect();
                 let text = cell.shown(lines.join("<br>"), ["<strong>", "</strong>"]);
                 let _ = write!(out, "<td{side}>{}{text}</td>", before(Some(j), k));
             }

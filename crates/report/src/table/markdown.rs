@@ -1,5 +1,5 @@
 use super::{Cell, Column, Table};
-use crate::escape;
+use crate::document::escaped;
 
 impl Table {
     /// The title in bold, and the table.
@@ -7,12 +7,12 @@ impl Table {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let mut out = match self.title.as_str() {
             "" => String::new(),
-            title => format!("**{}**\n\n", escape::markdown(title)),
+            title => format!("**{}**\n\n", escaped(title)),
         };
         let rule = |column: &Column| if column.right { "---:" } else { "---" }.to_string();
-        out += &line(self.columns.iter().map(|it| escape::markdown(&it.head())).collect());
+        out += &line(self.columns.iter().map(|it| escaped(&it.head())).collect());
         out += &line(self.columns.iter().map(rule).collect());
-        let shown = |cell: &Cell| cell.shown(escape::markdown(&cell.to_string()), ["**"; 2]);
+        let shown = |cell: &Cell| cell.shown(escaped(&cell.to_string()), ["**"; 2]);
         out.extend(self.rows.iter().map(|row| line(row.iter().map(shown).collect())));
         out
     }

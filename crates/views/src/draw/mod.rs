@@ -93,7 +93,7 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow:
     let worst = pairs.worst(periodic).and_then(|pair| bodies.lines(pair).last());
     let through = worst.map(|pair| Slice::through(pair.map(|k| &bodies.all[k as usize])));
     let mut plane = Plane::new(&bodies.all, dim, look.slice.or(through), count);
-    if let (Some(slice), true, 1..) = (look.slice, plane.circles.is_empty(), count) {
+    if let (Some(slice), true, 1..) = (look.slice, plane.circles().next().is_none(), count) {
         let [low, high] = slice.range(&bodies.all).map(number);
         bail!(
             "no sphere meets the slice {axis}={}; {axis} goes from {low} to {high}",
@@ -106,10 +106,10 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow:
         plane.zoom(pair);
     }
     ensure!(
-        plane.circles.len() <= MOST_PARTICLES,
+        plane.circles().count() <= MOST_PARTICLES,
         "{} particles are too many to be seen; at most {MOST_PARTICLES} are drawn: draw a part of \
          the scene{}",
-        plane.circles.len(),
+        plane.circles().count(),
         if dim == 3 { ", or another slice" } else { "" }
     );
     let lines = pairs.all().flat_map(|pair| bodies.lines(*pair));

@@ -72,16 +72,14 @@ pub struct Circle {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// In the order of the bodies.
-    pub circles: Vec<Circle>,
+    /// Those of the bodies that have one, in their order.
+    circles: Vec<Option<Circle>>,
     /// For spheres: the slice.
     pub slice: Option<Slice>,
     pub axes: [usize; 2],
     /// Coordinates are those of the scene times this power of two, so that no difference overflows,
     /// and none vanishes.
     pub factor: f64,
-    /// The place of each body's circle; `u32::MAX` if it has none.
-    places: Vec<u32>,
 }
 
 impl Plane {
@@ -108,40 +106,25 @@ impl Plane {
             Some(1) => [0, 2],
             _ => [0, 1],
         };
-        let mut circles = Vec::new();
-        for (id, body) in (0..).zip(bodies) {
+        let circle = |(id, body): (u32, &Body)| {
             let r = body.r * factor;
             let away =
                 slice.map_or(0.0, |slice| body.centre[slice.axis] * factor - slice.at * factor);
-            if away.abs() <= r {
-                // (r - away)(r + away) loses no digits, and the root of each factor does not
-                // overflow.
-                let r = (r - away).sqrt() * (r + away).sqrt();
-                circles.push(Circle { id, at: axes.map(|axis| body.centre[axis] * factor), r });
-            }
-        }
-        let mut plane =
-            Plane { circles, slice, axes, factor, places: vec![u32::MAX; bodies.len()] };
-        plane.number();
-        plane
+            // (r - away)(r + away) loses no digits, and the root of each factor does not overflow.
+            let cut = (r - away).sqrt() * (r + away).sqrt();
+            let at = axes.map(|axis| body.centre[axis] * factor);
+            (away.abs() <= r).then_some(Circle { id, at, r: cut })
+        };
+        Plane { circles: (0..).zip(bodies).map(circle).collect(), slice, axes, factor }
     }
 
-    fn number(&mut self) {
-        self.places.fill(u32::MAX);
-        for (place, circle) in (0..).zip(&self.circles) {
-            self.places[circle.id as usize] = place;
-        }
-    }
-
-    /// The place of a body's circle, if it has one.
-    pub fn place(&self, body: u32) -> Option<usize> {
-        let place = *self.places.get(body as usize)? as usize;
-        (place < self.circles.len()).then_some(place)
+    pub fn circles(&self) -> impl Iterator<Item = &Circle> + Clone {
+        self.circles.iter().flatten()
     }
 
     /// The circle of a body, if it has one.
     pub fn circle(&self, body: u32) -> Option<&Circle> {
-        self.circles.get(self.place(body)?)
+        self.circles.get(body as usize)?.as_ref()
     }
 
     /// Leaves the neighbourhood of a pair; all circles where one of the two has none.
@@ -150,15 +133,16 @@ impl Plane {
         let apart = [0, 1].map(|k| (a.at[k] - b.at[k]).abs());
         let reach = 3.0 * a.r.max(b.r) + apart[0].max(apart[1]);
         let middle = [0, 1].map(|k| 0.5 * a.at[k] + 0.5 * b.at[k]);
-        self.circles.retain(|circle| {
-            let near = (0..2).all(|k| (circle.at[k] - middle[k]).abs() <= reach);
-            circle.id == i || circle.id == j || near
-        });
-        self.number();
+        for circle in &mut self.circles {
+            *circle = circle.filter(|it| {
+                let near = (0..2).all(|k| (it.at[k] - middle[k]).abs() <= reach);
+                it.id == i || it.id == j || near
+            });
+        }
     }
 
     pub fn bounds(&self) -> Option<Rectangle> {
-        bounds(&self.circles)
+        bounds(self.circles())
     }
 }
 
@@ -193,18 +177,17 @@ mod tests {
         let scene = spheres(&centres, 5.0);
         let cut = |slice| Plane::new(&scene, 3, slice, usize::MAX);
         let plane = cut(Some("z = 0".parse().unwrap()));
-        let found: Vec<_> = plane.circles.iter().map(|c| (c.id, c.at)).collect();
+        let found: Vec<_> = plane.circles().map(|c| (c.id, c.at)).collect();
         assert_eq!(found, [(0, [0.0, 0.0]), (1, [10.0, 5.0])]);
-        assert!(
-            (plane.circles[0].r - 5.0).abs() < 1e-14 && (plane.circles[1].r - 4.0).abs() < 1e-14
-        );
-        assert_eq!([1, 2, 9].map(|k| plane.circle(k).map(|c| c.id)), [Some(1), None, None]);
+        let r = |body: u32| plane.circle(body).map(|circle| circle.r);
+        assert!((r(0).unwrap() - 5.0).abs() < 1e-14 && (r(1).unwrap() - 4.0).abs() < 1e-14);
+        assert_eq!([r(2), r(9)], [None, None]);
         // Through the middle: z = 4.
-        assert_eq!(cut(None).circles.len(), 4);
+        assert_eq!(cut(None).circles().count(), 4);
         let plane = cut(Some(Slice { axis: 0, at: 31.0 }));
-        assert_eq!((plane.axes, plane.circles[0].at), ([1, 2], [0.0, 8.0]));
+        assert_eq!((plane.axes, plane.circles().next().unwrap().at), ([1, 2], [0.0, 8.0]));
         // A plane that touches a sphere meets it in a point.
-        assert_eq!(cut(Some(Slice { axis: 0, at: 35.0 })).circles[0].r, 0.0);
+        assert_eq!(cut(Some(Slice { axis: 0, at: 35.0 })).circles().next().unwrap().r, 0.0);
     }
 
     #[test]

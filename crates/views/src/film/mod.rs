@@ -5,6 +5,8 @@ mod page;
 
 pub use page::html;
 
+use std::collections::HashMap;
+
 use anyhow::{bail, ensure};
 
 use crate::draw::bodies::particles;
@@ -93,18 +95,19 @@ impl Film {
             plane.factor == self.factor,
             "frame {k} is of another scale than the first; take the frames before (--frames)"
         );
-        let circles = plane.circles.len();
+        let circles = plane.circles().count();
         ensure!(
             circles <= MOST_CIRCLES,
             "{circles} particles are too many to be seen moving; at most {MOST_CIRCLES} are \
              played: take fewer{}",
             if self.space { ", or another slice" } else { "" }
         );
-        let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
         let first = self.frames.first();
-        let others = first.is_some_and(|first| radii(&first.circles) != radii(&plane.circles));
+        let radii = plane.circles().map(|circle| circle.r);
+        let others = first.is_some_and(|first| !first.circles.iter().map(|it| it.r).eq(radii));
         self.own_radii |= self.space || others;
-        let place = |particle: u32| u16::try_from(plane.place(particle)?).ok();
+        let places: HashMap<u32, u16> = plane.circles().map(|circle| circle.id).zip(0..).collect();
+        let place = |particle: u32| places.get(&particle).copied();
         let shown = |pairs: &[ImagePair]| -> Vec<[u16; 2]> {
             pairs.iter().filter_map(|pair| Some([place(pair.i)?, place(pair.j)?])).collect()
         };
@@ -114,7 +117,7 @@ impl Film {
         self.frames.push(Frame {
             missed_here: shown_missed.len(),
             pairs: [shown_contacts, shown_missed].concat(),
-            circles: plane.circles,
+            circles: plane.circles().copied().collect(),
             contacts: pairs.contacts.len() + pairs.missed.len(),
             missed: pairs.missed.len(),
             built,

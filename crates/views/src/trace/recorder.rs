@@ -153,13 +153,8 @@ impl Recorder {
         self.places.clear();
         // An equation is not broken at the end of a line.
         let words = words.replace(" = ", "\u{a0}=\u{a0}");
-        self.steps.push(Step {
-            words,
-            part: self.parts.len() - 1,
-            marks,
-            state: self.state.clone(),
-            tally: self.tally,
-        });
+        let (part, state) = (self.parts.len() - 1, self.state.clone());
+        self.steps.push(Step { words, part, marks, state, tally: self.tally });
     }
 
     fn event(&mut self, event: Event) {
@@ -208,30 +203,27 @@ impl Recorder {
 
     fn central(&mut self, cell: [u32; 2]) {
         self.central = Some(cell);
-        match self.algorithm {
+        match (self.algorithm, self.steps.last_mut()) {
             // The step that found it is about it.
-            Algorithm::Nbs | Algorithm::Screening => {
-                if let Some(step) = self.steps.last_mut() {
-                    step.marks.central = Some(cell);
-                }
-            }
-            Algorithm::Sorting => {}
-            Algorithm::BinaryTree => {
+            (Algorithm::Nbs | Algorithm::Screening, Some(step)) => step.marks.central = Some(cell),
+            (Algorithm::BinaryTree, _) => {
                 let cell = self.names.cell(cell);
                 let words = format!(
                     "The walk over the tree has come to the leaf of cell {cell}: it is central."
                 );
                 self.step(words, Marks::default());
             }
+            _ => {}
         }
     }
 
     /// The cell of a list, by the letter of its heads.
     pub(super) fn cell_of(&self, heads: char, list: usize) -> Option<[u32; 2]> {
+        let list = list as u32;
         match heads {
-            'A' => self.row.map(|row| [list as u32, row]),
-            'a' => self.row.map(|row| [list as u32, row.saturating_sub(1)]),
-            'C' => Some([list as u32 % self.count[0], list as u32 / self.count[0]]),
+            'A' => self.row.map(|row| [list, row]),
+            'a' => self.row.map(|row| [list, row.saturating_sub(1)]),
+            'C' => Some([list % self.count[0], list / self.count[0]]),
             _ => None,
         }
     }

@@ -6,42 +6,41 @@ use crate::trace::state::links;
 use contactbench_core::event::{Event, Part};
 use contactbench_terms::number::plural;
 
-pub fn beginning(recorder: &Recorder) -> String {
-    let n = recorder.discs.len();
-    let what = match recorder.algorithm {
-        Algorithm::Nbs => {
+/// What is said of an algorithm at the beginning, and at the end.
+fn about(algorithm: Algorithm) -> [&'static str; 2] {
+    match algorithm {
+        Algorithm::Nbs => [
             "All lists are empty: every head is -1. B has a head for each row, A and A' one for \
-             each column."
-        }
-        Algorithm::Screening => {
-            "All lists are empty: every head is -1. C has a head for each cell of the domain."
-        }
-        Algorithm::Sorting => {
+             each column.",
+            " All heads are empty and new again, without a loop over cells: ready for the next \
+             detection.",
+        ],
+        Algorithm::Screening => [
+            "All lists are empty: every head is -1. C has a head for each cell of the domain.",
+            " All heads and links are empty again, without a loop over cells: ready for the next \
+             detection.",
+        ],
+        Algorithm::Sorting => [
             "Three arrays of one number per particle: X and Y for columns and rows, D for the \
-             particles' numbers."
-        }
-        Algorithm::BinaryTree => {
+             particles' numbers.",
+            "",
+        ],
+        Algorithm::BinaryTree => [
             "A cell as large as the largest disc is found by halving a square, again and again: a \
-             tree of nodes."
-        }
-    };
-    format!("{}, in cells as large as the largest disc. {what}", plural(n, "particle"))
+             tree of nodes.",
+            "",
+        ],
+    }
+}
+
+pub fn beginning(recorder: &Recorder) -> String {
+    let (n, [begins, _]) = (recorder.discs.len(), about(recorder.algorithm));
+    format!("{}, in cells as large as the largest disc. {begins}", plural(n, "particle"))
 }
 
 pub fn end(recorder: &Recorder) -> String {
-    let contacts = recorder.state.contacts.len();
-    let arrays = match recorder.algorithm {
-        Algorithm::Nbs => {
-            " All heads are empty and new again, without a loop over cells: ready for the next \
-             detection."
-        }
-        Algorithm::Screening => {
-            " All heads and links are empty again, without a loop over cells: ready for the next \
-             detection."
-        }
-        Algorithm::Sorting | Algorithm::BinaryTree => "",
-    };
-    format!("Done: {}, each found once.{arrays}", plural(contacts, "contact"))
+    let (contacts, [_, ends]) = (recorder.state.contacts.len(), about(recorder.algorithm));
+    format!("Done: {}, each found once.{ends}", plural(contacts, "contact"))
 }
 
 pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
@@ -312,15 +311,12 @@ fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option
 
 /// A length with four digits.
 fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x) {
-        let decimals = (3 - x.max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
-        let text = format!("{x:.decimals$}");
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_string()
-        } else {
-            text
-        }
-    } else {
-        format!("{x:.3e}")
+    if x != 0.0 && !(1e-3..1e5).contains(&x) {
+        return format!("{x:.3e}");
+    }
+    let decimals = (3 - x.max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
+    match format!("{x:.decimals$}") {
+        text if text.contains('.') => text.trim_end_matches('0').trim_end_matches('.').into(),
+        text => text,
     }
 }

@@ -119,7 +119,7 @@ impl Sheet<'_> {
         if let Some(slice) = self.plane.slice {
             said += &format!(", slice {} = {}", slice.name(), slice.at);
             if self.detail.is_none() {
-                let met = self.plane.circles.iter().filter(|circle| (circle.id as usize) < count);
+                let met = self.plane.circles().filter(|circle| (circle.id as usize) < count);
                 said += &format!(": {} meet it", met.count());
             }
         }
@@ -169,7 +169,7 @@ impl Picture<'_> {
         self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
         let missed = "missed: touching, but not reported";
         self.wrong(&pairs.missed, MISSED, " stroke-dasharray=\"9 5\"", missed);
-        let own = plane.circles.iter().filter(|circle| !self.sheet.body_of(circle).is_image());
+        let own = plane.circles().filter(|circle| !self.sheet.body_of(circle).is_image());
         if look.labels.unwrap_or(own.count() <= LABELLED) {
             self.labels();
         }
@@ -188,8 +188,8 @@ impl Picture<'_> {
     }
 
     fn circles(&mut self) {
-        let circles = &self.sheet.plane.circles;
-        let crowd = circles.len() > CROWD;
+        let circles = self.sheet.plane.circles();
+        let crowd = circles.clone().count() > CROWD;
         // Points, and discs too small to be seen, are dots.
         let least = if crowd { 0.5 } else { 1.6 };
         for (images, fill, rim, dash) in
@@ -198,7 +198,7 @@ impl Picture<'_> {
             let look = if crowd { String::new() } else { format!(" stroke=\"{rim}{dash}\"") };
             let (mut discs, mut dots) = (String::new(), String::new());
             let such = |circle: &&Circle| self.sheet.body_of(circle).is_image() == images;
-            for circle in circles.iter().filter(such) {
+            for circle in circles.clone().filter(such) {
                 let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
                 if r < least {
                     dots += &format!("M{x} {y}h0");
@@ -237,7 +237,7 @@ impl Picture<'_> {
 
     fn labels(&mut self) {
         let mut texts = String::new();
-        for circle in &self.sheet.plane.circles {
+        for circle in self.sheet.plane.circles() {
             let [x, y] = self.page.at(circle.at);
             let size = (0.8 * self.page.length(circle.r)).clamp(8.0, 17.0);
             let body = self.sheet.body_of(circle);
