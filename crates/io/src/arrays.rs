@@ -7,7 +7,7 @@ use crate::lines::short;
 use crate::particles::{Column, Particles, loaded, unused_sizes};
 use crate::room::{room, room_for};
 use crate::scalars::{Ids, Kind, Size, Target};
-use crate::{About, Chosen, Notice, Options, RadiusSource};
+use crate::{Chosen, Loaded, Notice, Options, RadiusSource};
 use contactbench_terms::number::plural;
 
 /// How many cells join points, by their dimension.
@@ -235,7 +235,7 @@ impl Arrays {
         format: &'static str,
         name: &str,
         options: Options,
-    ) -> anyhow::Result<(Particles, About)> {
+    ) -> anyhow::Result<Loaded> {
         let Some(points) = self.points.take() else {
             bail!("{name} holds no points; write them as POINTS, or as CSV with a header x,y,z,r")
         };

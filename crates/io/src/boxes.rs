@@ -25,6 +25,22 @@ pub struct Declared {
     pub periodic: Option<[bool; 3]>,
     /// The vectors are differences of what stands in the file, and were rounded.
     pub rounded: bool,
+    /// The least and the largest coordinate along each axis, where its edges are along the axes and
+    /// the file says so.
+    pub ranges: Option<Vec<[f64; 2]>>,
+}
+
+/// The vectors of a box of so many numbers: two or three edges along the axes, three and the tilt
+/// of LAMMPS, or two or three vectors, one after the other.
+pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
+    Some(match *numbers {
+        [x, y] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0; 3]],
+        [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+        [ax, ay, bx, by] => [[ax, ay, 0.0], [bx, by, 0.0], [0.0; 3]],
+        [x, y, z, xy, xz, yz] => [[x, 0.0, 0.0], [xy, y, 0.0], [xz, yz, z]],
+        [ax, ay, az, bx, by, bz, cx, cy, cz] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
+        _ => return None,
+    })
 }
 
 /// Refuses bounds whose upper one is below the lower.
@@ -45,7 +61,8 @@ pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<(
 impl Declared {
     /// A box between two bounds along each axis; axes without bounds have no length.
     pub fn between(ranges: &[[f64; 2]], periodic: Option<[bool; 3]>) -> Declared {
-        let mut declared = Declared { periodic, ..Declared::default() };
+        let mut declared =
+            Declared { periodic, ranges: Some(ranges.to_vec()), ..Declared::default() };
         let mut vectors = [[0.0; 3]; 3];
         for (k, &[low, high]) in ranges.iter().take(3).enumerate() {
             declared.origin[k] = low;
@@ -60,6 +77,7 @@ impl Declared {
         if let Some([_, b, c]) = &mut self.vectors {
             (b[0], c[0], c[1]) = (xy, xz, yz);
         }
+        self.ranges = None;
         self
     }
 
@@ -128,19 +146,14 @@ impl FromStr for Edges {
                 None => return Err(format!("'{word}' is not a finite number; {form}")),
             }
         }
-        let (vectors, space) = match numbers[..] {
-            [x, y] => ([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0; 3]], false),
-            [x, y, z] => ([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], true),
-            [ax, ay, bx, by] => ([[ax, ay, 0.0], [bx, by, 0.0], [0.0; 3]], false),
-            [x, y, z, xy, xz, yz] => ([[x, 0.0, 0.0], [xy, y, 0.0], [xz, yz, z]], true),
-            [ax, ay, az, bx, by, bz, cx, cy, cz] => {
-                ([[ax, ay, az], [bx, by, bz], [cx, cy, cz]], true)
-            }
-            [_] => return Err(format!("1 number is no box; {form}")),
-            _ => return Err(format!("{} numbers are no box; {form}", numbers.len())),
-        };
+        let count = numbers.len();
+        let vectors = vectors(&numbers).ok_or_else(|| match count {
+            1 => format!("1 number is no box; {form}"),
+            _ => format!("{count} numbers are no box; {form}"),
+        })?;
+        let space = !matches!(count, 2 | 4);
         // Vectors may point anywhere; edges along the axes have lengths.
-        let edges = if matches!(numbers.len(), 4 | 9) { 0 } else { numbers.len().min(3) };
+        let edges = if matches!(count, 4 | 9) { 0 } else { count.min(3) };
         if let Some(edge) = numbers[..edges].iter().find(|edge| **edge < 0.0) {
             return Err(format!("an edge of {edge} is negative; {form}"));
         }
@@ -195,10 +208,10 @@ impl FromStr for Axes {
         for letter in text.chars() {
             match "xyz".find(letter) {
                 Some(k) if !axes[k] => axes[k] = true,
-                _ => axes = [false; 3],
-            }
-            if axes == [false; 3] {
-                break;
+                _ => {
+                    axes = [false; 3];
+                    break;
+                }
             }
         }
         if axes == [false; 3] {
@@ -212,18 +225,8 @@ impl FromStr for Axes {
 
 /// The axes in words.
 pub fn along(axes: [bool; 3]) -> String {
-    let names: Vec<&str> = ["x", "y", "z"]
-        .into_iter()
-        .zip(axes)
-        .filter(|(_, yes)| *yes)
-        .map(|(name, _)| name)
-        .collect();
-    match names[..] {
-        [] => "no axis".into(),
-        [one] => one.into(),
-        [one, two] => format!("{one} and {two}"),
-        _ => "x, y and z".into(),
-    }
+    let names = ["no axis", "x", "y", "x and y", "z", "x and z", "y and z", "x, y and z"];
+    names[(0..3).map(|k| usize::from(axes[k]) << k).sum::<usize>()].into()
 }
 
 /// Refuses a list that names images along an axis that is open.

@@ -3,7 +3,7 @@
 use anyhow::{anyhow, bail, ensure};
 
 use crate::lines::Lines;
-use crate::{About, Notice, Options, Particles};
+use crate::{About, Loaded, Notice, Options, Particles};
 
 /// A choice among the frames of a file, which are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -178,7 +178,7 @@ pub trait Framed {
     fn begin(&mut self) -> anyhow::Result<Option<String>>;
 
     /// Reads the frame that has begun; or passes over it, and gives none.
-    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>>;
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>>;
 
     /// [`Lines::end`], if the file is made of lines.
     fn end(&self) -> Option<(u64, bool)> {
@@ -186,8 +186,8 @@ pub trait Framed {
     }
 }
 
-impl<F: Framed> Reader<(Particles, About)> for F {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+impl<F: Framed> Reader<Loaded> for F {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         while let Some(place) = self.begin()? {
             let step = choice.begin(|| place.clone())?;
             if step == Step::Stop {
@@ -261,7 +261,7 @@ pub fn chosen<T>(
 /// that is the same in all. Each frame says its number and, where the format has one, its time step
 /// ([`About`]). Numbers of particles, ids and boxes may change from one to the next.
 pub struct Frames<'a> {
-    pub(super) reader: Box<dyn Reader<(Particles, About)> + 'a>,
+    pub(super) reader: Box<dyn Reader<Loaded> + 'a>,
     pub(super) choice: Choice,
     pub(super) name: &'a str,
     pub(super) options: Options,
@@ -271,13 +271,13 @@ pub struct Frames<'a> {
 
 impl Frames<'_> {
     /// The frame that was chosen.
-    pub(super) fn chosen(mut self) -> anyhow::Result<(Particles, About)> {
+    pub(super) fn chosen(mut self) -> anyhow::Result<Loaded> {
         let (kept, frame) = self.one()?;
         self.finished(kept, frame)
     }
 
     /// The frame that was chosen, as it is in the file.
-    pub(super) fn raw(mut self) -> anyhow::Result<(Particles, About)> {
+    pub(super) fn raw(mut self) -> anyhow::Result<Loaded> {
         self.one().map(|(kept, _)| kept)
     }
 
@@ -297,7 +297,7 @@ impl Frames<'_> {
         &self,
         (particles, about): (Particles, About),
         frame: u64,
-    ) -> anyhow::Result<(Particles, About)> {
+    ) -> anyhow::Result<Loaded> {
         let (gzip, frames) = (self.gzip, self.choice.seen.max(1));
         let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
         super::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
@@ -306,7 +306,7 @@ impl Frames<'_> {
 
 /// An error ends them.
 impl Iterator for Frames<'_> {
-    type Item = anyhow::Result<(Particles, About)>;
+    type Item = anyhow::Result<Loaded>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.ended {

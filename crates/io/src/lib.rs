@@ -51,7 +51,7 @@ use anyhow::{Context, ensure};
 pub use boxes::{Boundaries, Declared};
 pub use chosen::Chosen;
 use formats::gzip::{self, Unpacking};
-pub use formats::{FORMATS, Format, format_names};
+pub use formats::{FORMATS, Format};
 use frames::Choice;
 pub use frames::{Frame, Frames};
 pub use given::Given;
@@ -98,14 +98,14 @@ pub struct About {
     pub step: Option<i64>,
     /// Its time, where the format has one.
     pub time: Option<f64>,
-    /// The box that the file declares, where it has edges along the axes: least and largest
-    /// coordinate along each.
-    pub bounds: Option<Vec<[f64; 2]>>,
-    /// The same as vectors, and whether it repeats.
+    /// The box that the file declares, and whether it repeats.
     pub declared: Option<Declared>,
     /// The file of the frame, where several files are one trajectory.
     pub file: Option<String>,
 }
+
+/// Particles, and what was understood.
+pub type Loaded = (Particles, About);
 
 impl About {
     /// `frame 3 (step 300)`.
@@ -142,7 +142,7 @@ pub fn from(
 }
 
 /// Reads the particles of a file, which need not have radii, and says what was understood.
-pub fn load(path: &Path, options: Options) -> anyhow::Result<(Particles, About)> {
+pub fn load(path: &Path, options: Options) -> anyhow::Result<Loaded> {
     frames(path, options, |frames| frames.chosen())
 }
 
@@ -191,7 +191,7 @@ pub fn load_from(
     name: &str,
     ending: &str,
     options: Options,
-) -> anyhow::Result<(Particles, About)> {
+) -> anyhow::Result<Loaded> {
     frames_from(reader, name, ending, options, |frames| frames.chosen())
 }
 
@@ -230,7 +230,7 @@ fn finished(
     mut about: About,
     name: &str,
     options: Options,
-) -> anyhow::Result<(Particles, About)> {
+) -> anyhow::Result<Loaded> {
     particles.as_asked(name, options, &mut about.radius)?;
     if options.without.is_some() {
         let groups = particles.groups.as_ref().with_context(|| {

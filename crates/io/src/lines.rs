@@ -96,6 +96,12 @@ impl<'a> Lines<'a> {
         Ok(false)
     }
 
+    /// Goes to row `k` of `n`; `of` says in an error what ends, and what to do.
+    pub fn row(&mut self, k: u64, n: u64, of: &str) -> anyhow::Result<()> {
+        ensure!(self.advance()?, "{} ends after {k} of the {n} {of}", self.source.name);
+        Ok(())
+    }
+
     /// The line, without blanks around it.
     pub fn line(&self) -> &[u8] {
         self.line.trim_ascii()

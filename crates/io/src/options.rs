@@ -18,7 +18,7 @@ pub struct Options {
     /// Which frame, of a file that has several.
     pub frame: Frame,
     /// The format; none lets the file decide.
-    pub format: Option<Format>,
+    pub format: Option<&'static Format>,
     /// Keep the file's own numbers of the particles.
     pub ids: bool,
     /// Read on to the end of the file, to count its frames.

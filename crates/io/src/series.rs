@@ -15,8 +15,7 @@ use crate::formats::gzip::Unpacking;
 use crate::formats::xml::{Tag, Xml};
 use crate::frames::{Choice, Frame, Reader, Step};
 use crate::lines::{Source, number, short};
-use crate::particles::Particles;
-use crate::{About, Notice, Options, opened, room};
+use crate::{About, Loaded, Notice, Options, opened, room};
 
 /// The files that form one frame.
 struct Member {
@@ -245,7 +244,7 @@ fn in_order(members: &[Member]) -> anyhow::Result<()> {
 
 impl Series {
     /// The scene whose pieces a file names.
-    fn of_pieces(path: &Path, options: Options) -> anyhow::Result<(Particles, About)> {
+    fn of_pieces(path: &Path, options: Options) -> anyhow::Result<Loaded> {
         let place = || path.display().to_string();
         let members = listed(path, false).with_context(place)?;
         let series = Series { members, next: 0, framed: false, notice: None, options };
@@ -254,9 +253,9 @@ impl Series {
     }
 
     /// The particles of one frame.
-    fn read(&self, member: &Member) -> anyhow::Result<(Particles, About)> {
+    fn read(&self, member: &Member) -> anyhow::Result<Loaded> {
         let options = Options { frame: Frame::Only, survey: false, ..self.options };
-        let mut whole: Option<(Particles, About)> = None;
+        let mut whole: Option<Loaded> = None;
         for file in &member.files {
             let name = file.display().to_string();
             let (particles, about) = match lists(file)? {
@@ -286,8 +285,8 @@ impl Series {
     }
 }
 
-impl Reader<(Particles, About)> for Series {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+impl Reader<Loaded> for Series {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         if self.next == 0 && self.framed {
             // Files before the one that is wanted are not opened.
             self.next = choice.first_of(self.members.len());

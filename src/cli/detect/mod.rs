@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use self::search::{Found, Pairs, Search};
 use crate::cli::shared::arithmetic::arithmetic;
@@ -57,8 +58,16 @@ pub struct Detect {
     places: bool,
     /// More columns: overlap (a length, and as depth in mean radii), normal (unit vector from the
     /// first particle to the second), ids
-    #[arg(long = "with", value_name = "COLUMNS", value_enum, value_delimiter = ',')]
+    #[arg(long = "with", value_name = "COLUMNS", value_parser = extra(), value_delimiter = ',')]
     extras: Vec<Extra>,
+}
+
+/// Reads one of [`Extra::ALL`].
+fn extra() -> impl TypedValueParser<Value = Extra> {
+    let values = Extra::ALL.map(|(_, name, help)| PossibleValue::new(name).help(help));
+    let named = |text: String| Extra::ALL.iter().find(|(_, name, _)| *name == text);
+    PossibleValuesParser::new(values)
+        .try_map(move |text| named(text).map(|(extra, ..)| *extra).ok_or("there is no such column"))
 }
 
 impl Detect {

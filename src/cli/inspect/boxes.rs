@@ -13,7 +13,7 @@ use contactbench_terms::number::{number, plural};
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
-    if let Some(bounds) = &about.bounds {
+    if let Some(bounds) = about.declared.as_ref().and_then(|it| it.ranges.as_ref()) {
         let text: Vec<String> =
             bounds.iter().map(|[lo, hi]| format!("{} to {}", number(*lo), number(*hi))).collect();
         lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{bail, ensure};
-use clap::builder::EnumValueParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -13,7 +13,7 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, Format, Frame, Notice, Place, RadiusSource};
+use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place, RadiusSource};
 use contactbench_scenes::doubts::{Touching, doubts};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
@@ -44,7 +44,11 @@ fn argument(option: &'static FileOption) -> Arg {
     let arg = arg.value_name(value).action(ArgAction::Set);
     match name {
         // Completions offer its values.
-        "format" => arg.value_parser(EnumValueParser::<Format>::new()).hide_possible_values(true),
+        "format" => {
+            let all = io::FORMATS.iter();
+            let all = all.map(|format| PossibleValue::new(format.key).help(format.help));
+            arg.value_parser(PossibleValuesParser::new(all)).hide_possible_values(true)
+        }
         _ => arg
             .allow_negative_numbers(true)
             .allow_hyphen_values(name == "box")

@@ -4,10 +4,11 @@ mod doubts;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{Lines, Separator, listed, number, short, shown, whole};
-use crate::particles::{Particles, digits, unused_sizes};
+use crate::lines::{Lines, Separator, Source, listed, number, short, shown, whole};
+use crate::particles::{Particles, digits, loaded, unused_sizes};
+use crate::scalars::Kind;
 use crate::units::{self, shifted};
-use crate::{Notice, Options, RadiusSource};
+use crate::{Loaded, Notice, Options, RadiusSource};
 
 /// What a column of a file means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +103,13 @@ impl Columns {
     /// True if there are x and y.
     pub fn has_places(&self) -> bool {
         (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
+    }
+
+    /// An empty frame of these columns, with the meaning that the options give them.
+    pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
+        let mut columns = self.chosen(place, options)?;
+        let particles = columns.particles(place, options)?;
+        Ok(Rows { columns, particles })
     }
 
     /// With the meaning that the options give them, if they do.
@@ -304,33 +312,75 @@ impl Columns {
     }
 }
 
-impl Columns {
-    /// Adds the particle of a line whose cells are between blanks.
-    pub fn push_words(
-        &self,
-        particles: &mut Particles,
-        line: &[u8],
-        lines: &Lines<'_>,
-    ) -> anyhow::Result<()> {
-        let between = || format!(" ({})", listed(&self.names));
-        self.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+/// The columns of a frame, and the particles of the rows that were read.
+pub struct Rows {
+    pub columns: Columns,
+    pub particles: Particles,
+}
+
+impl Rows {
+    /// What is read of a frame of no rows, of which columns cannot be known.
+    pub fn none(names: &str, has_radii: bool) -> Rows {
+        let columns = Columns::named(names.split(' '));
+        Rows { columns, particles: Particles::new(3, has_radii) }
     }
 
-    /// Adds the particle of record `k` of a binary file, such as "vertex"; `value` gives the number
-    /// of a column, if it is one.
-    pub fn push_values(
-        &self,
-        particles: &mut Particles,
-        (file, record, k): (&str, &str, u64),
+    /// The particles, and what was understood.
+    pub fn read(self, format: &'static str) -> Loaded {
+        loaded(format, self.particles, self.columns.radius())
+    }
+
+    /// Adds the particle of a line whose cells are between blanks.
+    pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
+        let Rows { columns, particles } = self;
+        let between = || format!(" ({})", listed(&columns.names));
+        columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+    }
+
+    /// Adds the particles of the next `count` records, such as "vertex", of a binary file; `fields`
+    /// are the types, none of what is no number, and the bytes of the columns. Returns how many
+    /// records there are.
+    pub fn push_records(
+        &mut self,
+        source: &mut Source<'_>,
+        what: &str,
+        count: u64,
+        fields: &[(Option<(Kind, bool)>, usize)],
+    ) -> anyhow::Result<u64> {
+        let mut ends = vec![0];
+        ends.extend(fields.iter().scan(0, |end, (_, width)| {
+            *end += width;
+            Some(*end)
+        }));
+        let mut record = vec![0; ends[fields.len()]];
+        for k in 0..count {
+            if !source.fill(&mut record)? {
+                return Ok(k);
+            }
+            let value = |place: usize| {
+                let (kind, big) = fields[place].0?;
+                Some(kind.get(&record[ends[place]..], big))
+            };
+            self.push_values(|| format!("{}: {what} {k} (from 0)", source.name), k, value)?;
+        }
+        Ok(count)
+    }
+
+    /// Adds the particle of a record; `value` gives the number of a column, if it is one.
+    fn push_values(
+        &mut self,
+        place: impl Fn() -> String,
+        k: u64,
         value: impl Fn(usize) -> Option<f64>,
     ) -> anyhow::Result<()> {
+        let Rows { columns, particles } = self;
         let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
-        for (place, (column, label)) in self.meaning.iter().zip(&self.names).enumerate() {
+        for (at, (column, label)) in columns.meaning.iter().zip(&columns.names).enumerate() {
             if *column == Column::Other || *column == Column::Id && particles.ids.is_none() {
                 continue;
             }
-            let what = || format!("{file}: {record} {k} (from 0): '{}'", short(label));
-            let value = value(place).with_context(|| format!("{} is no number", what()))?;
+            let what = || format!("{}: '{}'", place(), short(label));
+            let value = value(at).with_context(|| format!("{} is no number", what()))?;
             match column {
                 Column::Axis(axis) => {
                     ensure!(value.is_finite(), "{} is {value}; it must be finite", what());

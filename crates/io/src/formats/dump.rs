@@ -15,15 +15,13 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{in_order, letters};
-use crate::frames::{Framed, Reader};
+use crate::formats::Opened;
+use crate::frames::Framed;
 use crate::lines::{Lines, Separator, Source, number, short, shown, step_of};
-use crate::particles::{Centres, Column, Columns, Particles, loaded};
-use crate::{About, Declared, Notice, Options};
+use crate::particles::{Centres, Column, Columns, Particles, Rows};
+use crate::{About, Declared, Loaded, Notice, Options};
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Dump { lines: Lines::new(source), options, header: Header::default(), any: false })
 }
 
@@ -40,7 +38,7 @@ struct Dump<'a> {
 struct Header {
     n: Option<u64>,
     names: String,
-    bounds: Option<Bounds>,
+    bounds: Option<Declared>,
     step: Option<i64>,
     time: Option<f64>,
 }
@@ -81,7 +79,7 @@ impl Framed for Dump<'_> {
         Ok(None)
     }
 
-    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let (place, lines) = (self.lines.place(), &mut self.lines);
         let Header { n, names, bounds, step, time } = std::mem::take(&mut self.header);
         let atoms = keep.then(|| Atoms::new(&names, bounds, &place, self.options)).transpose()?;
@@ -98,7 +96,7 @@ impl Header {
     /// Takes an item that is not the atoms, with its lines.
     fn take(&mut self, item: &str, lines: &mut Lines<'_>, options: Options) -> anyhow::Result<()> {
         if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
-            self.bounds = Some(Bounds::read(lines, kind, options)?);
+            self.bounds = Some(bounds(lines, kind, options)?);
             return Ok(());
         }
         ensure!(
@@ -133,19 +131,11 @@ fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
 }
 
 /// The rows of one frame; none where they are passed over.
-fn section(
-    lines: &mut Lines<'_>,
-    n: u64,
-    atoms: Option<Atoms>,
-) -> anyhow::Result<Option<(Particles, About)>> {
+fn section(lines: &mut Lines<'_>, n: u64, atoms: Option<Atoms>) -> anyhow::Result<Option<Loaded>> {
     let mut atoms = atoms;
+    let of = "atoms that its header announces: it is cut off, or still being written";
     for k in 0..n {
-        ensure!(
-            lines.advance()?,
-            "{} ends after {k} of the {n} atoms that its header announces: it is cut off, or still \
-             being written",
-            lines.source.name
-        );
+        lines.row(k, n, of)?;
         if let Some(atoms) = &mut atoms {
             let line = lines.line();
             ensure!(
@@ -153,34 +143,29 @@ fn section(
                 "{}: a new section begins after {k} of the {n} atoms announced; mend the number",
                 lines.place()
             );
-            atoms.columns.push_words(&mut atoms.particles, line, lines)?;
+            atoms.rows.push(line, lines)?;
             if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
-                bounds.scale_last(&mut atoms.particles);
+                scale_last(bounds, &mut atoms.rows.particles);
             }
         }
     }
-    let Some(mut atoms) = atoms else { return Ok(None) };
+    let Some(atoms) = atoms else { return Ok(None) };
     atoms.finite(lines.source.name)?;
-    let (mut particles, mut about) = loaded("LAMMPS dump", atoms.particles, atoms.columns.radius());
-    particles.notices.extend(atoms.notices);
-    about.bounds = atoms.bounds.as_ref().and_then(|bounds| bounds.ranges.map(Vec::from));
-    about.declared = atoms.bounds.map(|bounds| bounds.declared);
-    Ok(Some((particles, about)))
+    let (particles, about) = atoms.rows.read("LAMMPS dump");
+    Ok(Some((particles, About { declared: atoms.bounds, ..about })))
 }
 
-/// The columns of one frame, and what they hold.
+/// The rows of one frame, and what they hold.
 struct Atoms {
-    columns: Columns,
-    particles: Particles,
+    rows: Rows,
     scaled: bool,
-    bounds: Option<Bounds>,
-    notices: Vec<Notice>,
+    bounds: Option<Declared>,
 }
 
 impl Atoms {
     fn new(
         names: &str,
-        bounds: Option<Bounds>,
+        bounds: Option<Declared>,
         place: &str,
         options: Options,
     ) -> anyhow::Result<Atoms> {
@@ -192,7 +177,6 @@ impl Atoms {
         );
         let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
-        let mut notices = Vec::new();
         // Whoever chooses xs has scaled coordinates, too.
         let chosen = |name: &str| {
             let k = columns.names.iter().position(|other| other == name);
@@ -221,6 +205,7 @@ impl Atoms {
             }
         }
         let particles = columns.particles(place, options)?;
+        let mut rows = Rows { columns, particles };
         let scaled = kind.starts_with('s');
         if scaled {
             ensure!(
@@ -228,31 +213,32 @@ impl Atoms {
                 "{place}: the coordinates are scaled by the box (xs), but there is no 'ITEM: BOX \
                  BOUNDS'; write x y z"
             );
-            notices.push(Notice::Assumed(
+            rows.particles.notices.push(Notice::Assumed(
                 "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
             ));
         }
-        if columns.names.iter().any(|name| name == "shapex") {
-            notices.push(Notice::Assumed(
+        if rows.columns.names.iter().any(|name| name == "shapex") {
+            rows.particles.notices.push(Notice::Assumed(
                 "the particles have shapes (shapex) and may be no spheres: they are read as \
                  spheres of their radius or diameter"
                     .into(),
             ));
         }
         if kind.ends_with('u') {
-            notices.push(Notice::Assumed(
+            rows.particles.notices.push(Notice::Assumed(
                 "unwrapped coordinates: bodies may be outside the box, and where boundaries are \
                  open those that touch across it do not touch"
                     .into(),
             ));
         }
-        Ok(Atoms { columns, particles, scaled, bounds, notices })
+        Ok(Atoms { rows, scaled, bounds })
     }
 
-    fn finite(&mut self, name: &str) -> anyhow::Result<()> {
+    fn finite(&self, name: &str) -> anyhow::Result<()> {
         if self.scaled {
-            let bad = (0..self.particles.len())
-                .find(|&k| self.particles.centre(k).iter().any(|x| !x.is_finite()));
+            let particles = &self.rows.particles;
+            let bad =
+                (0..particles.len()).find(|&k| particles.centre(k).iter().any(|x| !x.is_finite()));
             ensure!(
                 bad.is_none(),
                 "{name}: atom {} (from 0) is not finite once it is scaled by the box",
@@ -264,97 +250,87 @@ impl Atoms {
 }
 
 /// The box of one frame.
-#[derive(Clone)]
-struct Bounds {
-    /// From lo to hi, where it has edges along the axes.
-    ranges: Option<[[f64; 2]; 3]>,
-    declared: Declared,
+fn bounds(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result<Declared> {
+    let words: Vec<&str> = kind.split_whitespace().collect();
+    let (columns, flags) = match words[..] {
+        ["xy", "xz", "yz", ref flags @ ..] => (3, flags),
+        ["abc", "origin", ref flags @ ..] => (4, flags),
+        ref flags => (2, flags),
+    };
+    let overruled = options.boundaries.overrule();
+    let periodic = match letters(flags) {
+        Ok(periodic) => Some(periodic),
+        Err(_) if flags.is_empty() || overruled => None,
+        Err(why) => bail!(
+            "{}: the boundaries of the box are '{}': {why}; mend the line, or give --periodic \
+             or --open",
+            lines.place(),
+            short(&flags.join(" "))
+        ),
+    };
+    let mut rows = [[0.0; 4]; 3];
+    for row in &mut rows {
+        next(lines)?;
+        let cells: Vec<&[u8]> = Separator::Blanks.cells(lines.line()).collect();
+        for (k, &cell) in cells.iter().take(columns).enumerate() {
+            row[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
+                format!(
+                    "{}: column {}: '{}' is not a finite number; a bound of the box is \
+                     expected",
+                    lines.place(),
+                    k + 1,
+                    shown(cell)
+                )
+            })?;
+        }
+        let expected = match columns {
+            2 => "two bounds of the box are expected, lo and hi",
+            3 => "three numbers of the tilted box are expected: lo, hi and tilt",
+            _ => "four numbers of the box are expected: a vector, and one of its corner",
+        };
+        ensure!(cells.len() >= columns, "{}: {expected}", lines.place());
+        ensure!(
+            cells.len() == columns || overruled,
+            "{}: {} numbers of the box, and its header announces {columns}; a tilted box has \
+             'xy xz yz' there: mend it, or give --open",
+            lines.place(),
+            cells.len()
+        );
+    }
+    let pairs = rows.map(|row| [row[0], row[1]]);
+    let third = rows.map(|row| row[2]);
+    Ok(match columns {
+        2 => {
+            in_order(&pairs, options.boundaries).with_context(|| lines.place())?;
+            Declared::between(&pairs, periodic)
+        }
+        3 => Declared::enclosed(pairs, third, periodic, options.boundaries)
+            .with_context(|| lines.place())?,
+        _ => Declared {
+            vectors: Some(rows.map(|row| [row[0], row[1], row[2]])),
+            origin: rows.map(|row| row[3]),
+            periodic,
+            ..Declared::default()
+        },
+    })
 }
 
-impl Bounds {
-    fn read(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result<Bounds> {
-        let words: Vec<&str> = kind.split_whitespace().collect();
-        let (columns, flags) = match words[..] {
-            ["xy", "xz", "yz", ref flags @ ..] => (3, flags),
-            ["abc", "origin", ref flags @ ..] => (4, flags),
-            ref flags => (2, flags),
-        };
-        let overruled = options.boundaries.overrule();
-        let periodic = match letters(flags) {
-            Ok(periodic) => Some(periodic),
-            Err(_) if flags.is_empty() || overruled => None,
-            Err(why) => bail!(
-                "{}: the boundaries of the box are '{}': {why}; mend the line, or give --periodic \
-                 or --open",
-                lines.place(),
-                short(&flags.join(" "))
-            ),
-        };
-        let mut rows = [[0.0; 4]; 3];
-        for row in &mut rows {
-            next(lines)?;
-            let cells: Vec<&[u8]> = Separator::Blanks.cells(lines.line()).collect();
-            for (k, &cell) in cells.iter().take(columns).enumerate() {
-                row[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
-                    format!(
-                        "{}: column {}: '{}' is not a finite number; a bound of the box is \
-                         expected",
-                        lines.place(),
-                        k + 1,
-                        shown(cell)
-                    )
-                })?;
-            }
-            let expected = match columns {
-                2 => "two bounds of the box are expected, lo and hi",
-                3 => "three numbers of the tilted box are expected: lo, hi and tilt",
-                _ => "four numbers of the box are expected: a vector, and one of its corner",
-            };
-            ensure!(cells.len() >= columns, "{}: {expected}", lines.place());
-            ensure!(
-                cells.len() == columns || overruled,
-                "{}: {} numbers of the box, and its header announces {columns}; a tilted box has \
-                 'xy xz yz' there: mend it, or give --open",
-                lines.place(),
-                cells.len()
-            );
-        }
-        let pairs = rows.map(|row| [row[0], row[1]]);
-        let third = rows.map(|row| row[2]);
-        let declared = match columns {
-            2 => {
-                in_order(&pairs, options.boundaries).with_context(|| lines.place())?;
-                Declared::between(&pairs, periodic)
-            }
-            3 => Declared::enclosed(pairs, third, periodic, options.boundaries)
-                .with_context(|| lines.place())?,
-            _ => Declared {
-                vectors: Some(rows.map(|row| [row[0], row[1], row[2]])),
-                origin: rows.map(|row| row[3]),
-                periodic,
-                rounded: false,
-            },
-        };
-        Ok(Bounds { ranges: (columns == 2).then_some(pairs), declared })
-    }
-
-    /// Turns the last particle's scaled coordinates into lengths.
-    fn scale_last(&self, particles: &mut Particles) {
-        let Declared { vectors: Some(vectors), origin, .. } = &self.declared else { return };
-        // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
-        let scale = |s: &[f64], k: usize| {
-            let terms = s.iter().zip(vectors).filter(|(_, vector)| vector[k] != 0.0);
-            terms.fold(origin[k], |sum, (s, vector)| sum + s * vector[k])
-        };
-        match &mut particles.centres {
-            Centres::Plane(points) => points
-                .last_mut()
-                .into_iter()
-                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
-            Centres::Space(points) => points
-                .last_mut()
-                .into_iter()
-                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
-        }
+/// Turns the last particle's scaled coordinates into lengths.
+fn scale_last(bounds: &Declared, particles: &mut Particles) {
+    let Declared { vectors: Some(vectors), origin, .. } = bounds else { return };
+    // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
+    let scale = |s: &[f64], k: usize| {
+        let terms = s.iter().zip(vectors).filter(|(_, vector)| vector[k] != 0.0);
+        terms.fold(origin[k], |sum, (s, vector)| sum + s * vector[k])
+    };
+    match &mut particles.centres {
+        Centres::Plane(points) => points
+            .last_mut()
+            .into_iter()
+            .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
+        Centres::Space(points) => points
+            .last_mut()
+            .into_iter()
+            .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
     }
 }

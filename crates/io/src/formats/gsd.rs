@@ -11,19 +11,17 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::frames::{Framed, Reader};
+use crate::formats::Opened;
+use crate::frames::Framed;
 use crate::lines::Source;
 use crate::particles::{Column, Particles, loaded};
 use crate::room::room_for;
-use crate::{About, Declared, Notice, Options, RadiusSource};
+use crate::{About, Declared, Loaded, Notice, Options, RadiusSource};
 
 /// The first bytes.
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Gsd { source, options, file: None, next: 0 })
 }
 
@@ -45,7 +43,7 @@ impl Framed for Gsd<'_> {
         Ok((k < file.frames).then(|| format!("{}: frame {k}", self.source.name)))
     }
 
-    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let (Some(file), name, k) = (&self.file, self.source.name, self.next - 1) else {
             return Ok(None);
         };
@@ -191,12 +189,7 @@ impl File {
         Ok((!data.is_empty()).then(|| u64::from_le_bytes(wide)))
     }
 
-    fn frame(
-        &self,
-        frame: u64,
-        name: &str,
-        options: Options,
-    ) -> anyhow::Result<(Particles, About)> {
+    fn frame(&self, frame: u64, name: &str, options: Options) -> anyhow::Result<Loaded> {
         let n = self.whole(frame, "particles/N", 3)?.unwrap_or(0) as usize;
         let dim = if self.whole(frame, "configuration/dimensions", 1)? == Some(2) { 2 } else { 3 };
         let mut notices = Vec::new();
@@ -255,5 +248,5 @@ fn boxed(numbers: &[f64], dim: usize) -> anyhow::Result<Declared> {
     let origin = [0, 1, 2].map(|k| -0.5 * vectors.iter().map(|vector| vector[k]).sum::<f64>());
     // Products of two f32 are exact in f64.
     let periodic = Some([true, true, dim == 3]);
-    Ok(Declared { vectors: Some(vectors), origin, periodic, rounded: false })
+    Ok(Declared { vectors: Some(vectors), origin, periodic, ..Declared::default() })
 }

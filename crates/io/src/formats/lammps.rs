@@ -15,8 +15,8 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::lines::{Lines, Source, number, short, shown, words};
-use crate::particles::{Column, Columns, Particles, loaded};
-use crate::{About, Declared, Notice, Options};
+use crate::particles::{Column, Columns, Rows};
+use crate::{About, Declared, Loaded, Notice, Options};
 
 /// The columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
@@ -49,7 +49,7 @@ fn is_count(line: &[u8]) -> Option<&[u8]> {
     (atoms == b"atoms" && words.next().is_none() && n.iter().all(u8::is_ascii_digit)).then_some(n)
 }
 
-pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut lines = Lines::new(source);
     let (mut n, mut header) = (None, Header::default());
     // The first line is a title, whatever it holds.
@@ -78,7 +78,8 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, 
                 .split_once('#')
                 .map(|(_, style)| style.trim().to_string())
                 .filter(|style| !style.is_empty());
-            let (mut particles, columns) = atoms(&mut lines, n, style.as_deref(), options)?;
+            let mut rows = atoms(&mut lines, n, style.as_deref(), options)?;
+            let Rows { columns, particles } = &mut rows;
             if style.is_none() && options.columns.is_none() && n > 0 {
                 particles.notices.push(Notice::Assumed(format!(
                     "no atom style stands behind 'Atoms': the columns are taken as {}; --columns \
@@ -96,9 +97,8 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, 
                     columns.names.join(" ")
                 )));
             }
-            let (particles, mut about) = loaded("LAMMPS data", particles, columns.radius());
-            (about.bounds, about.declared) = header.bounds();
-            return Ok((particles, about));
+            let (particles, about) = rows.read("LAMMPS data");
+            return Ok((particles, About { declared: header.declared(), ..about }));
         }
     }
     bail!("{} has no section Atoms; is it a LAMMPS data file?", lines.source.name)
@@ -154,18 +154,14 @@ impl Header {
         Ok(true)
     }
 
-    /// The bounds, where all edges are along the axes, and the box.
-    fn bounds(self) -> (Option<Vec<[f64; 2]>>, Option<Declared>) {
+    fn declared(self) -> Option<Declared> {
         if let [Some(a), Some(b), Some(c)] = self.vectors {
             let vectors = Some([a, b, c]);
-            return (None, Some(Declared { vectors, origin: self.origin, ..Declared::default() }));
+            return Some(Declared { vectors, origin: self.origin, ..Declared::default() });
         }
-        let [Some(x), Some(y), Some(z)] = self.ranges else { return (None, None) };
+        let [Some(x), Some(y), Some(z)] = self.ranges else { return None };
         let declared = Declared::between(&[x, y, z], None);
-        match self.tilt {
-            Some(tilt) => (None, Some(declared.tilted(tilt))),
-            None => (Some(vec![x, y, z]), Some(declared)),
-        }
+        Some(self.tilt.map_or(declared.clone(), |tilt| declared.tilted(tilt)))
     }
 }
 
@@ -174,21 +170,15 @@ fn atoms(
     n: u64,
     style: Option<&str>,
     options: Options,
-) -> anyhow::Result<(Particles, Columns)> {
+) -> anyhow::Result<Rows> {
     let place = lines.place();
     let chosen = options.columns.is_some_and(|chosen| chosen.axes());
-    let mut columns = match style {
+    let styled = style.map(|style| styled(style, options));
+    let mut rows = match styled {
+        Some(Ok(columns)) => Some(columns.rows(&place, options)?),
         // Whoever says what the columns hold need not say the style.
-        Some(style) => match styled(style, options) {
-            Ok(columns) => Some(columns.chosen(&place, options)?),
-            Err(_) if chosen => None,
-            Err(error) => return Err(error.context(place.clone())),
-        },
-        None => None,
-    };
-    let mut particles = match &mut columns {
-        Some(columns) => columns.particles(&place, options)?,
-        None => Particles::new(3, false),
+        Some(Err(error)) if !chosen => return Err(error.context(place)),
+        _ => None,
     };
     for k in 0..n {
         ensure!(
@@ -197,20 +187,18 @@ fn atoms(
             lines.source.name
         );
         let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
-        if columns.is_none() {
+        if rows.is_none() {
             let count = words(line).count();
             let unstyled = match chosen {
                 true => Columns::named((1..=count).map(|k| format!("column {k}"))),
                 false => unstyled(count).with_context(|| lines.place())?,
             };
-            let mut unstyled = unstyled.chosen(&lines.place(), options)?;
-            particles = unstyled.particles(&place, options)?;
-            columns = Some(unstyled);
+            rows = Some(unstyled.rows(&lines.place(), options)?);
         }
-        let Some(columns) = &columns else { continue };
-        columns.push_words(&mut particles, line, lines)?;
+        let Some(rows) = &mut rows else { continue };
+        rows.push(line, lines)?;
     }
-    Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
+    Ok(rows.unwrap_or_else(|| Rows::none("x y z", false)))
 }
 
 /// The columns of a style.

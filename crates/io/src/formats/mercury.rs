@@ -8,10 +8,11 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::in_order;
-use crate::frames::{Framed, Reader};
+use crate::formats::Opened;
+use crate::frames::Framed;
 use crate::lines::{Lines, Source, number, words};
-use crate::particles::{Columns, Particles, loaded};
-use crate::{About, Declared, Options};
+use crate::particles::{Columns, Particles, Rows};
+use crate::{About, Declared, Loaded, Options};
 
 const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";
 const PLANE: &str = "x y vx vy radius angle omega species";
@@ -29,10 +30,7 @@ fn header(line: &[u8]) -> bool {
     whole && matches!(words(line).count(), 6 | 8) && words(line).all(|word| number(word).is_some())
 }
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Data { lines: Lines::new(source), options, header: Header::default() })
 }
 
@@ -69,18 +67,16 @@ impl Framed for Data<'_> {
         Ok(Some(lines.place()))
     }
 
-    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let Data { lines, options, header: Header { n, time, bounds } } = self;
         let rows = rows(lines, *n, keep, *options)?;
         if !keep {
             return Ok(None);
         }
-        let none = || (Columns::named(SPACE.split(' ')), Particles::new(3, true));
-        let (columns, particles) = rows.unwrap_or_else(none);
-        let about = in_bounds(lines, bounds, &particles, *options)?;
-        let (particles, read) = loaded("MercuryDPM data", particles, columns.radius());
-        let About { format, radius, .. } = read;
-        Ok(Some((particles, About { format, radius, time: *time, ..about })))
+        let rows = rows.unwrap_or_else(|| Rows::none(SPACE, true));
+        let declared = domain(lines, bounds, &rows.particles, *options)?;
+        let (particles, about) = rows.read("MercuryDPM data");
+        Ok(Some((particles, About { time: *time, declared, ..about })))
     }
 
     fn end(&self) -> Option<(u64, bool)> {
@@ -94,15 +90,12 @@ fn rows(
     n: u64,
     keep: bool,
     options: Options,
-) -> anyhow::Result<Option<(Columns, Particles)>> {
-    let mut rows: Option<(Columns, Particles)> = None;
+) -> anyhow::Result<Option<Rows>> {
+    let mut rows: Option<Rows> = None;
+    let of = "particles that the frame's first line announces: it is cut off, or still being \
+              written";
     for k in 0..n {
-        ensure!(
-            lines.advance()?,
-            "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
-             cut off, or still being written",
-            lines.source.name
-        );
+        lines.row(k, n, of)?;
         if !keep {
             continue;
         }
@@ -115,23 +108,21 @@ fn rows(
                     lines.place()
                 ),
             };
-            let mut columns = columns.chosen(&lines.place(), options)?;
-            let particles = columns.particles(&lines.place(), options)?;
-            rows = Some((columns, particles));
+            rows = Some(columns.rows(&lines.place(), options)?);
         }
-        let Some((columns, particles)) = &mut rows else { continue };
-        columns.push_words(particles, lines.line(), lines)?;
+        let Some(rows) = &mut rows else { continue };
+        rows.push(lines.line(), lines)?;
     }
     Ok(rows)
 }
 
 /// The domain of a frame: least coordinates, then largest.
-fn in_bounds(
+fn domain(
     lines: &Lines<'_>,
     bounds: &[f64],
     particles: &Particles,
     options: Options,
-) -> anyhow::Result<About> {
+) -> anyhow::Result<Option<Declared>> {
     let half = bounds.len() / 2;
     let bounds: Vec<[f64; 2]> =
         (0..particles.dim().min(half)).map(|k| [bounds[k], bounds[k + half]]).collect();
@@ -139,6 +130,5 @@ fn in_bounds(
     in_order(bounds.as_deref().unwrap_or_default(), options.boundaries)
         .with_context(|| lines.source.name.to_string())?;
     // It stands in no data file whether the domain repeats.
-    let declared = bounds.as_ref().map(|bounds| Declared::between(bounds, None));
-    Ok(About { bounds, declared, ..About::default() })
+    Ok(bounds.map(|bounds| Declared::between(&bounds, None)))
 }

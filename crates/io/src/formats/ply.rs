@@ -9,9 +9,9 @@ use anyhow::{Context, bail, ensure};
 
 use crate::arrays::Cells;
 use crate::lines::{Lines, Source, short, texts};
-use crate::particles::{Column, Columns, Particles, loaded};
+use crate::particles::{Column, Columns, Rows};
 use crate::scalars::Kind;
-use crate::{About, Options};
+use crate::{Loaded, Options};
 
 /// One `element` of the header.
 struct Element {
@@ -22,7 +22,7 @@ struct Element {
     lists: bool,
 }
 
-pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut lines = Lines::new(source);
     let (layout, elements) = header(&mut lines)?;
     let name = lines.source.name;
@@ -44,8 +44,9 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, 
             *meaning = Column::Other;
         }
     }
-    let mut particles = columns.particles(&place, options)?;
-    joined(&elements).check(name, options, &mut particles.notices)?;
+    let particles = columns.particles(&place, options)?;
+    let mut rows = Rows { columns, particles };
+    joined(&elements).check(name, options, &mut rows.particles.notices)?;
     let torn = |k: u64| {
         anyhow::anyhow!(
             "{name} ends after {k} of the {} vertices that its header announces; write it again",
@@ -59,10 +60,10 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, 
                 return Err(torn(k.saturating_sub(skipped)));
             }
             if k >= skipped {
-                columns.push_words(&mut particles, lines.line(), &lines)?;
+                rows.push(lines.line(), &lines)?;
             }
         }
-        return Ok(loaded("PLY, text", particles, columns.radius()));
+        return Ok(rows.read("PLY, text"));
     };
     for element in before {
         let width: usize = element.kinds.iter().map(|kind| kind.width()).sum();
@@ -70,20 +71,13 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, 
             return Err(torn(0));
         }
     }
-    let mut ends = vec![0];
-    ends.extend(vertex.kinds.iter().scan(0, |end, kind| {
-        *end += kind.width();
-        Some(*end)
-    }));
-    let mut row = vec![0; ends[vertex.kinds.len()]];
-    for k in 0..vertex.count {
-        if !lines.source.fill(&mut row)? {
-            return Err(torn(k));
-        }
-        let value = |place: usize| Some(vertex.kinds[place].get(&row[ends[place]..], big));
-        columns.push_values(&mut particles, (name, "vertex", k), value)?;
+    let kinds = vertex.kinds.iter();
+    let fields: Vec<_> = kinds.map(|kind| (Some((*kind, big)), kind.width())).collect();
+    let read = rows.push_records(&mut lines.source, "vertex", vertex.count, &fields)?;
+    if read < vertex.count {
+        return Err(torn(read));
     }
-    Ok(loaded("PLY, binary", particles, columns.radius()))
+    Ok(rows.read("PLY, binary"))
 }
 
 /// The properties of the vertices, as columns.

@@ -9,11 +9,10 @@ use anyhow::{Context, bail, ensure};
 
 use crate::arrays::{Arrays, Cells, Of};
 use crate::lines::{Lines, Source, short, shown, texts};
-use crate::particles::Particles;
 use crate::scalars::{Kind, Target};
-use crate::{About, Options};
+use crate::{Loaded, Options};
 
-pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut file = Vtk {
         lines: Lines::new(source),
         options,

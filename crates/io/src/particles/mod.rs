@@ -9,10 +9,10 @@ use nalgebra::Point;
 
 use crate::Given;
 use crate::boxes::along;
-pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, is_decimal_comma};
+pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, Rows, is_decimal_comma};
 use crate::lines::{listed, short};
 use crate::room::{room, room_for};
-use crate::{About, Groups, Notice, Options, RadiusSource};
+use crate::{About, Groups, Loaded, Notice, Options, RadiusSource};
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 
 /// Centres of either dimension, in file order.
@@ -345,10 +345,6 @@ fn without_radii(names: &[String]) -> String {
 }
 
 /// Particles of columns, and what was understood.
-pub fn loaded(
-    format: &'static str,
-    particles: Particles,
-    radius: RadiusSource,
-) -> (Particles, About) {
+pub fn loaded(format: &'static str, particles: Particles, radius: RadiusSource) -> Loaded {
     (particles, About { format, radius, ..About::default() })
 }

@@ -1,129 +1,181 @@
-//! Frames one after the other: of particles, and of contact lists.
+//! Frames one after the other, those of files whose last frame is being written, and GSD.
 
 use super::*;
-use crate::pairs;
-
-/// Frames as they are read: number, step, time, ids, and the x of every particle in the order of
-/// ids; then the error that ends them, if any.
-type Told = (Vec<(u64, Option<i64>, Option<f64>, Vec<i64>, Vec<f64>)>, String);
-
-fn all(bytes: &[u8], ending: &str, options: Options) -> Told {
-    let options = Options { ids: true, frame: Frame::All, ..options };
-    let mut told = Vec::new();
-    let end = frames_from(bytes, "p", ending, options, |frames| {
-        for frame in frames {
-            let (mut particles, about) = frame?;
-            particles.sort_by_id()?;
-            let x = (0..particles.len()).map(|k| particles.centre(k)[0]).collect();
-            let ids = particles.ids().unwrap_or_default().to_vec();
-            told.push((about.frame, about.step, about.time, ids, x));
-        }
-        Ok(())
-    });
-    (told, end.map_or_else(|error| format!("{error:#}"), |()| String::new()))
-}
 
 /// The frame that is chosen, by the x of its first particle, its number, and the number of frames.
-fn one(bytes: &[u8], ending: &str, frame: Frame, survey: bool) -> Result<(f64, u64, u64), String> {
+fn one(bytes: &[u8], frame: Frame, survey: bool) -> Result<(f64, u64, u64), String> {
     let options = Options { frame, survey, ..HALF };
-    let read = load_from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"));
+    let read = load_from(bytes, "p", "", options).map_err(|error| format!("{error:#}"));
     read.map(|(particles, about)| (particles.centre(0)[0], about.frame, about.frames))
 }
 
-fn dump(step: i64, rows: &str) -> String {
-    let n = rows.lines().count();
-    format!("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{n}\nITEM: ATOMS id x y z\n{rows}")
-}
-
-fn cube(values: usize) -> Vec<u8> {
-    let data: Vec<f64> = (0..values).map(|k| (k / 4 * 10 + k % 4) as f64).collect();
-    npy_file("<f8", "False", "(3, 2, 2)", &doubles(&data))
-}
-
 #[test]
-fn arrays_and_compressed_files_give_frames_one_by_one() {
-    let frame = |k: u64| (k, None, None, vec![], vec![10.0 * k as f64, 10.0 * k as f64 + 2.0]);
-    let frames: Vec<_> = (0..3).map(frame).collect();
-    assert_eq!(all(&cube(12), "npy", HALF), (frames, String::new()));
-    let text = dump(0, "1 0 0 0\n2 1 0 0\n") + &dump(50, "2 11 0 0\n1 10 0 0\n");
-    let mut packed = flate2::write::GzEncoder::new(Vec::new(), Default::default());
-    std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
-    let told = all(&packed.finish().unwrap(), "", HALF);
-    let second = (1, Some(50), None, vec![1, 2], vec![10.0, 11.0]);
-    assert_eq!((told.0.len(), &told.0[1], &*told.1), (2, &second, ""));
-    // The radii go with the ids.
-    let sized = text.replace("id x y z", "id radius x y");
-    let ids = Options { ids: true, frame: Frame::Number(1), dim: Some(2), ..NONE };
-    let (mut particles, _) = load_from(sized.as_bytes(), "p", "", ids).unwrap();
-    particles.sort_by_id().unwrap();
-    let sizes = rows(&particles.scene("p", None).unwrap());
-    assert_eq!(sizes, [[0.0, 0.0, 10.0], [0.0, 0.0, 11.0]]);
-}
-
-#[test]
-fn one_frame_is_read_by_the_same_code() {
-    let text = dump(0, "1 0 0 0\n") + &dump(50, "1 10 0 0\n") + &dump(75, "1 20 0 0\n");
-    for (bytes, ending) in [(text.as_bytes(), ""), (&cube(12), "npy")] {
-        assert_eq!(one(bytes, ending, Frame::Number(1), true), Ok((10.0, 1, 3)));
-        assert_eq!(one(bytes, ending, Frame::Number(1), false), Ok((10.0, 1, 2)));
-        assert_eq!(one(bytes, ending, Frame::Number(0), false), Ok((0.0, 0, 1)));
-        assert_eq!(one(bytes, ending, Frame::Last, false), Ok((20.0, 2, 3)));
-        let refused = |frame| one(bytes, ending, frame, false).unwrap_err();
+fn one_frame_is_read_by_the_code_that_reads_all() {
+    let dump = |x: u32| {
+        format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z\n1 {x} 0 0\n")
+    };
+    let mercury = |x: u32| format!("1 0 0 0 9 9\n{x} 5 0 0 .5 0 0 0\n");
+    let of = |frame: &dyn Fn(u32) -> String| (frame(0) + &frame(10) + &frame(20)).into_bytes();
+    let cube = npy_file("<f8", "False", "(3, 1, 2)", &doubles(&[0.0, 1.0, 10.0, 1.0, 20.0, 1.0]));
+    let xyz = |x: u32| format!("1\n\nA {x} 2 3\n");
+    for bytes in [&of(&dump), &of(&mercury), &of(&xyz), &cube] {
+        assert_eq!(one(bytes, Frame::Number(1), true), Ok((10.0, 1, 3)));
+        assert_eq!(one(bytes, Frame::Number(1), false), Ok((10.0, 1, 2)));
+        assert_eq!(one(bytes, Frame::Number(0), false), Ok((0.0, 0, 1)));
+        assert_eq!(one(bytes, Frame::Last, false), Ok((20.0, 2, 3)));
+        let refused = |frame| one(bytes, frame, false).unwrap_err();
         assert_eq!(
             refused(Frame::Number(3)),
             "p holds 3 frames, numbered from 0; there is no frame 3"
         );
         assert!(refused(Frame::Only).contains("a second frame begins; say which one"));
-        assert_eq!(
-            refused(Frame::All),
-            "p: one frame is wanted here; give --frame a number from 0, or last"
-        );
+        let all = "p: one frame is wanted here; give --frame a number from 0, or last";
+        assert_eq!(refused(Frame::All), all);
     }
-}
-
-#[test]
-fn frames_that_are_cut_off_end_the_others_in_words() {
-    let (told, end) = all(&cube(10), "npy", HALF);
-    assert_eq!(told.len(), 2);
-    assert!(end.starts_with("frame 2: p ends before the 2 x 2 numbers"), "{end}");
-    assert!(one(&cube(9), "npy", Frame::Last, false).is_err());
-    assert!(one(&cube(6), "npy", Frame::Number(2), false).unwrap_err().contains("ends in frame 1"));
-    let (told, end) = all(&cube(13), "npy", HALF);
-    assert_eq!(told.len(), 3);
-    assert!(end.starts_with("p goes on after"), "{end}");
     // An error ends them, whatever follows.
     let torn = &b"1\n\nA 0 0 0\n1\n\nA x 0 0\n1\n\nA 5 0 0\n"[..];
     let options = Options { frame: Frame::All, ..HALF };
     let count = frames_from(torn, "p", "xyz", options, |frames| Ok(frames.take(9).count()));
     assert_eq!(count.unwrap(), 2, "a frame and an error");
-    let twice = dump(0, "1 0 0 0\n1 1 0 0\n");
-    assert!(all(twice.as_bytes(), "", HALF).1.starts_with("the id 1 stands twice"));
 }
 
 #[test]
-fn arrays_of_frames_without_end_are_refused() {
-    for (shape, fortran, words) in [
-        ("(18446744073709551615, 0, 3)", "False", "it must be that of rows"),
-        ("(0, 5, 3)", "False", "it must be that of rows"),
-        ("(2, 2, 2)", "True", "in Fortran order; write frames in C order"),
-        ("(18446744073709551615, 4000000000, 3)", "False", "p ends before the"),
-        ("(2, 2, 2, 2)", "False", "it must be that of rows"),
-    ] {
-        let end = all(&npy_file("<f8", fortran, shape, &[0; 16]), "npy", HALF).1;
-        assert!(end.contains(words), "{shape}: {end}");
+fn radii_are_sorted_with_ids() {
+    let sorted = |text: &str| -> Result<Vec<Vec<f64>>, String> {
+        let options = Options { ids: true, ..NONE };
+        let (mut particles, _) = load_from(text.as_bytes(), "p", "csv", options).unwrap();
+        particles.sort_by_id().map_err(|error| error.to_string())?;
+        Ok(rows(&particles.scene("p", None).unwrap()))
+    };
+    let expected = vec![vec![0.0, 1.0, 10.0], vec![0.0, 2.0, 11.0]];
+    assert_eq!(sorted("id,x,y,r\n2,0,2,11\n1,0,1,10\n"), Ok(expected));
+    assert!(sorted("id,x,y,r\n1,0,2,11\n1,0,1,10\n").unwrap_err().starts_with("the id 1 stands"));
+}
+
+/// Two whole frames of each format, and one that is being written.
+fn growing() -> [(&'static str, String, usize); 4] {
+    let dump = |step: u64| {
+        format!(
+            "ITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS \
+             pp pp pp\n0 10\n0 10\n0 10\nITEM: ATOMS id x y z\n1 {step} 5 5\n2 9.75 5 5\n"
+        )
+    };
+    let xyz =
+        |step: u64| format!("2\nLattice=\"10 10 10\" step={step}\nC {step} 5 5\nC 9.75 5 5\n");
+    let mercury =
+        |step: u64| format!("2 {step} 0 0 9 9\n{step} 5 0 0 .5 0 0 0\n1 5 0 0 .5 0 0 0\n");
+    let csv = |step: u64| {
+        let head = if step == 0 { "frame,x,y,z\n" } else { "" };
+        format!("{head}{step},{step},5.125,5.25\n{step},9.75,5.125,5.25\n")
+    };
+    let of = |frame: &dyn Fn(u64) -> String| frame(0) + &frame(1) + &frame(2);
+    [("dump", of(&dump), 26), ("xyz", of(&xyz), 8), ("", of(&mercury), 6), ("csv", of(&csv), 5)]
+}
+
+#[test]
+fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
+    for (ending, text, lines) in growing() {
+        let third: usize = text.split_inclusive('\n').take(lines).map(str::len).sum();
+        let rest = text.len() - third;
+        for cut in [text.len() - 12, text.len() - 9, third + rest / 4, third + 3] {
+            let bytes = &text.as_bytes()[..cut];
+            let radius = (!ending.is_empty()).then_some(0.5);
+            let options = Options { radius, ..NONE };
+            let load = |frame, survey| {
+                load_from(bytes, "p", ending, Options { frame, survey, ..options })
+                    .map_err(|error| format!("{error:#}"))
+            };
+            for k in [0, 1] {
+                for survey in [false, true] {
+                    let (particles, _) = load(Frame::Number(k), survey).unwrap();
+                    assert_eq!(particles.centre(0)[0], k as f64, "{ending} {cut} {k}");
+                    let said = |notice: &Notice| {
+                        let words = notice.words(Place::Argument);
+                        words.contains("is whole") || words.contains("no line feed")
+                    };
+                    // A table is read to its end, for the order of its rows.
+                    let through = survey || ending == "csv";
+                    assert_eq!(particles.notices().iter().any(said), through, "{ending} {cut}");
+                }
+            }
+            let whole =
+                format!("frames 0 to 1 are whole: take --frame 1, or all with head -n {lines} p");
+            let error = load(Frame::Last, false).unwrap_err();
+            assert!(error.ends_with(&whole), "{ending} {cut}: {error}");
+            let all = Options { frame: Frame::All, ..options };
+            let mut count = 0;
+            let end = frames_from(bytes, "p", ending, all, |frames| {
+                frames.map(|frame| frame.map(|_| count += 1)).collect::<anyhow::Result<Vec<_>>>()
+            });
+            assert!(format!("{:#}", end.unwrap_err()).ends_with(&whole));
+            assert_eq!(count, 2, "{ending} {cut}");
+        }
+        // The remedy of the message.
+        let some: String = text.split_inclusive('\n').take(lines).collect();
+        let options = Options { radius: (!ending.is_empty()).then_some(0.5), ..NONE };
+        let last = Options { frame: Frame::Last, ..options };
+        let (particles, _) = load_from(some.as_bytes(), "p", ending, last).unwrap();
+        assert_eq!(particles.centre(0)[0], 1.0);
+        // The last number of all may be cut, and nothing else shows it.
+        let cut = &text.as_bytes()[..text.len() - 1];
+        let (particles, _) = load_from(cut, "p", ending, last).unwrap();
+        let words = |notice: &Notice| notice.words(Place::Argument).contains("no line feed");
+        assert!(particles.notices().iter().any(words), "{ending}");
     }
-    assert!(
-        pairs::from(&cube(12)[..], "p", &[], Frame::Only).is_err(),
-        "three dimensions are no pairs"
-    );
+}
+
+fn gsd(name: &str) -> Vec<u8> {
+    std::fs::read(
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data").join(name),
+    )
+    .unwrap()
 }
 
 #[test]
-fn rows_of_an_array_name_their_frame() {
-    let numbers = [0, 0, 1, 0, 1, 2, 4, 0, 1].map(i32::to_le_bytes).concat();
-    let array = npy_file("<i4", "False", "(3, 3)", &numbers);
-    let lists = pairs::lists_from(&array[..], "p", &[], Frame::All, |lists| {
-        lists.map(|list| list.map(|it| (it.frame, it.pairs))).collect::<anyhow::Result<Vec<_>>>()
-    });
-    assert_eq!(lists.unwrap(), [(Some(0), vec![[0, 1], [1, 2]]), (Some(4), vec![[0, 1]])]);
+fn gsd_of_hoomd_is_read_with_its_frames_box_and_diameters() {
+    let bytes = gsd("tilted.gsd");
+    let frame = |frame| load_from(&bytes[..], "p", "", Options { frame, ..NONE }).unwrap();
+    let (particles, about) = frame(Frame::Number(1));
+    assert_eq!((about.format, about.frame, about.step), ("GSD", 1, Some(50)));
+    let declared = about.declared.unwrap();
+    let vectors = [[4.0, 0.0, 0.0], [2.0, 4.0, 0.0], [0.0, 2.0, 8.0]];
+    assert_eq!(declared.vectors, Some(vectors));
+    assert_eq!((declared.origin, declared.periodic), ([-3.0, -3.0, -4.0], Some([true; 3])));
+    let given = particles.given("p", None).unwrap();
+    assert_eq!(rows(&given.scene), [[0.0, 0.0, 0.0, 0.5], [1.5, 0.0, 0.0, 0.75]]);
+    let (particles, about) = frame(Frame::Last);
+    assert_eq!((about.frames, about.step, particles.len()), (3, Some(75), 3));
+    assert_eq!(particles.centre(1), [0.0, 0.0, -3.75]);
+    // Discs without diameters.
+    let (particles, about) = load_from(&gsd("plane.gsd")[..], "p", "", NONE).unwrap();
+    assert_eq!((particles.dim(), about.step), (2, Some(7)));
+    assert_eq!(about.declared.unwrap().periodic, Some([true, true, false]));
+    let words = particles.notices()[0].words(Place::Argument);
+    assert!(words.contains("default of 1"), "{words}");
+    assert_eq!(particles.given("p", None).unwrap().scene.len(), 3);
+    let (particles, _) = load_from(&gsd("plane.gsd")[..], "p", "", HALF).unwrap();
+    assert!(particles.notices().is_empty());
+}
+
+/// Each field of the head and the index is set to other values; each prefix is read.
+#[test]
+fn damaged_gsd_gives_a_sentence() {
+    let bytes = gsd("tilted.gsd");
+    let mut read = [0, 0];
+    let mut see = |bytes: &[u8]| {
+        for frame in [Frame::Last, Frame::Number(0)] {
+            let loaded = load_from(bytes, "p", "", Options { frame, ..NONE });
+            read[usize::from(loaded.is_ok())] += 1;
+        }
+    };
+    (0..bytes.len()).step_by(37).for_each(|end| see(&bytes[..end]));
+    for at in (8..48).chain(256..256 + 32 * 18) {
+        for value in [0, 1, 0x7f, 0xff] {
+            let mut bytes = bytes.clone();
+            bytes[at] = value;
+            see(&bytes);
+        }
+    }
+    let [bad, good] = read;
+    assert!(bad > 100 && good > 100, "{bad} {good}");
 }

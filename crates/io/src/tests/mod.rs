@@ -1,12 +1,9 @@
-//! What is read of files of text (`cases`), of arrays (`npy`, `arrays`) and of several files
-//! (`series`); the frames of arrays, frames that are being written (`frames`, `codes`), lists in
-//! arrays (`lists`); and that no bytes make a reader panic (`refused`).
+//! What is read of one file (`cases`) and of several (`series`); long arrays, and pairs that are
+//! written (`npy`); frames that are being written, and GSD (`frames`); and that no bytes make a
+//! reader panic (`refused`).
 
-mod arrays;
 mod cases;
-mod codes;
 mod frames;
-mod lists;
 mod npy;
 mod refused;
 mod series;
@@ -43,6 +40,12 @@ fn npy_file(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
 
 fn doubles(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), Default::default());
+    std::io::Write::write_all(&mut packed, bytes).unwrap();
+    packed.finish().unwrap()
 }
 
 #[test]

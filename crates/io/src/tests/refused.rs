@@ -4,43 +4,9 @@ use rand::{RngExt, SeedableRng};
 
 use super::*;
 
-/// Text that is refused is in `cases/refused.txt`.
+/// The rest is in `cases`.
 #[test]
-fn bad_arrays_and_options_are_refused_with_place_and_remedy() {
-    let shape = |shape| npy_file("<f8", "False", shape, &doubles(&[1.0; 4]));
-    let numbers = |shape, numbers: &[f64]| npy_file("<f8", "False", shape, &doubles(numbers));
-    for (bytes, words) in [
-        (b"x,y\n".to_vec(), "p is not a NumPy file: it does not begin with \\x93NUMPY"),
-        (b"\x93NUMPY".to_vec(), "p: the npy header is cut off"),
-        (b"\x93NUMPY\x04\0\0\0".to_vec(), "p is npy version 4; versions 1 to 3 are read"),
-        (b"\x93NUMPY\x02\0\0\0\0\x80".to_vec(), "the npy header has 2147483648 bytes"),
-        (numbers("(1000000000000, 3)", &[1.0; 3]), "p: 1000000000000 particles; at most 2^32 - 1"),
-        (numbers("(4000000000, 3)", &[1.0; 3]), "p ends before the 4000000000 x 3 numbers"),
-        (numbers("(2, 2)", &[1.0, 2.0, 3.0, f64::NAN]), "p: particle 1 (from 0): y is NaN"),
-        (
-            numbers("(1, 4)", &[1.0, 2.0, 3.0, -1.0]),
-            "particle 0 (from 0): the radius -1 is negative",
-        ),
-        (shape("(4,)"), "the shape is (4,); it must be (N, 2), (N, 3) or (N, 4)"),
-        (shape("(2, 1)"), "the shape is (2, 1); it must be"),
-        (shape("(-1, 2)"), "the shape is (-1, 2); it must be"),
-        (shape("7"), "the shape is not of the form (N, 3)"),
-        (shape("(1, 2)"), "p goes on after the 1 x 2 numbers"),
-        (
-            npy_file("<i8", "False", "(1, 2)", &[]),
-            "the type '<i8' is not read; convert with .astype('f8')",
-        ),
-        (npy_file("<f8", "Maybe", "(1, 2)", &[]), "fortran_order is neither True nor False"),
-    ] {
-        let options = if words.contains("negative") { NONE } else { HALF };
-        let message = read(&bytes, "npy", options).unwrap_err();
-        assert!(message.contains(words), "{message}");
-    }
-    // As Finney's packing is published, in an array: number, x, y, z.
-    let rows = [0.0, 1.5, 0.5, 1.0, 1.0, 1.5, 0.5, 0.5, 2.0, 1.5, 0.5, 0.25];
-    let array = numbers("(3, 4)", &rows);
-    assert!(read(&array, "npy", NONE).unwrap_err().contains("counts the particles"));
-    assert!(read(&array, "npy", Options { dim: Some(3), ..NONE }).is_ok());
+fn long_lines_options_and_missing_files_are_refused() {
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
     let message = read(&long, "csv", NONE).unwrap_err();
     assert!(message.starts_with("p:2: the line is longer than 1048576 bytes"), "{message}");
@@ -49,6 +15,11 @@ fn bad_arrays_and_options_are_refused_with_place_and_remedy() {
     let missing = scene(Path::new("/nowhere/p.csv"), NONE).unwrap_err();
     assert!(format!("{missing:#}").starts_with("cannot read /nowhere/p.csv: "), "{missing:#}");
     assert!(scene(Path::new("/"), NONE).is_err());
+    let twice = read(&packed(&packed(b"x,y,r\n1,2,3\n")), "", NONE).unwrap_err();
+    assert!(twice.contains("compressed twice"), "{twice}");
+    let damaged = packed(format!("x,y,r\n{}", "1,2,3\n".repeat(1000)).as_bytes());
+    let message = read(&damaged[..damaged.len() / 2], "", NONE).unwrap_err();
+    assert!(message.starts_with("cannot read p"), "{message}");
 }
 
 /// Damaged files give scenes or sentences, never a panic. The seed is fixed, so that a failure

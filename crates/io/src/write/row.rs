@@ -10,7 +10,7 @@ use contactbench_core::scene::{AnyScene, Real, array};
 use contactbench_core::with_scene;
 
 /// More columns of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extra {
     /// The overlap as a length and, as `depth`, in mean radii of the two particles.
     Overlap,
@@ -18,6 +18,19 @@ pub enum Extra {
     Normal,
     /// The ids of the two particles.
     Ids,
+}
+
+impl Extra {
+    /// All, with their names and what they hold.
+    pub const ALL: [(Extra, &'static str, &'static str); 3] = [
+        (
+            Extra::Overlap,
+            "overlap",
+            "The overlap as a length and, as `depth`, in mean radii of the two particles",
+        ),
+        (Extra::Normal, "normal", "The unit vector from the first particle to the second"),
+        (Extra::Ids, "ids", "The ids of the two particles"),
+    ];
 }
 
 /// Where the particles are.

@@ -24,7 +24,6 @@ pub(super) struct Table {
     pub split: Option<Split>,
     pub blocks: Blocks,
     pub declared: Option<Declared>,
-    pub bounds: Option<Vec<[f64; 2]>>,
     pub notices: Vec<Notice>,
 }
 
@@ -70,10 +69,10 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
     let by = Chosen::frame(options.columns, &mut columns, &place, split::by_name)?;
     let split = by.map(|by| Split::new(by, &mut columns, options)).transpose();
     let split = split.with_context(|| place.clone())?;
-    let bounds = comments.edges.map(|edges| edges.map(|edge| [0.0, edge]).to_vec());
-    let declared = bounds
-        .as_ref()
-        .map(|bounds| Declared::between(bounds, Some([0, 1, 2].map(|axis| bounds[axis][1] > 0.0))));
+    let declared = comments.edges.map(|edges| {
+        let periodic = Some(edges.map(|edge| edge > 0.0));
+        Declared::between(&edges.map(|edge| [0.0, edge]), periodic)
+    });
     let is_row = more && (!is_header || lines.advance()?);
     let notices = comments.notices;
     Ok(Table {
@@ -87,7 +86,6 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
         split,
         blocks: Blocks::default(),
         declared,
-        bounds,
         notices,
     })
 }

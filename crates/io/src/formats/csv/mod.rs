@@ -24,16 +24,14 @@ use anyhow::{anyhow, ensure};
 pub(crate) use split::{maybe_frames, names_a_frame};
 
 use crate::counted::Counted;
+use crate::formats::Opened;
 use crate::formats::csv::header::Table;
 use crate::frames::{Choice, Reader, Step};
 use crate::lines::{Lines, Separator, Source, is_comment, number, uncommented};
 use crate::particles::{Columns, Particles, loaded};
-use crate::{About, Notice, Options, RadiusSource};
+use crate::{Loaded, Notice, Options, RadiusSource};
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Csv { lines: Lines::new(source), options, table: None })
 }
 
@@ -44,8 +42,8 @@ struct Csv<'a> {
     table: Option<Table>,
 }
 
-impl Reader<(Particles, About)> for Csv<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+impl Reader<Loaded> for Csv<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         let Csv { lines, options, table } = self;
         let table = match table {
             Some(table) => table,
@@ -136,7 +134,7 @@ impl Table {
         radius: RadiusSource,
         index: u64,
         name: &str,
-    ) -> anyhow::Result<(Particles, About)> {
+    ) -> anyhow::Result<Loaded> {
         let names = &self.columns.names;
         let mut notices = self.notices.clone();
         if self.assumed {
@@ -159,7 +157,6 @@ impl Table {
         }
         notices.extend(self.blocks.notice());
         about.declared = self.declared.clone();
-        about.bounds = self.bounds.clone();
         particles.notices.extend(notices);
         Ok((particles, about))
     }

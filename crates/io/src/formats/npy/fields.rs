@@ -3,10 +3,10 @@
 use anyhow::{Context, bail, ensure};
 
 use super::Header;
+use crate::Options;
 use crate::lines::{Source, short};
-use crate::particles::{Column, Columns, Particles};
+use crate::particles::{Column, Columns, Rows};
 use crate::scalars::Kind;
-use crate::{Options, RadiusSource};
 
 /// A field of a record.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +78,7 @@ fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
 }
 
 /// The particles of an array of records, whose fields are named as columns are.
-pub fn records(
-    source: &mut Source<'_>,
-    header: &Header,
-    options: Options,
-) -> anyhow::Result<(Particles, RadiusSource)> {
+pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Rows> {
     let (name, fields) = (source.name, &header.fields);
     let remedy = || {
         let all = fields.iter().take(4).map(|field| format!("a['{}']", short(&field.name)));
@@ -104,21 +100,10 @@ pub fn records(
         }
     }
     let mut columns = columns.chosen(name, options)?;
-    let mut particles = columns.particles(name, options).with_context(remedy)?;
-    let mut ends = vec![0];
-    ends.extend(fields.iter().scan(0, |end, field| {
-        *end += field.width;
-        Some(*end)
-    }));
-    let mut record = vec![0; ends[fields.len()]];
-    for k in 0..rows {
-        let whole = source.fill(&mut record)?;
-        ensure!(whole, "{name} ends before the {rows} records that its header announces");
-        let value = |place: usize| {
-            let (kind, big) = fields[place].number?;
-            Some(kind.get(&record[ends[place]..], big))
-        };
-        columns.push_values(&mut particles, (name, "record", k), value)?;
-    }
-    Ok((particles, columns.radius()))
+    let particles = columns.particles(name, options).with_context(remedy)?;
+    let mut all = Rows { columns, particles };
+    let fields: Vec<_> = fields.iter().map(|field| (field.number, field.width)).collect();
+    let read = all.push_records(source, "record", rows, &fields)?;
+    ensure!(read == rows, "{name} ends before the {rows} records that its header announces");
+    Ok(all)
 }

@@ -4,15 +4,13 @@ use anyhow::{Context, bail, ensure};
 
 use super::{Header, any_header, particles, records};
 use crate::counted::Counted;
+use crate::formats::Opened;
 use crate::frames::{Choice, Reader, Step};
 use crate::lines::Source;
-use crate::particles::{Particles, loaded};
-use crate::{About, Options};
+use crate::particles::loaded;
+use crate::{Loaded, Options};
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Array { source, options, header: None, read: 0 })
 }
 
@@ -24,8 +22,8 @@ struct Array<'a> {
     read: u64,
 }
 
-impl Reader<(Particles, About)> for Array<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+impl Reader<Loaded> for Array<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         let Array { source, options, header, read } = self;
         let header = match header {
             Some(header) => header,
@@ -74,14 +72,9 @@ impl Reader<(Particles, About)> for Array<'_> {
 }
 
 /// The next rows as particles.
-fn frame(
-    source: &mut Source<'_>,
-    header: &Header,
-    options: Options,
-) -> anyhow::Result<(Particles, About)> {
+fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Loaded> {
     if !header.fields.is_empty() {
-        let (particles, radius) = records(source, header, options)?;
-        return Ok(loaded("NumPy npy", particles, radius));
+        return Ok(records(source, header, options)?.read("NumPy npy"));
     }
     ensure!(
         options.columns.is_none(),

@@ -1,8 +1,8 @@
 //! The box in an archive of arrays: `box`, `cell`, `lattice` or `L`, with `pbc` or `periodic`.
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 
-use crate::boxes::Declared;
+use crate::boxes::{self, Declared};
 use crate::formats::npy::{self, Header};
 use crate::lines::{Source, short};
 use crate::particles::Column;
@@ -112,22 +112,19 @@ impl Cell {
             let length = values.len() / (frames as usize).max(1);
             (values, one) = (&values[k as usize * length..][..length], rest);
         }
-        let (vectors, what) = match (one, values) {
-            ([] | [1], &[a]) => (edges([a, a, a]), "edge"),
-            ([2], &[a, b]) => (edges([a, b, 0.0]), "edges"),
-            ([3], &[a, b, c]) => (edges([a, b, c]), "edges"),
-            ([2, 2], &[a, b, c, d]) => {
-                ([[a, b, 0.0], [c, d, 0.0], [0.0; 3]], "vectors, one a row,")
-            }
-            ([3, 3], &[a, b, c, d, e, f, g, h, i]) => {
-                ([[a, b, c], [d, e, f], [g, h, i]], "vectors, one a row,")
-            }
-            _ => bail!(
+        let (all, what) = match (one, values) {
+            ([] | [1], &[a]) => (vec![a; 3], "edge"),
+            ([2] | [3], _) => (values.to_vec(), "edges"),
+            ([2, 2] | [3, 3], _) => (values.to_vec(), "vectors, one a row,"),
+            _ => (vec![], ""),
+        };
+        let vectors = boxes::vectors(&all).with_context(|| {
+            format!(
                 "{name}: '{label}' has the shape {}, and is not known to be a box: edges (3,) or \
                  vectors (3, 3), in two dimensions (2,) or (2, 2); give --box LX,LY,LZ, or --open",
                 npy::shape(shape)
-            ),
-        };
+            )
+        })?;
         let numbers: Vec<String> = values.iter().map(f64::to_string).collect();
         notices.push(Notice::Assumed(format!(
             "the array '{label}' is taken as the {what} of the box: {}",
@@ -135,10 +132,6 @@ impl Cell {
         )));
         Ok(Some(Declared { vectors: Some(vectors), periodic, ..Declared::default() }))
     }
-}
-
-fn edges([a, b, c]: [f64; 3]) -> [[f64; 3]; 3] {
-    [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]
 }
 
 fn flag(value: f64) -> Option<bool> {

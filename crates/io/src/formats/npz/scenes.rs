@@ -5,18 +5,16 @@ use anyhow::{Context, bail, ensure};
 use super::boxes::Cell;
 use super::members;
 use crate::arrays::one_of;
+use crate::formats::Opened;
 use crate::formats::npy::{self, Header};
 use crate::frames::{Choice, Reader, Step};
 use crate::lines::{Source, short};
 use crate::particles::{Column, Particles, loaded, unused_sizes};
 use crate::room::{room, room_for};
 use crate::scalars::{Ids, Kind, Size};
-use crate::{About, Chosen, Notice, Options, RadiusSource};
+use crate::{About, Chosen, Loaded, Notice, Options, RadiusSource};
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Frames { source, options, scenes: None, next: 0 })
 }
 
@@ -53,8 +51,8 @@ struct Scenes {
     unused: Vec<Notice>,
 }
 
-impl Reader<(Particles, About)> for Frames<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+impl Reader<Loaded> for Frames<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         let Frames { source, options, scenes, next } = self;
         let name = source.name;
         let scenes = match scenes {
@@ -113,7 +111,8 @@ impl Scenes {
             _ if is_box => return self.around.take(source, &header, label, options),
             _ if !header.fields.is_empty() => {
                 let read = npy::records(source, &header, options)?;
-                return self.whole(read, label, source.name);
+                let radius = read.columns.radius();
+                return self.whole((read.particles, radius), label, source.name);
             }
             (&[_], _) if options.ids && Ids::is_named(label, column) => {
                 let mut ids = Ids::new(label, column);
@@ -250,7 +249,7 @@ impl Scenes {
     }
 
     /// The only frame.
-    fn one(&mut self, name: &str, options: Options) -> anyhow::Result<(Particles, About)> {
+    fn one(&mut self, name: &str, options: Options) -> anyhow::Result<Loaded> {
         let (particles, radius) = match self.whole.take() {
             Some((particles, radius, _)) => (particles, radius),
             None => {
@@ -262,7 +261,7 @@ impl Scenes {
     }
 
     /// Frame `k` of several.
-    fn frame(&self, k: u64, name: &str, options: Options) -> anyhow::Result<(Particles, About)> {
+    fn frame(&self, k: u64, name: &str, options: Options) -> anyhow::Result<Loaded> {
         let Some(points) = &self.frames else { bail!("{name} holds no frames") };
         let length = points.rows * points.columns;
         let values = &points.values[k as usize * length..][..length];
@@ -278,7 +277,7 @@ impl Scenes {
         frame: Option<[u64; 2]>,
         name: &str,
         options: Options,
-    ) -> anyhow::Result<(Particles, About)> {
+    ) -> anyhow::Result<Loaded> {
         let n = particles.len();
         particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
         particles.notices.extend(self.unused.iter().cloned());

@@ -12,10 +12,9 @@ use anyhow::{Context, bail, ensure};
 use crate::arrays::{Arrays, Cells, Of};
 use crate::formats::xml::{Base64, Tag, Xml};
 use crate::lines::{Source, short};
-use crate::particles::Particles;
 use crate::room::room;
 use crate::scalars::{Kind, Target};
-use crate::{About, Options};
+use crate::{Loaded, Options};
 use numbers::{Array, Counting, Layout, numbers, text};
 
 struct File<'a> {
@@ -37,7 +36,7 @@ struct File<'a> {
     appended: Vec<(u64, usize, Array)>,
 }
 
-pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let name = source.name;
     let mut file = File {
         xml: Xml { source, line: 1 },

@@ -17,17 +17,15 @@ mod comment;
 use anyhow::{Context, bail, ensure};
 use comment::Comment;
 
-use crate::frames::{Framed, Reader};
+use crate::formats::Opened;
+use crate::frames::Framed;
 use crate::lines::{Lines, Source, number, short, shown, step_of, words};
-use crate::particles::{Column, Columns, Particles};
-use crate::{About, Boundaries, Declared, Notice, Options};
+use crate::particles::{Column, Columns};
+use crate::{About, Boundaries, Declared, Loaded, Notice, Options, boxes};
 
 const MOST_COLUMNS: usize = 10_000;
 
-pub fn frames<'a>(
-    source: Source<'a>,
-    options: Options,
-) -> Box<dyn Reader<(Particles, About)> + 'a> {
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Xyz { lines: Lines::new(source), options, count: None })
 }
 
@@ -53,13 +51,13 @@ impl Framed for Xyz<'_> {
         Ok(Some(self.lines.place()))
     }
 
-    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let n = self.count.unwrap_or_default();
         if keep {
             return frame(&mut self.lines, n, self.options).map(Some);
         }
         self.lines.advance()?;
-        (0..n).try_for_each(|k| row(&mut self.lines, k, n)).map(|()| None)
+        (0..n).try_for_each(|k| self.lines.row(k, n, ROWS)).map(|()| None)
     }
 
     fn end(&self) -> Option<(u64, bool)> {
@@ -82,19 +80,12 @@ fn maybe_box(line: &str) -> Option<Notice> {
     })
 }
 
-/// Goes to the line of particle `k` of `n`.
-fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
-    ensure!(
-        lines.advance()?,
-        "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
-         cut off, or still being written; mend the number or the file",
-        lines.source.name
-    );
-    Ok(())
-}
+/// Of what a frame has too few.
+const ROWS: &str = "particles that the frame's first line announces: it is cut off, or still being \
+                    written; mend the number or the file";
 
 /// The comment line and the rows of one frame.
-fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Particles, About)> {
+fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Loaded> {
     // A file of no particles may end before its comment line.
     let line = if lines.advance()? { lines.text() } else { String::new() };
     let comment = Comment::read(&line).with_context(|| lines.place())?;
@@ -105,12 +96,12 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
     };
-    let mut columns = columns.chosen(&lines.place(), options)?;
-    let mut particles = columns.particles(&lines.place(), options)?;
+    let mut rows = columns.rows(&lines.place(), options)?;
+    let plain = rows.columns.or_more;
     for k in 0..n {
-        row(lines, k, n)?;
+        lines.row(k, n, ROWS)?;
         let line = lines.line();
-        if columns.or_more && options.columns.is_none() {
+        if plain && options.columns.is_none() {
             let first = words(line).next().unwrap_or_default();
             ensure!(
                 number(first).is_none_or(|value| value.fract() == 0.0),
@@ -120,22 +111,20 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
                 shown(first)
             );
         }
-        if columns.or_more && options.radius.is_none() && options.columns.is_none() {
+        if plain && options.radius.is_none() && options.columns.is_none() {
             let count = words(line).count();
             ensure!(
-                count <= columns.names.len(),
+                count <= rows.columns.names.len(),
                 "{}: {count} columns in a plain XYZ file: it is not known whether the others are \
                  radii; give --radius R to skip them, or name them in line 2 as in \
                  Properties=species:S:1:pos:R:3:radius:R:1",
                 lines.place()
             );
         }
-        columns.push_words(&mut particles, line, lines)?;
+        rows.push(line, lines)?;
     }
-    let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
-    let (mut particles, about) = crate::particles::loaded(format, particles, columns.radius());
-    let silent =
-        columns.or_more && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
+    let (mut particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
+    let silent = plain && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
     particles.notices.extend(maybe_box(&line).filter(|_| silent));
     let first = |keys: &[&str]| {
         keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)
@@ -183,11 +172,7 @@ fn declared(
         };
         let counts: &[usize] = if space { &[9, 3] } else { &[9, 3, 4] };
         let lattice = comment.get("Lattice").map(|pair| pair.numbers(counts, what)).transpose()?;
-        vectors = lattice.map(|n| match n[..] {
-            [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
-            [ax, ay, bx, by] => [[ax, ay, 0.0], [bx, by, 0.0], [0.0; 3]],
-            _ => [[n[0], n[1], n[2]], [n[3], n[4], n[5]], [n[6], n[7], n[8]]],
-        });
+        vectors = lattice.and_then(|numbers| boxes::vectors(&numbers));
     }
     let counts: &[usize] = if space { &[3] } else { &[3, 2] };
     let origin = comment.get("Origin").map(|pair| pair.numbers(counts, "three finite numbers"));
@@ -201,7 +186,7 @@ fn declared(
     }
     let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
     let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n.get(2).copied().unwrap_or(0.0)]);
-    Ok(declared.then_some(Declared { vectors, origin, periodic, rounded: false }))
+    Ok(declared.then_some(Declared { vectors, origin, periodic, ..Declared::default() }))
 }
 
 /// The columns that `name:type:number` triples announce.

@@ -1,7 +1,8 @@
 //! Files of text, and what is read of them: `*.txt` in this folder.
 //!
-//! A line `>>> ENDING` begins a file (`>>> list` a list of contacts), whose lines follow. A line
-//! `<<< NAME=VALUE ...` reads the file with these options, and below it stands what comes of that:
+//! A line `>>> ENDING` begins a file (`>>> list` a list of contacts, `>>> any` a file that is read
+//! with several endings and as a list), whose lines follow. A line `<<< NAME=VALUE ...` reads the
+//! file with these options, and below it stands what comes of that:
 //!
 //! | line | holds |
 //! |---|---|
@@ -12,21 +13,68 @@
 //! | `!` | words of the refusal |
 //!
 //! In a file `\t`, `\r`, `\0` and `\\` stand for themselves, `\xff` for a byte, and `\` at the end
-//! of a line for no line feed. A line without options reads the only frame.
+//! of a line for no line feed. A line without options reads the only frame. A line `% <f8 (2, 2) 1 2
+//! 3 4` is an array of NumPy, in Fortran order if its type ends in F; lines `%NAME <f8 (2,) 1 2` are
+//! those of an archive. What is read is the same if it is compressed with gzip.
 
 use std::fmt::Write;
 
 use super::*;
+use crate::formats::unread;
 use crate::pairs;
 
 macro_rules! files {
     ($($name:literal),*) => { [$(($name, include_str!(concat!($name, ".txt")))),*] };
 }
-const FILES: [(&str, &str); 9] =
-    files!["boxes", "codes", "columns", "frames", "lists", "refused", "tables", "vtk", "xyz"];
+const FILES: [(&str, &str); 12] = files![
+    "arrays", "boxes", "codes", "columns", "formats", "frames", "lists", "refused", "tables",
+    "unread", "vtk", "xyz"
+];
+
+/// A number in the type of an array.
+fn number(kind: &str, x: f64) -> Vec<u8> {
+    let mut bytes = match kind.split_at(1).1 {
+        "f4" => (x as f32).to_le_bytes().to_vec(),
+        "f8" => x.to_le_bytes().to_vec(),
+        kind => (x as i64).to_le_bytes()[..kind[1..].parse().unwrap()].to_vec(),
+    };
+    if kind.starts_with('>') {
+        bytes.reverse();
+    }
+    bytes
+}
+
+/// The array of a line, and its name in an archive.
+fn array(line: &str) -> Option<(&str, Vec<u8>)> {
+    let (name, rest) = line.strip_prefix('%')?.split_once(' ')?;
+    let (kind, rest) = rest.split_once(" (")?;
+    let (shape, numbers) = rest.split_once(')')?;
+    let fortran = if kind.ends_with('F') { "True" } else { "False" };
+    let kind = kind.trim_end_matches('F');
+    let words = numbers.split_whitespace().map(|word| word.parse().unwrap());
+    let data: Vec<u8> = words.flat_map(|x| number(kind, x)).collect();
+    Some((name, npy_file(kind, fortran, &format!("({shape})"), &data)))
+}
+
+/// An archive whose files are stored.
+fn archive(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut archive = Vec::new();
+    for (name, file) in files {
+        let (size, length) = ((file.len() as u32).to_le_bytes(), name.len() as u16 + 4);
+        archive.extend([b"PK\x03\x04", &[0; 14][..], &size, &size].concat());
+        archive.extend([&length.to_le_bytes(), &[0, 0], name.as_bytes(), b".npy", file].concat());
+    }
+    [&archive, &b"PK\x05\x06"[..], &[0; 18]].concat()
+}
 
 /// A file as the cases write it.
 fn bytes(lines: &[&str]) -> Vec<u8> {
+    let arrays: Vec<(&str, Vec<u8>)> = lines.iter().filter_map(|line| array(line)).collect();
+    match &arrays[..] {
+        [] => {}
+        [("", array)] => return array.clone(),
+        files => return archive(files),
+    }
     let mut bytes = Vec::new();
     for line in lines {
         let mut rest = line.bytes();
@@ -167,6 +215,14 @@ fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
     match options(text) {
         Err(why) => format!("! {why}\n"),
         Ok((options, columns)) if ending == "list" => lists(bytes, &columns, options.frame),
+        Ok((options, _)) if ending == "any" => {
+            let mut all = ["", "csv", "xyz", "dump", "dat"].map(|it| particles(bytes, it, options));
+            let list = [lists(bytes, &[], options.frame)];
+            all.sort_unstable();
+            let mut all: Vec<String> = all.into_iter().chain(list).collect();
+            all.dedup();
+            all.concat()
+        }
         Ok((options, _)) => particles(bytes, ending, options),
     }
 }
@@ -199,6 +255,11 @@ fn files_of_text_give_particles_lists_or_words() {
                 let expected: Vec<&str> = expected.lines().filter(is_said).collect();
                 let found = outcome(&bytes, ending, options);
                 let lines: Vec<&str> = found.lines().collect();
+                let is_plain = |line: &&str| !line.contains(char::is_control);
+                assert!(lines.iter().all(is_plain), "{found:?}");
+                if !found.contains("! ") {
+                    assert_eq!(outcome(&packed(&bytes), ending, options), found, "in gzip");
+                }
                 let said = || lines.iter().zip(&expected).all(|(line, words)| says(line, words));
                 if lines.len() != expected.len() || !said() {
                     writeln!(wrong, "{file}: {case}\n--- {options}: {found}").unwrap();
@@ -207,5 +268,28 @@ fn files_of_text_give_particles_lists_or_words() {
             }
         }
     }
-    assert!(wrong.is_empty() && count > 500, "{count} cases; wrong are\n{wrong}");
+    assert!(wrong.is_empty() && count > 700, "{count} cases; wrong are\n{wrong}");
+}
+
+/// Each has a case in `unread.txt`.
+#[test]
+fn formats_that_are_known_and_not_read_are_named() {
+    let cases = FILES.iter().find(|(name, _)| *name == "unread").unwrap().1;
+    for name in unread::names() {
+        assert!(cases.contains(&format!("! p is {name}")), "{name}");
+    }
+    for text in [
+        "x,y,z,r\n1,2,3,4\n",
+        "x y z\n1 2 3\n1 2 3\n",
+        "2\ncomment\nC 0 0 0\nC 1 0 0\n",
+        "2\n1.0\n10 0 0\n0 10 0\n",
+        "title\n2\n0 10 0\n0 0 10\n5 5 5\n",
+        "ITEM: TIMESTEP\n0\n",
+        "v x y\n1 2 3\n4 5 6\n",
+        "data,x,y\n1,2,3\n",
+        "- 1 2\n",
+        "ATOM x y z\n1 2 3 4\n",
+    ] {
+        assert!(unread::refuse(text.as_bytes(), "p", None).is_ok(), "{text}");
+    }
 }

@@ -8,10 +8,11 @@ use contactbench_io::Given;
 /// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what
 /// is beside it.
 pub fn reader(name: &str) -> Option<u8> {
-    BESIDE.iter().find(|(_, beside)| *beside == name).map(|&(number, _)| number).or_else(|| {
-        let format = name.parse().ok()?;
-        io::FORMATS.iter().position(|entry| entry.format == format).map(|k| k as u8)
-    })
+    BESIDE
+        .iter()
+        .find(|(_, beside)| *beside == name)
+        .map(|&(number, _)| number)
+        .or_else(|| io::FORMATS.iter().position(|format| format.key == name).map(|k| k as u8))
 }
 
 /// Readers that are not formats of particles.
@@ -19,7 +20,10 @@ const BESIDE: [(u8, &str); 2] = [(14, "gzip"), (15, "pairs")];
 
 /// The names of all readers, for [`reader`].
 pub fn readers() -> impl Iterator<Item = String> {
-    io::format_names().chain(BESIDE.map(|(_, name)| name.to_string()))
+    io::FORMATS
+        .iter()
+        .map(|format| format.key.to_string())
+        .chain(BESIDE.map(|(_, name)| name.into()))
 }
 
 /// As [`fuzz_reader`], with one reader whatever the bytes say.
@@ -56,7 +60,7 @@ pub fn fuzz_reader(data: &[u8]) {
             all.map_or_else(clear, drop);
             return;
         }
-        k => io::FORMATS.get(k).map(|entry| entry.format),
+        k => io::FORMATS.get(k),
     };
     let options = io::Options {
         radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(how) % 4],

@@ -1,52 +1,102 @@
-//! What false promises cost, and what reading takes.
+//! What the false promises of files cost, and what reading takes. What is read of files is in the
+//! tests of crates/io.
 
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Write};
 
-use contactbench::io;
+use contactbench::io::{self, Options};
 use contactbench::run::alloc;
 use flate2::Compression;
+use flate2::write::{GzEncoder, ZlibEncoder};
 
-use super::examples::{DATA, DUMP, MERCURY, PLY_HEAD, VTK_HEAD, le, npy, npz, vtp};
-use super::{HALF, NONE, gz, refusal, zlib};
 use crate::quiet;
+
+const NONE: Options = Options::NONE;
+const HALF: Options = Options { radius: Some(0.5), ..NONE };
+
+/// What is wrong with a file, and the most bytes that reading it took.
+fn refusal(bytes: &[u8], options: Options) -> (String, u64) {
+    let (read, usage) = alloc::measure(|| io::load_from(bytes, "p", "", options));
+    let message = read.map(|(_, about)| about).expect_err("it is refused");
+    (format!("{message:#}"), usage.expect("the counting allocator is installed").peak_bytes)
+}
+
+fn gz(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn le(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let length = (header.len() as u16).to_le_bytes();
+    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &le(values)].concat()
+}
+
+/// An archive of one array, packed with deflate.
+fn npz(member: &[u8]) -> Vec<u8> {
+    let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
+    archive.extend((member.len() as u32).to_le_bytes());
+    archive.extend([0; 4]);
+    archive.extend(b"\x09\0\0\0arr_0.npy");
+    archive.extend(member);
+    archive.extend(b"PK\x01\x02 and so on");
+    archive
+}
+
+/// A point cloud of VTK XML, with a piece of so many points.
+fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" {attributes}>\
+         <UnstructuredGrid><Piece NumberOfPoints=\"{points}\"><Points><DataArray type=\"Float64\" \
+         NumberOfComponents=\"3\" {array}</Points></Piece></UnstructuredGrid>{after}"
+    )
+}
 
 /// What a file promises costs nothing: memory follows the bytes that are there.
 #[test]
 fn promises_and_bombs_are_bounded() {
     let _guard = quiet();
-    let bounded = |bytes: &[u8], options| {
-        let (message, usage) = alloc::measure(|| refusal(bytes, "", options));
-        let peak = usage.expect("the counting allocator is installed").peak_bytes;
+    let bounded = |bytes: &[u8]| {
+        let (message, peak) = refusal(bytes, HALF);
         assert!(peak < 4 << 20, "{peak} bytes for: {message}");
         message
     };
-    let many = 4_000_000_000u64;
-    bounded(DUMP.replace("ATOMS\n2\n", &format!("ATOMS\n{many}\n")).as_bytes(), NONE);
-    bounded(DATA.replace("2 atoms", &format!("{many} atoms")).as_bytes(), NONE);
-    bounded(MERCURY.replacen("2 ", &format!("{many} "), 1).as_bytes(), NONE);
-    bounded(
-        format!("{VTK_HEAD}BINARY\nDATASET POLYDATA\nPOINTS {many} double\nabc").as_bytes(),
-        HALF,
-    );
-    bounded(
-        PLY_HEAD
-            .replace("FORMAT", "binary_little_endian")
-            .replace("vertex 2", &format!("vertex {many}"))
-            .as_bytes(),
-        NONE,
-    );
-    bounded(
-        vtp("format=\"binary\"", "", "AAAAAAAA", "AAAAAAAA", "")
-            .replace("NumberOfPoints=\"2\"", &format!("NumberOfPoints=\"{many}\""))
-            .as_bytes(),
-        NONE,
-    );
-    bounded(&npz(&[("arr_0.npy", npy(&format!("({many}, 3)"), &[1.0]))], true, false), HALF);
-    bounded(&npy(&format!("({many}, 3)"), &[1.0]), HALF);
+    let many = 4_000_000_000_u64;
+    for text in [
+        format!("ITEM: NUMBER OF ATOMS\n{many}\nITEM: ATOMS x y z\n1 2 3\n"),
+        format!("t\n\n{many} atoms\n\nAtoms # atomic\n\n1 1 2 3 4\n"),
+        format!("{many} 0.5 0 0 0 9 9 9\n1 2 3 0 0 0 0.5 0 0 0 0 0 7 0\n"),
+        format!("{many}\n\nA 1 2 3\n"),
+        format!(
+            "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nPOINTS {many} double\nab"
+        ),
+        format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {many}\nproperty float x\n\
+             property float y\nend_header\n12345678"
+        ),
+        vtu("", many, "format=\"binary\">AAAAAAAA</DataArray>", "</VTKFile>"),
+    ] {
+        bounded(text.as_bytes());
+    }
+    let array = npy(&format!("({many}, 3)"), &[1.0]);
+    bounded(&array);
+    let mut deflate = flate2::write::DeflateEncoder::new(Vec::new(), Compression::fast());
+    deflate.write_all(&array).unwrap();
+    bounded(&npz(&deflate.finish().unwrap()));
 
     // Seventy megabytes of nothing in seventy kilobytes.
     let line = [b"#".as_slice(), &[b' '; 1022], b"\n"].concat();
-    let message = bounded(&gz(&line.repeat(1000)).repeat(70), NONE);
+    let message = bounded(&gz(&line.repeat(1000)).repeat(70));
     assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
 
     // A line without end; the reader would go on for ever.
@@ -81,9 +131,8 @@ fn layers_of_compression_are_bounded_together() {
     let (piece, pieces) = (le(&piece), 2562);
     let refused = |bytes: &[u8]| {
         assert!(bytes.len() < 200_000, "{} bytes", bytes.len());
-        let (message, usage) = alloc::measure(|| refusal(bytes, "", HALF));
+        let (message, peak) = refusal(bytes, HALF);
         assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
-        let peak = usage.expect("the counting allocator is installed").peak_bytes;
         assert!(peak < 100 << 20, "{peak} bytes");
     };
 
@@ -97,13 +146,7 @@ fn layers_of_compression_are_bounded_together() {
     let repeated = packed[start..].repeat(pieces);
     let member = [&packed[..start], &repeated, b"\x03\x00"].concat();
     assert!(member.len() * 100 > pieces * piece.len(), "the inner layer alone is in proportion");
-    let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
-    archive.extend((member.len() as u32).to_le_bytes());
-    archive.extend([0; 4]);
-    archive.extend(b"\x09\0\0\0arr_0.npy");
-    archive.extend(&member);
-    archive.extend(b"PK\x01\x02 and so on");
-    refused(&gz(&archive));
+    refused(&gz(&npz(&member)));
 
     let block = zlib(&piece);
     let mut data: Vec<u8> = [pieces as u32, piece.len() as u32, 0]
@@ -112,13 +155,11 @@ fn layers_of_compression_are_bounded_together() {
         .flat_map(u32::to_le_bytes)
         .collect();
     data.extend(block.repeat(pieces));
-    let vtu = format!(
-        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" \
-         compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece \
-         NumberOfPoints=\"{}\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" \
-         format=\"appended\" offset=\"0\"/></Points></Piece></UnstructuredGrid><AppendedData \
-         encoding=\"raw\">_",
-        pieces * piece.len() / 24
+    let vtu = vtu(
+        "compressor=\"vtkZLibDataCompressor\"",
+        (pieces * piece.len() / 24) as u64,
+        "format=\"appended\" offset=\"0\"/>",
+        "<AppendedData encoding=\"raw\">_",
     );
     refused(&gz(&[vtu.as_bytes(), &data, b"</AppendedData></VTKFile>"].concat()));
 }
