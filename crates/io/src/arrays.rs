@@ -303,9 +303,6 @@ impl Size {
 const ALIKE: f64 = 1e-6;
 
 /// The one array of sizes; of several that agree the first of radii.
-///
-/// # Errors
-/// Several that differ.
 pub(crate) fn one_of(
     sizes: Vec<Size>,
     name: &str,

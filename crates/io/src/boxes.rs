@@ -83,9 +83,6 @@ impl Declared {
 
     /// A sheared box between the bounds of the box along the axes that encloses it, as in dumps of
     /// LAMMPS.
-    ///
-    /// # Errors
-    /// A tilt that leaves nothing between the bounds, where it is not left out.
     pub(crate) fn enclosed(
         ranges: [[f64; 2]; 3],
         tilt: [f64; 3],
@@ -230,9 +227,6 @@ pub fn along(axes: [bool; 3]) -> String {
 }
 
 /// Refuses a list that names images along an axis that is open.
-///
-/// # Errors
-/// The first such pair of the list.
 pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> {
     let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
     let images = images.unwrap_or_default();

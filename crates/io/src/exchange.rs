@@ -13,38 +13,28 @@ use crate::formats::npy;
 use crate::lines::Source;
 use crate::room::room;
 use crate::scalars::Kind;
+use crate::write::{create, scene_npy};
 use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
+use contactbench_core::scene::{AnyScene, Radii, Real};
 use contactbench_core::with_scene;
 
 /// Writes centres, and radii as one more column unless they are all the same, as f64. Gives the
 /// radius of all particles, if they have the same.
 pub fn write_scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Option<f64>> {
-    with_scene!(scene, scene => write(path, scene))
-        .with_context(|| format!("cannot write the scene to {}", path.display()))
-}
-
-fn write<T: Real, const D: usize>(
-    path: &Path,
-    scene: &Scene<'_, T, D>,
-) -> std::io::Result<Option<f64>> {
-    let radius = match scene.radii() {
-        Radii::Uniform(r) => Some(r.wide()),
-        Radii::Each(_) => None,
+    let write = || {
+        let mut file = BufWriter::new(File::create(path)?);
+        let radius = with_scene!(scene, scene => {
+            let radius = match scene.radii() {
+                Radii::Uniform(r) => Some(r.wide()),
+                Radii::Each(_) => None,
+            };
+            scene_npy(&mut file, scene, radius.is_none())?;
+            radius
+        });
+        file.flush()?;
+        std::io::Result::Ok(radius)
     };
-    let columns = D + usize::from(radius.is_none());
-    let mut file = BufWriter::new(File::create(path)?);
-    npy::write_header(&mut file, "<f8", scene.len(), columns)?;
-    for (k, centre) in scene.centres().iter().enumerate() {
-        for x in array(centre) {
-            file.write_all(&x.wide().to_le_bytes())?;
-        }
-        if radius.is_none() {
-            file.write_all(&scene.radius(k).wide().to_le_bytes())?;
-        }
-    }
-    file.flush()?;
-    Ok(radius)
+    write().with_context(|| format!("cannot write the scene to {}", path.display()))
 }
 
 /// Reads what [`write_scene`] wrote.
@@ -65,6 +55,24 @@ pub fn read_scene(
     Ok(scene)
 }
 
+/// Writes contacts as a runner does: see [`read_contacts`].
+pub fn write_contacts(
+    path: &Path,
+    contacts: impl ExactSizeIterator<Item = ImagePair>,
+    box_dim: Option<usize>,
+) -> anyhow::Result<()> {
+    let kind = if box_dim.is_some() { "<i4" } else { "<u4" };
+    let images = box_dim.unwrap_or(0);
+    create(path, |out| {
+        npy::write_header(out, kind, contacts.len(), 2 + images)?;
+        for ImagePair { i, j, image } in contacts {
+            out.write_all([i.to_le_bytes(), j.to_le_bytes()].as_flattened())?;
+            image[..images].iter().try_for_each(|s| out.write_all(&s.to_le_bytes()))?;
+        }
+        Ok(())
+    })
+}
+
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
 /// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
 pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
@@ -78,30 +86,28 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let fits = header.kind == kind && !header.big && !header.fortran;
     ensure!(
         fits && header.columns == Some(columns),
-        "{name} holds {} of the shape ({}){}; pairs are '{descr}' of the shape (pairs, {columns}), \
+        "{name} holds {} of the shape {}{}; pairs are '{descr}' of the shape (pairs, {columns}), \
          in C order",
         header.descr,
-        header.shape,
+        npy::shape(&header.sizes),
         if header.fortran { " in Fortran order" } else { "" }
     );
-    let (mut contacts, mut row) = (Contacts::default(), [0i64; 5]);
-    header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
-        let at = (k % columns as u64) as usize;
-        // Every i32 and u32 is a double.
-        row[at] = value as i64;
-        if at + 1 < columns {
-            return Ok(());
-        }
-        let [Ok(i), Ok(j)] = [row[0], row[1]].map(u32::try_from) else {
-            bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
-        };
-        let image = [row[2], row[3], row[4]].map(|s| s as i32);
-        if image == [0; 3] {
-            room(&mut contacts.plain)?;
-            contacts.plain.push([i, j]);
-        } else {
-            room(&mut contacts.shifted)?;
-            contacts.shifted.push(ImagePair::new(i, j, image));
+    let mut contacts = Contacts::default();
+    header.pieces(&mut source, header.rows, columns, |_, numbers| {
+        for row in numbers.chunks_exact(columns) {
+            // Every i32 and u32 is a double.
+            let [Ok(i), Ok(j)] = [row[0], row[1]].map(|k| u32::try_from(k as i64)) else {
+                bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
+            };
+            let mut image = [0; 3];
+            image.iter_mut().zip(&row[2..]).for_each(|(image, s)| *image = *s as i32);
+            if image == [0; 3] {
+                room(&mut contacts.plain)?;
+                contacts.plain.push([i, j]);
+            } else {
+                room(&mut contacts.shifted)?;
+                contacts.shifted.push(ImagePair::new(i, j, image));
+            }
         }
         Ok(())
     })?;
@@ -118,7 +124,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("pairs.npy");
         let pairs = [[0, 1], [u32::MAX, 7]];
-        io::write::pairs(&path, &pairs).unwrap();
+        write_contacts(&path, pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] }), None)
+            .unwrap();
         assert_eq!(read_contacts(&path, None).unwrap().plain, pairs);
         let whole = std::fs::read(&path).unwrap();
         let refused = |bytes: &[u8], words: &str| {

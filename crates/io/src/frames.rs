@@ -44,6 +44,7 @@ pub enum Step {
 }
 
 /// Counts frames as they begin, and says which are wanted.
+#[derive(Default)]
 pub struct Choice {
     frame: Frame,
     /// To the end of the file, whatever is wanted.
@@ -68,9 +69,7 @@ pub struct Choice {
 
 impl Choice {
     pub fn new(frame: Frame, survey: bool) -> Choice {
-        let (sparse, by_step, through, torn) = (false, false, false, None);
-        let (seen, whole, line, gzip) = (0, 0, 0, false);
-        Choice { frame, survey, seen, sparse, by_step, through, whole, line, torn, gzip }
+        Choice { frame, survey, ..Choice::default() }
     }
 
     /// A frame was read, or passed over, to its end: that of [`Lines::end`] if it has lines.
@@ -265,7 +264,6 @@ pub struct Frames<'a> {
     pub(super) choice: Choice,
     pub(super) name: &'a str,
     pub(super) options: Options,
-    pub(super) gzip: bool,
     pub(super) ended: bool,
 }
 
@@ -298,7 +296,7 @@ impl Frames<'_> {
         (particles, about): (Particles, About),
         frame: u64,
     ) -> anyhow::Result<Loaded> {
-        let (gzip, frames) = (self.gzip, self.choice.seen.max(1));
+        let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
         let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
         super::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
     }

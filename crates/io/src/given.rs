@@ -38,18 +38,12 @@ impl<S: Into<AnyScene<'static>>> From<S> for Given {
 
 impl Given {
     /// The scene in its box; one that repeats along no axis is none.
-    ///
-    /// # Errors
-    /// A box of discs that leaves their plane.
     pub fn in_box(scene: AnyScene<'static>, lattice: Lattice) -> anyhow::Result<Given> {
         let (scene, lattice) = Periodic::new(scene, lattice)?.into_parts();
         Ok(Given { lattice: lattice.repeats().then_some(lattice), ..scene.into() })
     }
 
     /// The particles, for those who know no boxes; `name` is that of the scene.
-    ///
-    /// # Errors
-    /// There is one.
     pub fn open(self, name: &str) -> anyhow::Result<AnyScene<'static>> {
         match self.lattice {
             None => Ok(self.scene),
@@ -62,18 +56,12 @@ impl Given {
     }
 
     /// As the core takes it, if there is a box.
-    ///
-    /// # Errors
-    /// As [`Given::in_box`].
     pub fn periodic(&self) -> anyhow::Result<Option<Periodic<'static>>> {
         let periodic = |lattice: Lattice| Periodic::new(self.scene.clone(), lattice);
         Ok(self.lattice.map(periodic).transpose()?)
     }
 
     /// As detectors get it in an arithmetic.
-    ///
-    /// # Errors
-    /// What the arithmetic cannot store; a box that does not suit the scene.
     pub fn loaded(&self, arithmetic: Arithmetic) -> Result<Loaded<'static>, LoadError> {
         Loaded::new(&self.scene, self.lattice, arithmetic)
     }

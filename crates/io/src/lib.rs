@@ -157,7 +157,7 @@ pub fn frames<T>(
     options.check()?;
     let choice = Choice::new(options.frame, options.survey);
     let (reader, name) = (Box::new(series), &*path.display().to_string());
-    body(Frames { reader, choice, name, options, gzip: false, ended: false })
+    body(Frames { reader, choice, name, options, ended: false })
 }
 
 /// Reads one file; see [`frames`].
@@ -204,24 +204,44 @@ pub fn frames_from<T>(
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     options.check()?;
-    let unpacking = Unpacking::default();
-    let mut reader = unpacking.file(reader);
-    let head = head(&mut reader, name)?;
-    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-    let frames = |input: &mut dyn BufRead, head: &[u8], gzip: bool| {
-        let source = Source { input, name, unpacking: &unpacking };
+    unpacked(reader, name, |input, unpacking, head, gzip| {
+        ensure!(
+            !head.is_empty(),
+            "{name} is empty; a particle file has at least a header such as x,y,r"
+        );
+        let twice = "is compressed twice; unpack it once";
+        ensure!(!gzip || !head.starts_with(gzip::MAGIC), "{name} {twice}");
+        let source = Source { input, name, unpacking };
         let reader = formats::find(head, name, ending, options)?.open(source, options);
         let mut choice = Choice::new(options.frame, options.survey);
         choice.gzip = gzip;
-        body(Frames { reader, choice, name, options, gzip, ended: false })
+        body(Frames { reader, choice, name, options, ended: false })
+    })
+}
+
+/// Hands the bytes of a stream to `body`, unpacked if they are compressed with gzip, with the first
+/// of them, which tell the format.
+fn unpacked<T>(
+    reader: impl BufRead,
+    name: &str,
+    body: impl FnOnce(&mut dyn BufRead, &Unpacking, &[u8], bool) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let head = |reader: &mut dyn BufRead| {
+        let mut head = Vec::new();
+        let read = reader.take(4096).read_to_end(&mut head);
+        read.with_context(|| format!("cannot read {name}"))?;
+        anyhow::Ok(head)
     };
-    if !head.starts_with(gzip::MAGIC) {
-        return frames(&mut reader, &head, false);
+    let unpacking = &Unpacking::default();
+    let mut reader = unpacking.file(reader);
+    let packed = head(&mut reader)?;
+    let mut reader = std::io::Cursor::new(&packed[..]).chain(reader);
+    if !packed.starts_with(gzip::MAGIC) {
+        return body(&mut reader, unpacking, &packed, false);
     }
     let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
-    let head = self::head(&mut reader, name)?;
-    ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
-    frames(&mut std::io::Cursor::new(&head[..]).chain(reader), &head, true)
+    let head = head(&mut reader)?;
+    body(&mut std::io::Cursor::new(&head[..]).chain(reader), unpacking, &head, true)
 }
 
 /// What holds for the particles of every format.
@@ -256,17 +276,6 @@ fn finished(
     particles.notices.extend(particles.cut_to().map(Notice::Digits));
     particles.source = Some(about.radius.clone());
     Ok((particles, about))
-}
-
-/// The first bytes, which tell the format.
-fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
-    let mut head = Vec::new();
-    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
-    ensure!(
-        !head.is_empty(),
-        "{name} is empty; a particle file has at least a header such as x,y,r"
-    );
-    Ok(head)
 }
 
 #[cfg(test)]

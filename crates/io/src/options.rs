@@ -30,7 +30,7 @@ pub struct Options {
     /// Contacts that are left out.
     pub without: Option<Without>,
     /// Part k of this many parts, from 0, where a format can leave out the others:
-    /// [`Particles::first`](crate::Particles::first).
+    /// [`Particles::first`](crate::Particles).
     pub part: Option<[u64; 2]>,
 }
 
@@ -119,17 +119,11 @@ fn parsed<T: FromStr<Err: Display>>(text: &str, value: &mut Option<T>) -> Result
 
 impl FileOption {
     /// Gives the option this value.
-    ///
-    /// # Errors
-    /// In words, without the name of the option.
     pub fn set(&self, options: &mut Options, text: &str) -> Result<(), String> {
         (self.set)(options, text)
     }
 
     /// The text, if the option takes it.
-    ///
-    /// # Errors
-    /// As [`FileOption::set`].
     pub fn check(&self, text: &str) -> Result<String, String> {
         self.set(&mut Options::default(), text).map(|()| text.to_string())
     }

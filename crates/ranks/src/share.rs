@@ -49,7 +49,7 @@ impl Dealt for Origin {
         };
         let part = Some([rank as u64, ranks as u64]);
         let (particles, about) = io::load(path, io::Options { part, ..**options })?;
-        let first = particles.first();
+        let first = particles.first;
         let given = particles.given(&path.display().to_string(), options.radius)?;
         let frames = about.frames;
         Ok(match first {

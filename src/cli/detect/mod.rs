@@ -3,7 +3,6 @@
 mod frames;
 mod search;
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -18,10 +17,11 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::{self, TABLE};
+use contactbench_core::periodic::ImagePair;
 use contactbench_io as io;
 use contactbench_io::Frame;
 use contactbench_io::boxes::along;
-use contactbench_io::write::{Extra, PairFormat, Style};
+use contactbench_io::write::{Extra, Style};
 use contactbench_terms::number::plural;
 
 /// Options of `detect`.
@@ -171,20 +171,14 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the pairs of one scene. Those of open space that need no more columns are written as they
-/// are, without a copy.
+/// Writes the pairs of one scene.
 fn write(options: &Detect, pairs: &Pairs, style: &Style<'_>) -> anyhow::Result<()> {
     let path = options.output.as_deref();
-    let lines = path.map(io::write::format).transpose()? == Some(PairFormat::Vtk);
-    let plain = !lines && !options.ids && options.extras.is_empty();
-    match (pairs, path) {
-        (Pairs::Open(pairs), Some(path)) if plain => io::write::pairs(path, pairs),
-        (Pairs::Open(pairs), None) if plain => {
-            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            io::write::csv(&mut out, pairs)
-                .and_then(|()| out.flush())
-                .context("cannot write the pairs to standard output")
+    match pairs {
+        Pairs::Open(pairs) => {
+            let plain = pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] });
+            io::write::contacts(path, plain, style)
         }
-        _ => io::write::contacts(path, &pairs.imaged()?, style),
+        Pairs::Boxed(pairs) => io::write::contacts(path, pairs.iter().copied(), style),
     }
 }

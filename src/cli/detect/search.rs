@@ -1,6 +1,5 @@
 //! The contacts of one scene, with its box or without.
 
-use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -57,20 +56,7 @@ impl Pairs {
         }
     }
 
-    /// The contacts with their images.
-    pub fn imaged(&self) -> anyhow::Result<Cow<'_, [ImagePair]>> {
-        let pairs = match self {
-            Pairs::Open(pairs) => pairs,
-            Pairs::Boxed(pairs) => return Ok(pairs.into()),
-        };
-        let mut contacts = Vec::new();
-        let room = contacts.try_reserve_exact(pairs.len());
-        room.with_context(|| format!("no memory for {} contacts", pairs.len()))?;
-        contacts.extend(without_shift(pairs));
-        Ok(contacts.into())
-    }
-
-    /// Iterates over the same contacts as [`Pairs::imaged`], without building a list.
+    /// Iterates over the contacts with their images.
     pub fn iter(&self) -> Box<dyn Iterator<Item = ImagePair> + '_> {
         match self {
             Pairs::Open(pairs) => Box::new(without_shift(pairs)),

@@ -21,7 +21,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
         let values = vec![("declared_vectors", json!(vectors))];
         lines.push(Line("box in the file", rows(&vectors), values));
     }
-    let Some(lattice) = particles.lattice() else {
+    let Some(lattice) = &particles.lattice else {
         let declared = about.declared.as_ref();
         let why = match declared.map(|declared| declared.periodic) {
             _ if input.boundaries.open => "open (--open)",

@@ -181,7 +181,7 @@ fn of_file(
         text,
         vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
     ));
-    warnings.extend(particles.notices().iter().map(|notice| notice.words(Place::Argument)));
+    warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
 }
 
 /// What the centres say.

@@ -140,7 +140,7 @@ impl Input {
             }
             Origin::File(path, options) => {
                 let (particles, _) = load(&path, self, io::Options { ids, ..*options })?;
-                tell(text, particles.notices(), Place::Argument);
+                tell(text, &particles.notices, Place::Argument);
                 of(particles)
             }
         }
@@ -259,7 +259,7 @@ pub struct Told {
 impl Told {
     /// Prints what the reader assumed of a frame.
     pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
-        self.tell(&place(name, about), particles.notices());
+        self.tell(&place(name, about), &particles.notices);
     }
 
     /// Prints what is doubtful about a frame.

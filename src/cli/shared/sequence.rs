@@ -109,7 +109,7 @@ fn of_file<T>(
     let first = frames.next().transpose()?.with_context(none)?;
     // A second frame that cannot be read is an error only once it is taken.
     let Some(second) = frames.next() else {
-        input::tell(&text, first.0.notices(), Place::Argument);
+        input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
         input::doubt_given(&text, &given, wanted.arithmetic);
         return Ok(match wanted.otherwise {
@@ -117,7 +117,7 @@ fn of_file<T>(
             None => None,
         });
     };
-    input::tell(&text, first.0.notices(), Place::Argument);
+    input::tell(&text, &first.0.notices, Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);

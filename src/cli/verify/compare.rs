@@ -54,7 +54,7 @@ impl<'a> Verified<'a> {
         explain: bool,
     ) -> anyhow::Result<Verified<'a>> {
         let file = options.file.display().to_string();
-        let ids = particles.ids().map(Naming::by_id);
+        let ids = particles.ids.as_deref().map(Naming::by_id);
         let (naming, others) = match (options.base, ids) {
             (None, Some(Ok(ids))) if list.named_ids => {
                 (ids, vec![Naming::Base(0), Naming::Base(1)])

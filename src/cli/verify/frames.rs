@@ -112,7 +112,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let list_frame = list.frame.unwrap_or(frame);
         input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
         // Numbers that two particles share name neither.
-        let ids = match particles.ids().map(Naming::by_id) {
+        let ids = match particles.ids.as_deref().map(Naming::by_id) {
             Some(Ok(_)) => particles.ids_copied()?,
             _ => None,
         };

@@ -128,7 +128,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
         say!("{}: --frame all compares each of them", options.file.display());
     }
-    input::tell(&options.file.display().to_string(), particles.notices(), Place::Argument);
+    input::tell(&options.file.display().to_string(), &particles.notices, Place::Argument);
     let (frame, source) = (about.frame, particles.source.clone());
     let mut verified = Verified::new(options, list, particles, about, WORST, true)?;
     verified.look_at_others(frame);

@@ -33,9 +33,6 @@ pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> 
 
 impl Columns {
     /// Makes the units of coordinates and sizes one, by powers of ten, and says so.
-    ///
-    /// # Errors
-    /// Units that do not turn into each other by a power of ten.
     pub(super) fn one_unit(&mut self) -> anyhow::Result<()> {
         let used = |meaning: &Column| !matches!(meaning, Column::Other | Column::Id);
         let places = (0..self.meaning.len()).filter(|&k| used(&self.meaning[k]));

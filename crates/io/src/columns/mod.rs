@@ -122,10 +122,6 @@ impl Columns {
 
     /// Settles what the columns mean: the radius that is given counts before a column of sizes, and
     /// units are made one. Gives an empty set of particles of that kind.
-    ///
-    /// # Errors
-    /// No x or y, a meaning that two columns have, a name that may not mean a size, or units that
-    /// do not turn into each other.
     pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
         self.leave_out_sizes(options.radius);
         self.leave_out_doubts();

@@ -79,8 +79,7 @@ impl Vtk<'_> {
                 let n = self.count(n, "the number of points")?;
                 let kind = self.kind(kind)?;
                 (self.points, self.tuples) = (n, n);
-                let points = self.array(Target::points(), kind, 3 * n, "POINTS")?;
-                self.arrays.keep(points, self.lines.source.name)?;
+                self.array(Target::points(), kind, 3 * n, "POINTS")?;
             }
             ("POINT_DATA", [n, ..]) => {
                 (self.of, self.tuples) = (Of::Points, self.points);
@@ -100,9 +99,7 @@ impl Vtk<'_> {
             ("DIMENSIONS", sizes) => self.grid(sizes),
             ("CELL_TYPES", [n, ..]) => {
                 let n = self.count(n, "the number of cells")?;
-                let types = Target::Types(Cells::default());
-                let types = self.array(types, Kind::I32, n, "CELL_TYPES")?;
-                self.arrays.keep(types, self.lines.source.name)?;
+                self.array(Target::Types(Cells::default()), Kind::I32, n, "CELL_TYPES")?;
             }
             ("CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS", [n, size]) => {
                 self.cells(n, size, first)?
@@ -118,8 +115,7 @@ impl Vtk<'_> {
             ("GLOBAL_IDS", [name, kind]) => {
                 let kind = self.kind(kind)?;
                 let target = self.arrays.target(self.of, "GlobalIds", kind, 1, self.options)?;
-                let ids = self.array(target, kind, self.tuples, name)?;
-                self.arrays.keep(ids, self.lines.source.name)?;
+                self.array(target, kind, self.tuples, name)?;
             }
             ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
             ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
@@ -167,8 +163,7 @@ impl Vtk<'_> {
             "{}: a line LOOKUP_TABLE is expected behind SCALARS",
             self.lines.place()
         );
-        let sizes = self.array(target, kind, components.saturating_mul(self.tuples), name)?;
-        self.arrays.keep(sizes, self.lines.source.name)
+        self.array(target, kind, components.saturating_mul(self.tuples), name)
     }
 
     /// A grid of more than one row has cells between its points.
@@ -206,15 +201,15 @@ impl Vtk<'_> {
         Ok(())
     }
 
-    /// The numbers of an array, which begin on the next line.
+    /// Takes the numbers of an array, which begin on the next line.
     fn array(
         &mut self,
         mut target: Target,
         kind: Kind,
         count: u64,
         what: &str,
-    ) -> anyhow::Result<Target> {
-        let what = short(what);
+    ) -> anyhow::Result<()> {
+        let (what, name) = (short(what), self.lines.source.name);
         if self.binary {
             let place = self.lines.place();
             let whole = target
@@ -222,10 +217,9 @@ impl Vtk<'_> {
                 .with_context(|| format!("{place}: {what}"))?;
             ensure!(
                 whole,
-                "{} ends before the {count} numbers of {what} that it announces; write it again",
-                self.lines.source.name
+                "{name} ends before the {count} numbers of {what} that it announces; write it again"
             );
-            return Ok(target);
+            return self.arrays.keep(target, name);
         }
         self.lines.end_line();
         for _ in 0..count {
@@ -240,12 +234,12 @@ impl Vtk<'_> {
             "{}: '{rest}' stands behind the {count} numbers of {what}",
             self.lines.place()
         );
-        Ok(target)
+        self.arrays.keep(target, name)
     }
 
     fn skip(&mut self, kind: &str, components: u64, what: &str) -> anyhow::Result<()> {
         let kind = self.kind(kind)?;
-        self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what).map(drop)
+        self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what)
     }
 
     /// One array of a FIELD: `name components tuples type`.
@@ -281,8 +275,7 @@ impl Vtk<'_> {
         let of = if tuples == self.tuples { self.of } else { Of::Nothing };
         let target = self.arrays.target(of, label, kind, components, self.options);
         let target = target.with_context(|| place)?;
-        let target = self.array(target, kind, components.saturating_mul(tuples), label)?;
-        self.arrays.keep(target, name)
+        self.array(target, kind, components.saturating_mul(tuples), label)
     }
 
     /// Cells: before version 5 `size` numbers, since then offsets and connectivity.
@@ -299,10 +292,8 @@ impl Vtk<'_> {
         *joining = joining.saturating_add(cells);
         let points = matches!(what, "VERTICES" | "CELLS");
         let target = if points { Target::indices(old) } else { Target::Nothing };
-        let name = self.lines.source.name;
         if old {
-            let indices = self.array(target, Kind::I32, size, what)?;
-            return self.arrays.keep(indices, name);
+            return self.array(target, Kind::I32, size, what);
         }
         let mut target = Some(target);
         for (label, count) in [("OFFSETS", n), ("CONNECTIVITY", size)] {
@@ -318,8 +309,7 @@ impl Vtk<'_> {
             ensure!(found == label, "{}: a line '{label} type' is expected", self.lines.place());
             let kind = self.kind(kind)?;
             let to = if label == "OFFSETS" { None } else { target.take() };
-            let read = self.array(to.unwrap_or(Target::Nothing), kind, count, label)?;
-            self.arrays.keep(read, name)?;
+            self.array(to.unwrap_or(Target::Nothing), kind, count, label)?;
         }
         Ok(())
     }

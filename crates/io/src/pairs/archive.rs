@@ -6,7 +6,7 @@ use anyhow::{Context, bail, ensure};
 use super::array::Array;
 use super::columns::{Columns, is_image};
 use super::list::List;
-use super::{image, push};
+use super::{Table, push};
 use crate::Frame;
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
@@ -55,7 +55,7 @@ impl Arrays {
                 self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
             }
             Some(_) => {
-                let mut array = Array::behind(source, header);
+                let mut array = Table::new(Array::behind(source, header));
                 let list = array.next(&mut Choice::new(Frame::Only, false));
                 self.tables.push((label, list.map(Option::unwrap_or_default)));
             }
@@ -96,15 +96,12 @@ impl Arrays {
         }
         let mut list = List { format: "NumPy npz", notices, ..List::default() };
         for row in 0..n {
-            push(&mut list, [self.columns[i][row], self.columns[j][row]])?;
-            if !columns.image().is_empty() {
-                let mut numbers = [0; 3];
-                let of = columns.image().iter().map(|&k| self.columns[k][row]);
-                numbers.iter_mut().zip(of).for_each(|(to, from)| *to = from);
-                let images = list.images.get_or_insert_default();
-                room(images)?;
-                images.push(image(numbers, || format!("{name}: pair {row}"))?);
-            }
+            let mut numbers = [0; 3];
+            let of = columns.image().iter().map(|&k| self.columns[k][row]);
+            numbers.iter_mut().zip(of).for_each(|(to, from)| *to = from);
+            let pair = [self.columns[i][row], self.columns[j][row]];
+            let image = (!columns.image().is_empty()).then_some(numbers);
+            push(&mut list, pair, image, || format!("{name}: pair {row}"))?;
         }
         columns.end(&mut list);
         list.others.extend(self.others.iter().map(|name| super::Other {

@@ -6,9 +6,9 @@
 use anyhow::{bail, ensure};
 
 use super::list::List;
-use super::{ascends, image, push};
+use super::{Rows, push};
 use crate::formats::npy::{self, Header};
-use crate::frames::{Choice, Reader, Step};
+use crate::frames::Choice;
 use crate::lines::Source;
 use crate::notice::Notice;
 use crate::room::room;
@@ -19,16 +19,14 @@ const ROWS: u64 = 4096;
 pub(super) struct Array<'a> {
     source: Source<'a>,
     header: Option<Header>,
-    begun: bool,
     shape: Shape,
     notices: Vec<Notice>,
+    /// Frame, pair and image of some rows.
     rows: Vec<[i64; 6]>,
     /// The next of them.
     at: usize,
     /// Rows before them.
     before: u64,
-    last: Option<i64>,
-    ended: bool,
 }
 
 /// What the numbers of an array are.
@@ -65,9 +63,9 @@ impl Shape {
             let either = rows == 2 && !header.fortran;
             let notice = either.then(|| {
                 Notice::Assumed(format!(
-                    "the shape ({}) is taken as 2 pairs, one a row; write the transpose, \
+                    "the shape {} is taken as 2 pairs, one a row; write the transpose, \
                      numpy.array([i, j]).T, if the rows are i and j",
-                    header.shape
+                    npy::shape(&header.sizes)
                 ))
             });
             return Some((shape(rows, columns, header.fortran), notice));
@@ -100,45 +98,13 @@ impl Shape {
 
 impl<'a> Array<'a> {
     pub fn new(source: Source<'a>) -> Array<'a> {
-        Array {
-            source,
-            header: None,
-            begun: false,
-            shape: Shape::default(),
-            notices: Vec::new(),
-            rows: Vec::new(),
-            at: 0,
-            before: 0,
-            last: None,
-            ended: false,
-        }
+        let (shape, notices, rows) = (Shape::default(), Vec::new(), Vec::new());
+        Array { source, header: None, shape, notices, rows, at: 0, before: 0 }
     }
 
     /// The array behind a header that was read.
     pub fn behind(source: Source<'a>, header: Header) -> Array<'a> {
         Array { header: Some(header), ..Array::new(source) }
-    }
-
-    fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
-        self.begun = true;
-        let header = match self.header.take() {
-            Some(header) => header,
-            None => npy::header(&mut self.source)?,
-        };
-        let Some((shape, notice)) = Shape::of(&header, choice.is_all()) else {
-            bail!(
-                "{}: the shape is ({}); pairs have the shape (pairs, 2) or (2, pairs), with images \
-                 in a box (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all one \
-                 column more, the frame, may stand before these",
-                self.source.name,
-                header.shape
-            )
-        };
-        choice.sparse = shape.framed;
-        self.notices.extend(notice);
-        self.shape = shape;
-        self.header = Some(header);
-        if shape.by_column { self.by_column() } else { Ok(()) }
     }
 
     /// Reads one number of all pairs after the other.
@@ -159,88 +125,81 @@ impl<'a> Array<'a> {
         Ok(())
     }
 
-    /// The next row, and its number; none at the end.
-    fn row(&mut self) -> anyhow::Result<Option<([i64; 6], u64)>> {
+    /// Reads more rows, when those that were read are taken.
+    fn more(&mut self) -> anyhow::Result<()> {
         let Array { source, header: Some(header), rows, at, before, shape, .. } = self else {
-            return Ok(None);
+            return Ok(());
         };
-        if *at == rows.len() {
-            *before += rows.len() as u64;
-            rows.clear();
-            *at = 0;
-            let (name, columns, first) = (source.name, shape.columns, shape.first());
-            let more = (shape.pairs - *before).min(ROWS);
-            let mut row = [0; 6];
-            header.values(source, more * columns as u64, |k, value| {
-                let (pair, column) = (*before + k / columns as u64, (k % columns as u64) as usize);
-                row[column + first] = shape.checked(name, pair, column + first, value)?;
-                if column + 1 == columns {
-                    room(rows)?;
-                    rows.push(row);
-                }
-                Ok(())
-            })?;
-            if rows.is_empty() {
-                source.end(header)?;
-                return Ok(None);
+        *before += rows.len() as u64;
+        rows.clear();
+        *at = 0;
+        let (name, columns, first) = (source.name, shape.columns, shape.first());
+        let more = (shape.pairs - *before).min(ROWS);
+        let mut row = [0; 6];
+        header.values(source, more * columns as u64, |k, value| {
+            let (pair, column) = (*before + k / columns as u64, (k % columns as u64) as usize);
+            row[column + first] = shape.checked(name, pair, column + first, value)?;
+            if column + 1 == columns {
+                room(rows)?;
+                rows.push(row);
             }
-        }
-        *at += 1;
-        Ok(Some((rows[*at - 1], *before + *at as u64 - 1)))
+            Ok(())
+        })?;
+        if rows.is_empty() { source.end(header) } else { Ok(()) }
     }
 
-    /// The last row is read again.
-    fn back(&mut self) {
-        self.at -= 1;
+    /// The numbers of an image.
+    fn images(&self) -> usize {
+        self.shape.columns.saturating_sub(2 + usize::from(self.shape.framed))
     }
 }
 
-impl Reader<List> for Array<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        if !self.begun {
-            self.begin(choice)?;
-        }
-        let framed = self.shape.framed;
-        let images = self.shape.columns.saturating_sub(2 + usize::from(framed));
-        while !self.ended {
-            let mut list = List { format: "npy", flat: images == 2, ..List::default() };
-            list.images = (images > 0).then(Vec::new);
-            list.notices = std::mem::take(&mut self.notices);
-            let mut step = Step::Keep;
-            let mut empty = true;
-            loop {
-                let Some((row, k)) = self.row()? else {
-                    self.ended = true;
-                    break;
-                };
-                let place = || format!("{}: pair {k}", self.source.name);
-                if framed && (empty || self.last != Some(row[0])) {
-                    if !empty {
-                        self.back();
-                        break;
-                    }
-                    ensure!(row[0] >= 0, "{}: {} is not the number of a frame", place(), row[0]);
-                    ascends(self.last.replace(row[0]), row[0], "frame", place)?;
-                    list.frame = Some(row[0] as u64);
-                    step = choice.begin_at(row[0] as u64, place)?;
-                    if step == Step::Stop {
-                        self.ended = true;
-                        return Ok(None);
-                    }
-                }
-                empty = false;
-                if step == Step::Keep {
-                    if let Some(images) = &mut list.images {
-                        room(images)?;
-                        images.push(image([row[3], row[4], row[5]], place)?);
-                    }
-                    push(&mut list, [row[1], row[2]])?;
-                }
-            }
-            if step == Step::Keep && !(framed && empty) {
-                return Ok(Some(list));
-            }
-        }
-        Ok(None)
+impl Rows for Array<'_> {
+    fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
+        let header = match self.header.take() {
+            Some(header) => header,
+            None => npy::header(&mut self.source)?,
+        };
+        let Some((shape, notice)) = Shape::of(&header, choice.is_all()) else {
+            bail!(
+                "{}: the shape is {}; pairs have the shape (pairs, 2) or (2, pairs), with images \
+                 in a box (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all one \
+                 column more, the frame, may stand before these",
+                self.source.name,
+                npy::shape(&header.sizes)
+            )
+        };
+        choice.sparse = shape.framed;
+        self.notices.extend(notice);
+        self.shape = shape;
+        self.header = Some(header);
+        if shape.by_column { self.by_column() } else { Ok(()) }
     }
+
+    fn advance(&mut self) -> anyhow::Result<Option<i64>> {
+        if self.at == self.rows.len() {
+            self.more()?;
+        }
+        let Some(row) = self.rows.get(self.at) else { return Ok(None) };
+        self.at += 1;
+        ensure!(row[0] >= 0, "{}: {} is not the number of a frame", self.place(), row[0]);
+        Ok(Some(row[0]))
+    }
+
+    fn place(&self) -> String {
+        format!("{}: pair {}", self.source.name, self.before + self.at as u64 - 1)
+    }
+
+    fn take(&mut self, list: &mut List) -> anyhow::Result<()> {
+        let [_, i, j, image @ ..] = self.rows[self.at - 1];
+        push(list, [i, j], (self.images() > 0).then_some(image), || self.place())
+    }
+
+    fn list(&mut self) -> List {
+        let (images, notices) = (self.images(), std::mem::take(&mut self.notices));
+        let (flat, images) = (images == 2, (images > 0).then(Vec::new));
+        List { format: "npy", flat, images, notices, ..List::default() }
+    }
+
+    fn end(&mut self, _: &mut List) {}
 }

@@ -6,8 +6,7 @@ use std::collections::HashMap;
 use anyhow::{Context, ensure};
 
 use crate::lines::{Lines, listed, short, shown, whole};
-use crate::pairs::{List, image};
-use crate::room::room;
+use crate::pairs::{List, push};
 
 /// How the two particles are called.
 const PAIRS: [[&str; 2]; 5] =
@@ -158,26 +157,19 @@ impl Columns {
             })
         };
         let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
-        room(&mut list.pairs)?;
-        list.pairs.push(pair);
-        if !self.image.is_empty() {
-            let mut numbers = [0; 3];
-            let read = self.image.iter().zip(&mut numbers).try_for_each(|(&k, to)| {
-                *to = number(k, "an image")?;
-                anyhow::Ok(())
-            });
-            match read.and_then(|()| image(numbers, || lines.place())) {
-                Ok(found) => {
-                    let images = list.images.get_or_insert_default();
-                    room(images)?;
-                    images.push(found);
-                }
-                Err(_) if self.guessed => {
-                    list.images = None;
-                    self.others.extend(self.image.drain(..).map(unnamed));
-                }
-                Err(error) => return Err(error),
+        let mut image = [0; 3];
+        let read = self.image.iter().zip(&mut image).try_for_each(|(&k, to)| {
+            *to = number(k, "an image")?;
+            anyhow::Ok(())
+        });
+        let image = read.map(|()| (!self.image.is_empty()).then_some(image));
+        match image.and_then(|image| push(list, pair, image, || lines.place())) {
+            Err(_) if self.guessed && !self.image.is_empty() => {
+                list.images = None;
+                push(list, pair, None, || lines.place())?;
+                self.others.extend(self.image.drain(..).map(unnamed));
             }
+            read => read?,
         }
         let others = &self.others;
         self.whole.retain(|&m| cells.get(others[m].0).is_some_and(|cell| whole(cell).is_some()));

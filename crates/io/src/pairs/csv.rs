@@ -4,23 +4,26 @@
 
 use anyhow::{Context, ensure};
 
-use super::ascends;
+use super::Rows;
 use super::columns::Columns;
 use super::list::List;
 use crate::formats::names_a_frame;
-use crate::frames::{Choice, Reader, Step};
+use crate::frames::Choice;
 use crate::lines::{Lines, Separator, number, short, shown, whole, words};
 use crate::notice::Notice;
 
 pub(super) struct Csv<'a> {
     lines: Lines<'a>,
     chosen: &'a [&'a str],
-    layout: Option<Layout>,
+    layout: Layout,
+    /// The columns, and what the rows of this list have shown of them.
+    columns: Option<Columns>,
     /// The line at hand is still to be taken.
     ahead: bool,
-    /// The frame or step of the last row.
-    last: Option<i64>,
-    ended: bool,
+    /// Some row was taken.
+    any: bool,
+    /// The comment before the row at hand that names a frame.
+    divided: Option<String>,
     notices: Vec<Notice>,
 }
 
@@ -44,7 +47,8 @@ fn is_pair(names: &[String]) -> bool {
 /// How the lines of a table are read.
 struct Layout {
     separator: Separator,
-    columns: Columns,
+    /// None if the file has no rows.
+    columns: Option<Columns>,
     /// The column that says the frame, if there is one.
     label: Option<Label>,
 }
@@ -82,17 +86,15 @@ impl Label {
 
 impl<'a> Csv<'a> {
     pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
-        Csv { lines, chosen, layout: None, ahead: false, last: None, ended: false, notices: vec![] }
+        let layout = Layout { separator: Separator::Blanks, columns: None, label: None };
+        let (columns, ahead, any, divided, notices) = (None, false, false, None, vec![]);
+        Csv { lines, chosen, layout, columns, ahead, any, divided, notices }
     }
 
     /// Reads up to the first pair, and learns what the columns hold.
-    fn begin(&mut self) -> anyhow::Result<()> {
+    fn header(&mut self) -> anyhow::Result<()> {
         let Csv { lines, chosen, .. } = self;
-        while self.layout.is_none() {
-            if !lines.advance()? {
-                self.ended = true;
-                return Ok(());
-            }
+        while self.layout.columns.is_none() && lines.advance()? {
             let line = lines.line();
             if line.is_empty() {
                 continue;
@@ -116,7 +118,7 @@ impl<'a> Csv<'a> {
                     (header, Columns::named(&names, chosen, || lines.place()))
                 {
                     let label = Label::named(&names);
-                    self.layout = Some(Layout { separator, columns, label });
+                    self.layout = Layout { separator, columns: Some(columns), label };
                 }
                 continue;
             }
@@ -142,81 +144,61 @@ impl<'a> Csv<'a> {
                 )));
             }
             let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
-            self.layout = Some(Layout { separator, columns, label });
+            self.layout = Layout { separator, columns: Some(columns), label };
             self.ahead = !header;
         }
-        if let Some(Layout { columns, label: Some(label), .. }) = &mut self.layout {
+        if let Layout { columns: Some(columns), label: Some(label), .. } = &mut self.layout {
             columns.known(label.column);
         }
         Ok(())
     }
 }
 
-impl Reader<List> for Csv<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        if self.layout.is_none() && !self.ended {
-            self.begin()?;
-            // A file without rows is a list without pairs.
-            if self.layout.is_none() {
-                return Ok(Some(List { format: "CSV", ..List::default() }));
+impl Rows for Csv<'_> {
+    fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
+        self.header()?;
+        choice.sparse = self.layout.label.is_some();
+        choice.by_step = self.layout.label.is_some_and(|label| label.is_step);
+        Ok(())
+    }
+
+    fn advance(&mut self) -> anyhow::Result<Option<i64>> {
+        let Csv { lines, layout: Layout { separator, columns, label }, .. } = self;
+        while columns.is_some() && (std::mem::take(&mut self.ahead) || lines.advance()?) {
+            let line = uncommented(lines.line());
+            if !line.is_empty() {
+                let cells: Vec<&[u8]> = separator.cells(line).collect();
+                return label.map_or(Ok(0), |label| label.of(&cells, lines)).map(Some);
             }
-        }
-        let Csv { lines, layout: Some(layout), ahead, last, ended, notices, .. } = self else {
-            return Ok(None);
-        };
-        choice.sparse = layout.label.is_some();
-        choice.by_step = layout.label.as_ref().is_some_and(|label| label.is_step);
-        while !*ended {
-            let sparse = choice.sparse;
-            let mut list = List { format: "CSV", sparse, ..List::default() };
-            list.notices = std::mem::take(notices);
-            let mut columns = layout.columns.clone();
-            let (mut step, mut empty, mut divided) = (Step::Keep, true, None);
-            loop {
-                if !std::mem::take(ahead) && !lines.advance()? {
-                    *ended = true;
-                    break;
-                }
-                let line = uncommented(lines.line());
-                if line.is_empty() {
-                    let comment = lines.text();
-                    if layout.label.is_none() && !empty && names_a_frame(&comment) {
-                        divided = divided.or(Some(comment));
-                    }
-                    continue;
-                }
-                if let Some(comment) = divided.take() {
-                    list.divided(&comment);
-                }
-                let cells: Vec<&[u8]> = layout.separator.cells(line).collect();
-                if let Some(label) = layout.label {
-                    let value = label.of(&cells, lines)?;
-                    if !empty && *last != Some(value) {
-                        *ahead = true;
-                        break;
-                    }
-                    if empty {
-                        ascends(last.replace(value), value, label.name(), || lines.place())?;
-                        let index = if label.is_step { choice.seen } else { value as u64 };
-                        list.frame = Some(index);
-                        list.step = label.is_step.then_some(value);
-                        step = choice.begin_at(index, || lines.place())?;
-                        if step == Step::Stop {
-                            *ended = true;
-                            return Ok(None);
-                        }
-                    }
-                }
-                empty = false;
-                if step == Step::Keep {
-                    columns.push(lines, &cells, &mut list)?;
-                }
-            }
-            if step == Step::Keep && !(layout.label.is_some() && empty) {
-                columns.end(&mut list);
-                return Ok(Some(list));
+            let comment = lines.text();
+            if label.is_none() && self.any && names_a_frame(&comment) {
+                self.divided.get_or_insert(comment);
             }
         }
         Ok(None)
+    }
+
+    fn place(&self) -> String {
+        self.lines.place()
+    }
+
+    fn take(&mut self, list: &mut List) -> anyhow::Result<()> {
+        self.any = true;
+        if let Some(comment) = self.divided.take() {
+            list.divided(&comment);
+        }
+        let Some(columns) = &mut self.columns else { return Ok(()) };
+        let cells: Vec<&[u8]> =
+            self.layout.separator.cells(uncommented(self.lines.line())).collect();
+        columns.push(&self.lines, &cells, list)
+    }
+
+    fn list(&mut self) -> List {
+        self.columns = self.layout.columns.clone();
+        List { format: "CSV", notices: std::mem::take(&mut self.notices), ..List::default() }
+    }
+
+    fn end(&mut self, list: &mut List) {
+        self.columns.take().into_iter().for_each(|columns| columns.end(list));
     }
 }

@@ -98,7 +98,7 @@ fn row(lines: &Lines<'_>, list: &mut List) -> anyhow::Result<()> {
         list.walls += 1;
         return Ok(());
     }
-    push(list, pair)
+    push(list, pair, None, String::new)
 }
 
 /// Where all are there from both sides, one side is taken: then fingerprints of the pairs as they

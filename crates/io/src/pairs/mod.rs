@@ -6,13 +6,12 @@
 //! `step`; in npy the first of three, five or six columns, where all frames are wanted.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
 use crate::Frame;
-use crate::formats::gzip::{self, Unpacking};
 use crate::formats::{npy, unread};
 use crate::frames::{Choice, Once, Reader, Step, chosen};
 use crate::lines::{Lines, Source};
@@ -135,27 +134,10 @@ pub fn lists_from<T>(
         "--pairs-columns takes the two columns of the particles, and those of the image where \
          there is one, with commas between: I,J or I,J,SX,SY or I,J,SX,SY,SZ"
     );
-    let unpacking = &Unpacking::default();
-    let mut reader = unpacking.file(reader);
-    let head = head(&mut reader, name)?;
-    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-    let lists = |input: &mut dyn BufRead, head: &[u8]| {
+    crate::unpacked(reader, name, |input, unpacking, head, _| {
         let reader = open(Source { input, name, unpacking }, head, columns)?;
         body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
-    };
-    if !head.starts_with(gzip::MAGIC) {
-        return lists(&mut reader, &head);
-    }
-    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
-    let head = self::head(&mut reader, name)?;
-    lists(&mut std::io::Cursor::new(&head[..]).chain(reader), &head)
-}
-
-/// The first bytes, which tell the format.
-fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
-    let mut head = Vec::new();
-    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
-    Ok(head)
+    })
 }
 
 fn open<'a>(
@@ -165,7 +147,7 @@ fn open<'a>(
 ) -> anyhow::Result<Box<dyn Reader<List> + 'a>> {
     let name = source.name;
     if head.starts_with(npy::MAGIC) {
-        return Ok(Box::new(array::Array::new(source)));
+        return Ok(Box::new(Table::new(array::Array::new(source))));
     }
     unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
     if head.starts_with(b"PK\x03\x04") {
@@ -182,24 +164,105 @@ fn open<'a>(
     if fstat::tells(head, false) || name.ends_with(".fstat") {
         return Ok(Box::new(fstat::Fstat::new(lines)));
     }
-    Ok(Box::new(csv::Csv::new(lines, columns)))
+    Ok(Box::new(Table::new(csv::Csv::new(lines, columns))))
 }
 
-fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
+/// Rows of pairs, which may each say their frame.
+trait Rows {
+    /// Reads what stands before the rows; [`Choice::sparse`] if they say their frame.
+    fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()>;
+
+    /// Goes to the next row; the frame or the step that it says, else 0. None at the end.
+    fn advance(&mut self) -> anyhow::Result<Option<i64>>;
+
+    /// The place of the row, for messages.
+    fn place(&self) -> String;
+
+    /// Adds the pair of the row.
+    fn take(&mut self, list: &mut List) -> anyhow::Result<()>;
+
+    /// A list without pairs, when its rows begin.
+    fn list(&mut self) -> List;
+
+    /// What is to be said of the list when its rows are read.
+    fn end(&mut self, list: &mut List);
+}
+
+/// The lists of a file of rows.
+struct Table<R> {
+    rows: R,
+    begun: bool,
+    /// What the row at hand says, which is not taken yet.
+    ahead: Option<i64>,
+    last: Option<i64>,
+}
+
+impl<R> Table<R> {
+    fn new(rows: R) -> Table<R> {
+        Table { rows, begun: false, ahead: None, last: None }
+    }
+}
+
+impl<R: Rows> Reader<List> for Table<R> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
+        let Table { rows, ahead, last, begun } = self;
+        let is_first = !std::mem::replace(begun, true);
+        if is_first {
+            rows.begin(choice)?;
+            *ahead = rows.advance()?;
+        }
+        // Rows that say no frame are one list, even if there are none.
+        let mut one = (is_first && !choice.sparse).then_some(0);
+        while let Some(label) = ahead.or(one.take()) {
+            let mut list = List { sparse: choice.sparse, ..rows.list() };
+            let mut step = Step::Keep;
+            if choice.sparse {
+                let what = if choice.by_step { "step" } else { "frame" };
+                ascends(last.replace(label), label, what, || rows.place())?;
+                let index = if choice.by_step { choice.seen } else { label as u64 };
+                list.frame = Some(index);
+                list.step = choice.by_step.then_some(label);
+                step = choice.begin_at(index, || rows.place())?;
+            }
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            while *ahead == Some(label) {
+                if step == Step::Keep {
+                    rows.take(&mut list)?;
+                }
+                *ahead = rows.advance()?;
+            }
+            if step == Step::Keep {
+                rows.end(&mut list);
+                return Ok(Some(list));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Adds a pair, with its image if there is one; these are numbered in 32 bits.
+fn push(
+    list: &mut List,
+    pair: [i64; 2],
+    image: Option<[i64; 3]>,
+    place: impl Fn() -> String,
+) -> anyhow::Result<()> {
+    if let Some(numbers) = image {
+        let mut image = [0; 3];
+        for (image, number) in image.iter_mut().zip(numbers) {
+            *image = i32::try_from(number).ok().with_context(|| {
+                format!("{}: {number} is not the number of an image: below 2^31", place())
+            })?;
+        }
+        let images = list.images.get_or_insert_default();
+        room(images)?;
+        images.push(image);
+    }
     room(&mut list.pairs)?;
     list.pairs.push(pair);
     Ok(())
-}
-
-/// Images are numbered in 32 bits.
-fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 3]> {
-    let mut image = [0; 3];
-    for (image, number) in image.iter_mut().zip(numbers) {
-        *image = i32::try_from(number).ok().with_context(|| {
-            format!("{}: {number} is not the number of an image: below 2^31", place())
-        })?;
-    }
-    Ok(image)
 }
 
 /// Rows that say to which frame they belong stand in its order.

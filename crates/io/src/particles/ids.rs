@@ -14,13 +14,10 @@ impl Particles {
             copy.extend_from_slice(ids);
             Ok(copy)
         };
-        self.ids().map(copied).transpose()
+        self.ids.as_deref().map(copied).transpose()
     }
 
     /// Puts the particles in the order of their ids, if there are any.
-    ///
-    /// # Errors
-    /// An id stands there twice; no memory.
     pub fn sort_by_id(&mut self) -> anyhow::Result<()> {
         let Some(ids) = &mut self.ids else { return Ok(()) };
         let n = ids.len();

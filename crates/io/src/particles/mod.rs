@@ -22,26 +22,33 @@ pub enum Centres {
     Space(Vec<Point<f64, 3>>),
 }
 
+impl Default for Centres {
+    fn default() -> Centres {
+        Centres::Space(Vec::new())
+    }
+}
+
 /// Particles as read.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Particles {
     pub centres: Centres,
     pub radii: Option<Vec<f64>>,
-    /// The file's own numbers of the particles, where they were asked for and are there.
+    /// The file's own numbers of the particles, if they were asked for and are there.
     pub ids: Option<Vec<i64>>,
     /// Whose contacts are left out, where that was asked for.
     pub groups: Option<Groups>,
-    /// The box, where it repeats.
+    /// The box that repeats; none where boundaries are open, or taken as open.
     pub lattice: Option<Lattice>,
     /// The file has one, whether that repeats or not.
     pub has_box: bool,
-    /// What the file leaves open.
+    /// What the file leaves open, to be said to whoever named it.
     pub notices: Vec<Notice>,
     /// Names of columns or arrays that are not used: one of them may hold the sizes.
     pub(crate) unused: Vec<String>,
     /// Where the radii come from.
     pub source: Option<RadiusSource>,
-    /// See [`Particles::first`].
+    /// The number of the first particle in the file, if these are the part that was asked for; none
+    /// if they are all.
     pub first: Option<u64>,
     /// How many of the coordinates looked at have how many significant digits.
     pub(super) digits: digits::Counts,
@@ -49,28 +56,8 @@ pub struct Particles {
 
 impl Particles {
     pub fn new(dim: usize, has_radii: bool) -> Particles {
-        let centres =
-            if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::Space(Vec::new()) };
-        Particles::of(centres, has_radii.then(Vec::new))
-    }
-
-    pub fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
-        let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
-        let digits = digits::Counts::default();
-        let (has_box, first, unused, source) = (false, None, Vec::new(), None);
-        Particles {
-            centres,
-            radii,
-            ids,
-            groups,
-            lattice,
-            has_box,
-            notices,
-            unused,
-            source,
-            first,
-            digits,
-        }
+        let centres = if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::default() };
+        Particles { centres, radii: has_radii.then(Vec::new), ..Particles::default() }
     }
 
     /// The number of particles.
@@ -94,27 +81,6 @@ impl Particles {
     /// Has the file a radius for each?
     pub fn has_radii(&self) -> bool {
         self.radii.is_some()
-    }
-
-    /// The file's own numbers of the particles, if they were asked for and are there.
-    pub fn ids(&self) -> Option<&[i64]> {
-        self.ids.as_deref()
-    }
-
-    /// The box that repeats; none where boundaries are open, or taken as open.
-    pub fn lattice(&self) -> Option<&Lattice> {
-        self.lattice.as_ref()
-    }
-
-    /// What the file leaves open, to be said to whoever named it.
-    pub fn notices(&self) -> &[Notice] {
-        &self.notices
-    }
-
-    /// The number of the first particle in the file, if these are the part that was asked for; none
-    /// if they are all.
-    pub fn first(&self) -> Option<u64> {
-        self.first
     }
 
     /// Spheres of which all have the same z, 0?
@@ -224,7 +190,7 @@ impl Particles {
                 radii.len()
             );
         }
-        Ok(Particles::of(Centres::Space(points), radii))
+        Ok(Particles { centres: Centres::Space(points), radii, ..Particles::default() })
     }
 
     /// Applies the options: the given radius replaces the file's, and spheres with z = 0 become
@@ -264,10 +230,6 @@ impl Particles {
     }
 
     /// The scene with open boundaries. Radii must be in the file or given.
-    ///
-    /// # Errors
-    /// A box that repeats, among others: whoever wants the particles without it says so in the
-    /// options ([`crate::Boundaries::open`]).
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
         if let Some(lattice) = &self.lattice {
             bail!(

@@ -1,4 +1,4 @@
-//! Frames one after the other, those of files whose last frame is being written, and GSD.
+//! Frames one after the other, and those of files whose last frame is being written.
 
 use super::*;
 
@@ -95,7 +95,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                     };
                     // A table is read to its end, for the order of its rows.
                     let through = survey || ending == "csv";
-                    assert_eq!(particles.notices().iter().any(said), through, "{ending} {cut}");
+                    assert_eq!(particles.notices.iter().any(said), through, "{ending} {cut}");
                 }
             }
             let whole =
@@ -120,62 +120,6 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
         let cut = &text.as_bytes()[..text.len() - 1];
         let (particles, _) = load_from(cut, "p", ending, last).unwrap();
         let words = |notice: &Notice| notice.words(Place::Argument).contains("no line feed");
-        assert!(particles.notices().iter().any(words), "{ending}");
+        assert!(particles.notices.iter().any(words), "{ending}");
     }
-}
-
-fn gsd(name: &str) -> Vec<u8> {
-    std::fs::read(
-        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data").join(name),
-    )
-    .unwrap()
-}
-
-#[test]
-fn gsd_of_hoomd_is_read_with_its_frames_box_and_diameters() {
-    let bytes = gsd("tilted.gsd");
-    let frame = |frame| load_from(&bytes[..], "p", "", Options { frame, ..NONE }).unwrap();
-    let (particles, about) = frame(Frame::Number(1));
-    assert_eq!((about.format, about.frame, about.step), ("GSD", 1, Some(50)));
-    let declared = about.declared.unwrap();
-    let vectors = [[4.0, 0.0, 0.0], [2.0, 4.0, 0.0], [0.0, 2.0, 8.0]];
-    assert_eq!(declared.vectors, Some(vectors));
-    assert_eq!((declared.origin, declared.periodic), ([-3.0, -3.0, -4.0], Some([true; 3])));
-    let given = particles.given("p", None).unwrap();
-    assert_eq!(rows(&given.scene), [[0.0, 0.0, 0.0, 0.5], [1.5, 0.0, 0.0, 0.75]]);
-    let (particles, about) = frame(Frame::Last);
-    assert_eq!((about.frames, about.step, particles.len()), (3, Some(75), 3));
-    assert_eq!(particles.centre(1), [0.0, 0.0, -3.75]);
-    // Discs without diameters.
-    let (particles, about) = load_from(&gsd("plane.gsd")[..], "p", "", NONE).unwrap();
-    assert_eq!((particles.dim(), about.step), (2, Some(7)));
-    assert_eq!(about.declared.unwrap().periodic, Some([true, true, false]));
-    let words = particles.notices()[0].words(Place::Argument);
-    assert!(words.contains("default of 1"), "{words}");
-    assert_eq!(particles.given("p", None).unwrap().scene.len(), 3);
-    let (particles, _) = load_from(&gsd("plane.gsd")[..], "p", "", HALF).unwrap();
-    assert!(particles.notices().is_empty());
-}
-
-/// Each field of the head and the index is set to other values; each prefix is read.
-#[test]
-fn damaged_gsd_gives_a_sentence() {
-    let bytes = gsd("tilted.gsd");
-    let mut read = [0, 0];
-    let mut see = |bytes: &[u8]| {
-        for frame in [Frame::Last, Frame::Number(0)] {
-            let loaded = load_from(bytes, "p", "", Options { frame, ..NONE });
-            read[usize::from(loaded.is_ok())] += 1;
-        }
-    };
-    (0..bytes.len()).step_by(37).for_each(|end| see(&bytes[..end]));
-    for at in (8..48).chain(256..256 + 32 * 18) {
-        for value in [0, 1, 0x7f, 0xff] {
-            let mut bytes = bytes.clone();
-            bytes[at] = value;
-            see(&bytes);
-        }
-    }
-    let [bad, good] = read;
-    assert!(bad > 100 && good > 100, "{bad} {good}");
 }

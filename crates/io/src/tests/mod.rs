@@ -1,6 +1,6 @@
 //! What is read of one file (`cases`) and of several (`series`); long arrays, and pairs that are
-//! written (`npy`); frames that are being written, and GSD (`frames`); and that no bytes make a
-//! reader panic (`refused`).
+//! written (`npy`); frames that are being written (`frames`); and that no bytes make a reader panic
+//! (`refused`).
 
 mod cases;
 mod frames;
@@ -18,6 +18,12 @@ const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
 fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
     from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
+}
+
+/// A file that another program wrote.
+fn data(name: &str) -> Vec<u8> {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    std::fs::read(root.join("tests/data").join(name)).unwrap()
 }
 
 /// Coordinates and radii of all particles, one list each.

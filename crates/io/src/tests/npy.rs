@@ -1,6 +1,18 @@
 //! Arrays of NumPy: particles in, pairs out.
 
 use super::*;
+use contactbench_core::periodic::ImagePair;
+
+/// Writes pairs of particles that need not be there.
+fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
+    let scene = read(b"x,y,r\n", "csv", NONE).unwrap();
+    let style = write::Style::plain(write::Around::Open(&scene));
+    write::contacts(
+        Some(path),
+        pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] }),
+        &style,
+    )
+}
 
 /// Parts are all rows, each once, wherever pieces of the stream end.
 #[test]
@@ -16,7 +28,7 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
         for k in 0..3 {
             let particles = part(&bytes, [k, 3]);
             // Of fewer rows than parts all are kept.
-            assert_eq!(particles.first(), (n >= 3).then_some(seen), "{n} {k}");
+            assert_eq!(particles.first, (n >= 3).then_some(seen), "{n} {k}");
             for row in 0..particles.len() {
                 let first = 3.0 * (seen + row as u64) as f64;
                 assert_eq!(particles.centre(row), [first, first + 1.0, first + 2.0]);
@@ -26,7 +38,7 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
         assert!(seen == n || n < 3);
     }
     let columns = npy_file("<f8", "True", "(3, 2)", &doubles(&[0.0; 6]));
-    assert_eq!((part(&columns, [1, 3]).first(), part(&columns, [1, 3]).len()), (None, 3));
+    assert_eq!((part(&columns, [1, 3]).first, part(&columns, [1, 3]).len()), (None, 3));
 }
 
 /// Files are read and written by pieces of 16 to 64 KiB.
@@ -35,11 +47,11 @@ fn files_of_several_pieces_are_whole() {
     let list: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pairs.csv");
-    write::pairs(&path, &list).unwrap();
+    written(&path, &list).unwrap();
     let text: String = list.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), format!("i,j\n{text}"));
     let path = folder.path().join("pairs.npy");
-    write::pairs(&path, &list).unwrap();
+    written(&path, &list).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let words: Vec<u8> = list.as_flattened().iter().flat_map(|index| index.to_le_bytes()).collect();
     assert!(bytes.ends_with(&words) && bytes.len() - words.len() <= 192);
@@ -63,11 +75,11 @@ fn pairs_are_written_as_csv_and_npy() {
     let folder = tempfile::tempdir().unwrap();
     let list = [[0, 1], [7, 0xfedc_ba98]];
     let path = folder.path().join("pairs.CSV");
-    write::pairs(&path, &list).unwrap();
+    written(&path, &list).unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "i,j\n0,1\n7,4275878552\n");
     let path = folder.path().join("pairs.npy");
     for list in [&list[..], &[]] {
-        write::pairs(&path, list).unwrap();
+        written(&path, list).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let start = bytes.len() - 8 * list.len();
         assert_eq!(start % 64, 0);
@@ -83,10 +95,10 @@ fn pairs_are_written_as_csv_and_npy() {
             bytes[start..].as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect();
         assert_eq!(words, list.as_flattened());
     }
-    let message = write::pairs(Path::new("pairs.txt"), &list).unwrap_err().to_string();
+    let message = written(Path::new("pairs.txt"), &list).unwrap_err().to_string();
     assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk");
     assert!(
-        format!("{:#}", write::pairs(Path::new("/nowhere/pairs.csv"), &list).unwrap_err())
+        format!("{:#}", written(Path::new("/nowhere/pairs.csv"), &list).unwrap_err())
             .starts_with("cannot write /nowhere/pairs.csv: ")
     );
 }

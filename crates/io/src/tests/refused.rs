@@ -26,7 +26,7 @@ fn long_lines_options_and_missing_files_are_refused() {
 /// comes back.
 #[test]
 fn damaged_bytes_never_panic() {
-    let files: [(&[u8], &str); 5] = [
+    let files: [(&[u8], &str); 6] = [
         (b"x,y,z,r\n1,2,3,0.5\n4,5,6,0.5\n", "csv"),
         (b"# x y r\n1 2 3\n4 5 6\n", "txt"),
         (
@@ -35,6 +35,7 @@ fn damaged_bytes_never_panic() {
         ),
         (&npy_file("<f8", "False", "(2, 4)", &doubles(&[0.5; 8])), "npy"),
         (&npy_file(">f4", "True", "(2, 3)", &[0; 24]), "npy"),
+        (&data("plane.gsd"), "gsd"),
     ];
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
     let (mut good, mut bad) = (0, 0);

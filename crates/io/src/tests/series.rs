@@ -51,7 +51,7 @@ fn files_of_a_pattern_are_frames_in_the_order_of_their_numbers() {
     let one = |frame, survey| {
         let (particles, about) = load(&pattern, Options { frame, survey, ..NONE }).unwrap();
         assert!(about.file.unwrap().ends_with(".csv"));
-        let said = particles.notices().iter().any(
+        let said = particles.notices.iter().any(
             |notice| matches!(notice, Notice::Assumed(words) if words.starts_with("3 files are")),
         );
         assert!(said, "what was assumed is a notice");

@@ -22,19 +22,25 @@ pub struct Framed<'a> {
     names: Option<Vec<&'static str>>,
     /// The type of the numbers of npy.
     kind: &'static str,
-    rows: u64,
+    /// How many rows there will be, if that is known before.
+    count: Option<usize>,
+    rows: usize,
     row: Vec<Number>,
+    text: Vec<u8>,
 }
 
 impl Framed<'_> {
-    fn new(out: &mut dyn Write, format: PairFormat, numbered: bool) -> Framed<'_> {
-        Framed { out, format, numbered, names: None, kind: "<u4", rows: 0, row: Vec::new() }
+    fn new(
+        out: &mut dyn Write,
+        format: PairFormat,
+        numbered: bool,
+        count: Option<usize>,
+    ) -> Framed<'_> {
+        let (names, kind, rows, row, text) = (None, "<u4", 0, Vec::new(), Vec::new());
+        Framed { out, format, numbered, names, kind, count, rows, row, text }
     }
 
     /// Writes the contacts of a frame.
-    ///
-    /// # Errors
-    /// Other columns than in the frame before; numbers too large for npy; those of the system.
     pub fn frame(
         &mut self,
         k: u64,
@@ -69,7 +75,9 @@ impl Framed<'_> {
             self.row.extend(before);
             style.row(contact, &mut self.row);
             self.rows += 1;
-            row(self.out, self.format, self.kind, &self.row).context("cannot write the pairs")
+            self.text.clear();
+            row(&mut self.text, self.format, self.kind, &self.row);
+            self.out.write_all(&self.text).context("cannot write the pairs")
         };
         if style.by_id {
             style.directed(contacts)?.into_iter().try_for_each(write)
@@ -85,38 +93,42 @@ impl Framed<'_> {
             _ if style.images() > 0 => "<i4",
             _ => "<u4",
         };
-        match self.format {
-            PairFormat::Npy => Ok(()),
-            _ => {
-                let frame = if self.numbered { "frame," } else { "" };
-                writeln!(self.out, "{frame}{}", names.join(","))
+        let frame = if self.numbered { "frame," } else { "" };
+        match (self.format, self.count) {
+            (PairFormat::Npy, None) => Ok(()),
+            (PairFormat::Npy, Some(count)) => {
+                npy::write_header(self.out, self.kind, count, names.len())
             }
+            _ => writeln!(self.out, "{frame}{}", names.join(",")),
         }
     }
 }
 
-/// Writes the numbers of one contact.
-fn row(out: &mut dyn Write, format: PairFormat, kind: &str, row: &[Number]) -> io::Result<()> {
+/// Adds the numbers of one contact.
+fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
     for (k, &number) in row.iter().enumerate() {
-        match (format, number) {
-            (PairFormat::Npy, number) => match (kind, number) {
-                ("<f8", Number::Whole(whole)) => out.write_all(&(whole as f64).to_le_bytes())?,
-                ("<f8", Number::Real(real)) => out.write_all(&real.to_le_bytes())?,
-                ("<i8", Number::Whole(whole)) => out.write_all(&whole.to_le_bytes())?,
-                // The low bits are those of i32 and of u32.
-                (_, Number::Whole(whole)) => out.write_all(&(whole as u32).to_le_bytes())?,
-                (_, Number::Real(_)) => {}
-            },
-            (_, number) => {
-                let comma = if k == 0 { "" } else { "," };
+        match (format, kind, number) {
+            (PairFormat::Npy, "<f8", Number::Whole(whole)) => {
+                out.extend((whole as f64).to_le_bytes())
+            }
+            (PairFormat::Npy, _, Number::Real(real)) => out.extend(real.to_le_bytes()),
+            (PairFormat::Npy, "<i8", Number::Whole(whole)) => out.extend(whole.to_le_bytes()),
+            // The low bits are those of i32 and of u32.
+            (PairFormat::Npy, _, Number::Whole(whole)) => out.extend((whole as u32).to_le_bytes()),
+            (_, _, number) => {
+                out.extend((k > 0).then_some(b','));
                 match number {
-                    Number::Whole(whole) => write!(out, "{comma}{whole}")?,
-                    Number::Real(real) => write!(out, "{comma}{real:?}")?,
+                    Number::Whole(whole) => {
+                        out.extend_from_slice(itoa::Buffer::new().format(whole).as_bytes());
+                    }
+                    Number::Real(real) => out.extend(format!("{real:?}").bytes()),
                 }
             }
         }
     }
-    if format == PairFormat::Npy { Ok(()) } else { out.write_all(b"\n") }
+    if format != PairFormat::Npy {
+        out.push(b'\n');
+    }
 }
 
 /// An error of the system, with the file.
@@ -128,33 +140,34 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
 }
 
 /// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
-/// output. Rows say their frame if they are `numbered`. The file is there as a whole or not at all:
-/// see [`whole`].
+/// output. Rows say their frame if they are `numbered`; `count` is their number, if it is known. The
+/// file is there as a whole or not at all: see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,
     numbered: bool,
+    count: Option<usize>,
     body: impl FnOnce(&mut Framed<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let Some(path) = path else {
         let mut out = BufWriter::new(io::stdout().lock());
-        let done = body(&mut Framed::new(&mut out, PairFormat::Csv, numbered))?;
+        let done = body(&mut Framed::new(&mut out, PairFormat::Csv, numbered, None))?;
         out.flush().context("cannot write the pairs to standard output")?;
         return Ok(done);
     };
     let cannot = || format!("cannot write {}", path.display());
     match format(path)? {
-        PairFormat::Csv => {
-            whole(path, |out| body(&mut Framed::new(out, PairFormat::Csv, numbered)))
+        format if format == PairFormat::Csv || count.is_some() && format == PairFormat::Npy => {
+            whole(path, |out| body(&mut Framed::new(out, format, numbered, count)))
                 .map_err(|error| of_file(error, path))
         }
         // Its header says how many rows there are.
-        PairFormat::Npy => {
+        PairFormat::Csv | PairFormat::Npy => {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
             let rows = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
             let mut rows = BufWriter::with_capacity(1 << 16, rows.with_context(cannot)?);
-            let mut framed = Framed::new(&mut rows, PairFormat::Npy, numbered);
+            let mut framed = Framed::new(&mut rows, PairFormat::Npy, numbered, None);
             let done = body(&mut framed)?;
-            let (count, kind) = (framed.rows as usize, framed.kind);
+            let (count, kind) = (framed.rows, framed.kind);
             let columns = framed.names.map_or(2, |names| names.len()) + usize::from(numbered);
             let write = |out: &mut dyn Write| -> io::Result<()> {
                 let mut rows: File = rows.into_inner().map_err(|error| error.into_error())?;

@@ -73,7 +73,10 @@ pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
     }
 }
 
-fn create(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+pub(crate) fn create(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> anyhow::Result<()> {
     whole(path, write).with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -129,50 +132,27 @@ pub fn append(path: &Path, text: &str, option: &str) -> anyhow::Result<()> {
     })
 }
 
-/// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.
-pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
-    match format(path)? {
-        PairFormat::Csv => create(path, |out| csv(out, pairs)),
-        PairFormat::Npy => create(path, |out| npy(out, pairs)),
-        PairFormat::Vtk => bail!("{}: lines need the particles; see contacts", path.display()),
-    }
-}
-
 /// Writes contacts to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format; without one
 /// CSV to standard output.
-pub fn contacts<'a>(
+pub fn contacts(
     path: Option<&Path>,
-    pairs: &[ImagePair],
-    style: &Style<'a>,
+    contacts: impl ExactSizeIterator<Item = ImagePair>,
+    style: &Style<'_>,
 ) -> anyhow::Result<()> {
     if let Some(path) = path
         && format(path)? == PairFormat::Vtk
     {
         return create(path, |out| match style.around {
-            Around::Open(scene) => with_scene!(scene, scene => vtk(out, pairs, scene, None, style)),
+            Around::Open(scene) => {
+                with_scene!(scene, scene => vtk(out, contacts, scene, None, style))
+            }
             Around::Boxed(periodic) => {
                 let lattice = Some(periodic.lattice());
-                with_scene!(periodic.scene(), scene => vtk(out, pairs, scene, lattice, style))
+                with_scene!(periodic.scene(), scene => vtk(out, contacts, scene, lattice, style))
             }
         });
     }
-    framed(path, false, |out| out.frame(0, style, pairs.iter().copied()))
-}
-
-/// Writes contacts in a box of so many dimensions to an npy file.
-pub fn images(path: &Path, pairs: &[ImagePair], dim: usize) -> anyhow::Result<()> {
-    create(path, |out| images_npy(out, pairs, dim))
-}
-
-/// NumPy version 1.0, '<i4', C order.
-fn images_npy(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
-    npy::write_header(out, "<i4", pairs.len(), 2 + dim)?;
-    for ImagePair { i, j, image } in pairs {
-        out.write_all(&i.to_le_bytes())?;
-        out.write_all(&j.to_le_bytes())?;
-        image[..dim].iter().try_for_each(|s| out.write_all(&s.to_le_bytes()))?;
-    }
-    Ok(())
+    framed(path, false, Some(contacts.len()), |out| out.frame(0, style, contacts))
 }
 
 /// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format. Only extended
@@ -193,37 +173,8 @@ pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::
     with_scene!(&given.scene, scene => match format {
         SceneFormat::Csv => scene_csv(out, scene),
         SceneFormat::Xyz => scene_xyz(out, scene, lattice),
-        SceneFormat::Npy => scene_npy(out, scene),
+        SceneFormat::Npy => scene_npy(out, scene, true),
     })
-}
-
-/// The header `i,j`, then one pair per line.
-pub fn csv(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
-    out.write_all(b"i,j\n")?;
-    let (mut text, mut digits) = (Vec::new(), itoa::Buffer::new());
-    for pairs in pairs.chunks(1 << 10) {
-        text.clear();
-        for &[i, j] in pairs {
-            text.extend_from_slice(digits.format(i).as_bytes());
-            text.push(b',');
-            text.extend_from_slice(digits.format(j).as_bytes());
-            text.push(b'\n');
-        }
-        out.write_all(&text)?;
-    }
-    Ok(())
-}
-
-/// NumPy version 1.0, '<u4', C order.
-pub fn npy(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
-    npy::write_header(out, "<u4", pairs.len(), 2)?;
-    let mut bytes = [0; 1 << 14];
-    for pairs in pairs.as_flattened().chunks(bytes.len() / 4) {
-        let words = bytes.as_chunks_mut().0;
-        words.iter_mut().zip(pairs).for_each(|(word, index)| *word = index.to_le_bytes());
-        out.write_all(&bytes[..4 * pairs.len()])?;
-    }
-    Ok(())
 }
 
 /// The numbers of one particle, the radius last.
@@ -268,13 +219,17 @@ fn scene_xyz<T: Real, const D: usize>(
     })
 }
 
-fn scene_npy<T: Real, const D: usize>(
+/// A row of f64 for each particle, with its radius or without.
+pub(crate) fn scene_npy<T: Real, const D: usize>(
     out: &mut dyn Write,
     scene: &Scene<'_, T, D>,
+    has_radii: bool,
 ) -> io::Result<()> {
-    npy::write_header(out, "<f8", scene.len(), D + 1)?;
-    (0..scene.len())
-        .try_for_each(|k| row(scene, k).try_for_each(|x| out.write_all(&x.to_le_bytes())))
+    let columns = D + usize::from(has_radii);
+    npy::write_header(out, "<f8", scene.len(), columns)?;
+    (0..scene.len()).try_for_each(|k| {
+        row(scene, k).take(columns).try_for_each(|x| out.write_all(&x.to_le_bytes()))
+    })
 }
 
 /// Points with radii, and a line for each contact; of one across the box two lines, from i to the
@@ -282,16 +237,16 @@ fn scene_npy<T: Real, const D: usize>(
 /// radius 0, and with 1 for `image`. Discs lie in the plane z = 0.
 fn vtk<T: Real, const D: usize>(
     out: &mut dyn Write,
-    pairs: &[ImagePair],
+    contacts: impl ExactSizeIterator<Item = ImagePair>,
     scene: &Scene<'_, T, D>,
     lattice: Option<&Lattice>,
     style: &Style<'_>,
 ) -> io::Result<()> {
     let n = scene.len();
     let mut lines: Vec<Directed> = Vec::new();
-    let room = lines.try_reserve(2 * pairs.len());
+    let room = lines.try_reserve(2 * contacts.len());
     room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
-    for &pair in pairs {
+    for pair in contacts {
         let line = Directed::of(pair);
         lines.push(line);
         lines.extend((pair.image != [0; 3]).then(|| line.turned()));

@@ -27,7 +27,7 @@ struct First {
 }
 
 fn repeats(particles: &Particles) -> [bool; 3] {
-    let [x, y, z] = particles.lattice().map_or([false; 3], Lattice::periodic);
+    let [x, y, z] = particles.lattice.as_ref().map_or([false; 3], Lattice::periodic);
     [x, y, z && particles.dim() == 3]
 }
 
@@ -83,7 +83,7 @@ impl First {
             along(repeats),
             along(self.repeats)
         );
-        let (ids, before) = (particles.ids(), self.ids.as_deref());
+        let (ids, before) = (particles.ids.as_deref(), self.ids.as_deref());
         ensure!(
             ids.is_some() == before.is_some(),
             "particles have ids in some frames alone; write the column in all, or in none"

@@ -23,11 +23,11 @@ use crate::run::trajectory::Trajectory;
 use crate::truth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::periodic::Contacts;
+use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_core::probe::Tally;
 use contactbench_core::searcher::{Loaded, Searcher};
 use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
-use contactbench_io as io;
+use contactbench_io::exchange;
 use contactbench_record::record::built::build;
 use contactbench_record::record::provenance;
 
@@ -413,9 +413,14 @@ impl Server {
             Some((_, Loaded::InBox(periodic))) => {
                 let scene = periodic.scene();
                 let pairs = contacts.sorted(scene.len(), self.options.memory_limit);
-                io::write::images(path, &pairs.map_err(refused)?, scene.dim())
+                let pairs = pairs.map_err(refused)?;
+                exchange::write_contacts(path, pairs.iter().copied(), Some(scene.dim()))
             }
-            _ => io::write::pairs(path, &contacts.plain),
+            _ => {
+                let pairs = &contacts.plain;
+                let pairs = pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] });
+                exchange::write_contacts(path, pairs, None)
+            }
         }
         .map_err(error)?;
         Ok(Reply::Pairs { contacts: contacts.len() })

@@ -109,9 +109,6 @@ impl Blocks {
     }
 
     /// The next row.
-    ///
-    /// # Errors
-    /// A comment before it names a frame.
     pub fn row(&mut self) -> anyhow::Result<()> {
         if let Some((comment, place)) = &self.named {
             bail!(
@@ -193,9 +190,6 @@ impl Split {
     }
 
     /// Looks at a row. True if it is of the next frame, and not the `first` of one.
-    ///
-    /// # Errors
-    /// A value that is none, or an order that neither rises nor falls.
     pub fn is_next<'a>(
         &mut self,
         cells: &mut (impl Iterator<Item = &'a [u8]> + Clone),

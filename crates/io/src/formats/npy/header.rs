@@ -48,8 +48,6 @@ pub(crate) struct Header {
     pub rows: u64,
     /// None for an array of one dimension.
     pub columns: Option<usize>,
-    pub shape: String,
-    /// The same as numbers.
     pub sizes: Vec<u64>,
     /// Of an array of records.
     pub fields: Vec<Field>,
@@ -69,7 +67,7 @@ impl Header {
 
     /// Refuses what is no array of one or two dimensions; where `frames` are known, also three.
     pub(super) fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
-        let shape = &self.shape;
+        let shape = shape(&self.sizes);
         ensure!(
             self.fields.is_empty(),
             "the array has fields; save numpy.column_stack([a['i'], a['j']]), with their names"
@@ -80,13 +78,13 @@ impl Header {
             [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
                 ensure!(
                     !self.fortran,
-                    "the shape is ({shape}), in Fortran order; write frames in C order, with \
+                    "the shape is {shape}, in Fortran order; write frames in C order, with \
                      numpy.ascontiguousarray"
                 );
                 Ok(())
             }
             _ => bail!(
-                "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
+                "the shape is {shape}; it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
                  particles (x, y, z, and the radius last), (N, 2) for pairs"
             ),
         }
@@ -116,7 +114,7 @@ impl Header {
 
     /// The next `count` rows of so many columns, some at a time, with the place of the first: so a
     /// false shape cannot ask for more memory than the file has bytes.
-    pub(super) fn pieces(
+    pub fn pieces(
         &self,
         source: &mut Source<'_>,
         count: u64,
@@ -267,7 +265,7 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         [rows, columns] => (None, rows, Some(narrow(columns))),
         [frames, rows, columns, ..] => (Some(frames), rows, Some(narrow(columns))),
     };
-    Ok(Header { kind, descr, big, fortran, frames, rows, columns, shape, sizes, fields })
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, fields })
 }
 
 /// The numbers of a type such as `<f8`, and whether they are big-endian.

@@ -31,9 +31,9 @@ pub fn particles(
     let rows = header.rows;
     let Some(columns @ 2..=4) = header.columns else {
         bail!(
-            "{name}: the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
+            "{name}: the shape is {}; it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
              radius last{}",
-            header.shape,
+            shape(&header.sizes),
             match header.columns {
                 Some(_) if matches!(rows, 2..=4) => "; save the transpose, a.T",
                 Some(5..) => "; choose columns, as in a[:, [0, 1, 2, 3]]",
@@ -168,5 +168,5 @@ pub fn zip(
             x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect(),
         ),
     };
-    Ok(Particles::of(centres, radii))
+    Ok(Particles { centres, radii, ..Particles::default() })
 }

@@ -1,7 +1,7 @@
 //! Files of text, and what is read of them: `*.txt` in this folder.
 //!
 //! A line `>>> ENDING` begins a file (`>>> list` a list of contacts, `>>> any` a file that is read
-//! with several endings and as a list), whose lines follow. A line `<<< NAME=VALUE ...` reads the
+//! with several endings and as a list, `>>> file NAME` one of tests/data), whose lines follow. A line `<<< NAME=VALUE ...` reads the
 //! file with these options, and below it stands what comes of that:
 //!
 //! | line | holds |
@@ -26,9 +26,9 @@ use crate::pairs;
 macro_rules! files {
     ($($name:literal),*) => { [$(($name, include_str!(concat!($name, ".txt")))),*] };
 }
-const FILES: [(&str, &str); 12] = files![
-    "arrays", "boxes", "codes", "columns", "formats", "frames", "lists", "refused", "tables",
-    "unread", "vtk", "xyz"
+const FILES: [(&str, &str); 13] = files![
+    "arrays", "boxes", "codes", "columns", "formats", "frames", "lists", "programs", "refused",
+    "tables", "unread", "vtk", "xyz"
 ];
 
 /// A number in the type of an array.
@@ -131,7 +131,7 @@ fn frame(particles: Particles, about: &About, options: Options, out: &mut String
         let About { frame, step, time, .. } = about;
         writeln!(out, "@ {frame} {step:?} {time:?}").unwrap();
     }
-    if let Some(lattice) = particles.lattice() {
+    if let Some(lattice) = &particles.lattice {
         let (vectors, periodic) = (lattice.vectors().map(|it| numbers(&it)), lattice.periodic());
         let flags = periodic.map(|yes| if yes { 'T' } else { 'F' });
         let flags: String = flags.into_iter().collect();
@@ -141,9 +141,9 @@ fn frame(particles: Particles, about: &About, options: Options, out: &mut String
         let vectors = vectors.map(|it| it.map(|it| numbers(&it)).join(" / "));
         writeln!(out, "- {} {periodic:?}", vectors.unwrap_or_default()).unwrap();
     }
-    notices(particles.notices(), out);
+    notices(&particles.notices, out);
     let row = |k: usize| {
-        let id = particles.ids().map(|ids| format!("#{} ", ids[k])).unwrap_or_default();
+        let id = particles.ids.as_ref().map(|ids| format!("#{} ", ids[k])).unwrap_or_default();
         let radius = particles.radii.as_ref().map_or(options.radius, |radii| Some(radii[k]));
         let centre = particles.centre(k)[..particles.dim()].to_vec();
         id + &numbers(&centre.into_iter().chain(radius).collect::<Vec<_>>())
@@ -248,7 +248,10 @@ fn files_of_text_give_particles_lists_or_words() {
             let mut reads = case.split("\n<<<");
             let mut lines = reads.next().unwrap().split('\n');
             let ending = lines.next().unwrap().trim();
-            let bytes = bytes(&lines.collect::<Vec<_>>());
+            let bytes = match ending.strip_prefix("file ") {
+                Some(name) => data(name),
+                None => bytes(&lines.collect::<Vec<_>>()),
+            };
             for read in reads {
                 let (options, expected) = read.split_once('\n').unwrap();
                 let is_said = |line: &&str| line.starts_with(['=', '@', '+', '-', '~', '!']);
