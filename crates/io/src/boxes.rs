@@ -8,10 +8,10 @@
 
 use std::str::FromStr;
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::Notice;
-use crate::lines::number;
+use crate::lines::{Lines, number, shown};
 use contactbench_core::scene::Lattice;
 
 /// The box that a file declares.
@@ -40,6 +40,18 @@ pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
         [x, y, z, xy, xz, yz] => [[x, 0.0, 0.0], [xy, y, 0.0], [xz, yz, z]],
         [ax, ay, az, bx, by, bz, cx, cy, cz] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         _ => return None,
+    })
+}
+
+/// The number in cell `k` of a line, which is a bound of the box.
+pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
+    number(cell).filter(|x| x.is_finite()).with_context(|| {
+        format!(
+            "{}: column {}: '{}' is not a finite number; a bound of the box is expected",
+            lines.place(),
+            k + 1,
+            shown(cell)
+        )
     })
 }
 

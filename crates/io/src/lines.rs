@@ -243,9 +243,10 @@ pub fn texts(line: &[u8]) -> Vec<String> {
 }
 
 /// What stands between the cells of a line.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 pub(crate) enum Separator {
     One(u8),
+    #[default]
     Blanks,
 }
 

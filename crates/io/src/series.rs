@@ -52,7 +52,8 @@ pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
         return Ok(Some(series(members, framed, None)));
     }
     let Some((files, notice)) = matching(path)? else { return Ok(None) };
-    Ok(Some(series(members(files), true, notice)))
+    let member = |file| Member { files: vec![file], time: None };
+    Ok(Some(series(files.into_iter().map(member).collect(), true, notice)))
 }
 
 /// The files that match a pattern, one a frame, and what is to be said of several; none where
@@ -71,10 +72,6 @@ pub(super) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Opti
         _ => None,
     };
     Ok(Some((files, notice)))
-}
-
-fn members(files: Vec<PathBuf>) -> Vec<Member> {
-    files.into_iter().map(|file| Member { files: vec![file], time: None }).collect()
 }
 
 /// The files that match a name with `*` or `?`, in natural order; none where it has neither.
@@ -137,9 +134,13 @@ fn natural(a: &str, b: &str) -> Ordering {
     parts(a).cmp(&parts(b)).then_with(|| a.cmp(b))
 }
 
+fn is_json(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("series"))
+}
+
 /// Whether a file lists others, and if so, whether these are frames.
 fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("series")) {
+    if is_json(path) {
         return Ok(Some(true));
     }
     // A pipe can be read once only.
@@ -147,8 +148,8 @@ fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
         return Ok(None);
     }
     let (name, mut head) = (path.display().to_string(), Vec::new());
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    file.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
+    let read = File::open(path).and_then(|file| file.take(4096).read_to_end(&mut head));
+    read.with_context(|| format!("cannot read {name}"))?;
     if !head.trim_ascii_start().starts_with(b"<") {
         return Ok(None);
     }
@@ -171,7 +172,7 @@ fn listed(path: &Path, framed: bool) -> anyhow::Result<Vec<Member>> {
         "a list of files has at most {LONGEST} bytes"
     );
     let folder = path.parent().unwrap_or(Path::new(""));
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("series")) {
+    if is_json(path) {
         return of_json(BufReader::new(file), folder);
     }
     let (name, unpacking) = (path.display().to_string(), &Unpacking::default());
@@ -187,8 +188,7 @@ fn listed(path: &Path, framed: bool) -> anyhow::Result<Vec<Member>> {
         }
         let place = xml.place();
         let source = tag.get(if framed { "file" } else { "Source" });
-        let source = source.with_context(|| format!("{place}: <{key}> names no file"))?;
-        let file = folder.join(source);
+        let file = folder.join(source.with_context(|| format!("{place}: <{key}> names no file"))?);
         let time = time_of(&tag, framed).with_context(|| place)?;
         // Files of one time are parts of one frame.
         match members.last_mut().filter(|last| !framed || time.is_some() && last.time == time) {
@@ -292,21 +292,18 @@ impl Reader<Loaded> for Series {
             self.next = choice.first_of(self.members.len());
         }
         while let Some(member) = self.members.get(self.next) {
-            if self.framed {
-                let place = || member.files[0].display().to_string();
-                match choice.begin_at(self.next as u64, place)? {
-                    Step::Stop => return Ok(None),
-                    Step::Skip => {
-                        self.next += 1;
-                        continue;
-                    }
-                    Step::Keep => {}
-                }
+            let index = self.next as u64;
+            let place = || member.files[0].display().to_string();
+            let step = if self.framed { choice.begin_at(index, place)? } else { Step::Keep };
+            if step == Step::Stop {
+                return Ok(None);
             }
-            let (mut particles, about) = self.read(member)?;
+            let read = (step == Step::Keep).then(|| self.read(member)).transpose()?;
             self.next += 1;
-            particles.notices.extend(self.notice.clone());
-            return Ok(Some((particles, about)));
+            if let Some((mut particles, about)) = read {
+                particles.notices.extend(self.notice.clone());
+                return Ok(Some((particles, about)));
+            }
         }
         Ok(None)
     }

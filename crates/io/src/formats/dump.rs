@@ -14,11 +14,11 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::boxes::{in_order, letters};
+use crate::boxes::{bound, in_order, letters};
 use crate::formats::Opened;
 use crate::frames::Framed;
-use crate::lines::{Lines, Separator, Source, number, short, shown, step_of};
-use crate::particles::{Centres, Column, Columns, Particles, Rows};
+use crate::lines::{Lines, Separator, Source, number, short, step_of};
+use crate::particles::{Column, Columns, Particles, Rows};
 use crate::{About, Declared, Loaded, Notice, Options};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -273,15 +273,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result
         next(lines)?;
         let cells: Vec<&[u8]> = Separator::Blanks.cells(lines.line()).collect();
         for (k, &cell) in cells.iter().take(columns).enumerate() {
-            row[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
-                format!(
-                    "{}: column {}: '{}' is not a finite number; a bound of the box is \
-                     expected",
-                    lines.place(),
-                    k + 1,
-                    shown(cell)
-                )
-            })?;
+            row[k] = bound(cell, k, lines)?;
         }
         let expected = match columns {
             2 => "two bounds of the box are expected, lo and hi",
@@ -318,19 +310,12 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result
 /// Turns the last particle's scaled coordinates into lengths.
 fn scale_last(bounds: &Declared, particles: &mut Particles) {
     let Declared { vectors: Some(vectors), origin, .. } = bounds else { return };
-    // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
-    let scale = |s: &[f64], k: usize| {
-        let terms = s.iter().zip(vectors).filter(|(_, vector)| vector[k] != 0.0);
-        terms.fold(origin[k], |sum, (s, vector)| sum + s * vector[k])
-    };
-    match &mut particles.centres {
-        Centres::Plane(points) => points
-            .last_mut()
-            .into_iter()
-            .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
-        Centres::Space(points) => points
-            .last_mut()
-            .into_iter()
-            .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
+    let Some(last) = particles.len().checked_sub(1) else { return };
+    let scaled = particles.centre(last);
+    for axis in 0..3 {
+        // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
+        let terms = scaled.iter().zip(vectors).filter(|(_, vector)| vector[axis] != 0.0);
+        let length = terms.fold(origin[axis], |sum, (s, vector)| sum + s * vector[axis]);
+        particles.set(last, axis, length);
     }
 }

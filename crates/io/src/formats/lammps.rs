@@ -14,7 +14,8 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{Lines, Source, number, short, shown, words};
+use crate::boxes::bound;
+use crate::lines::{Lines, Source, short, shown, words};
 use crate::particles::{Column, Columns, Rows};
 use crate::{About, Declared, Loaded, Notice, Options};
 
@@ -121,15 +122,7 @@ impl Header {
         let numbers = |cells: &[&[u8]]| -> anyhow::Result<[f64; 3]> {
             let mut values = [0.0; 3];
             for (k, (value, cell)) in values.iter_mut().zip(cells).enumerate() {
-                *value = number(cell).filter(|x| x.is_finite()).with_context(|| {
-                    format!(
-                        "{}: column {}: '{}' is not a finite number; a bound of the box is \
-                         expected",
-                        lines.place(),
-                        k + 1,
-                        shown(cell)
-                    )
-                })?;
+                *value = bound(cell, k, lines)?;
             }
             Ok(values)
         };

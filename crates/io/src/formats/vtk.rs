@@ -65,16 +65,16 @@ struct Vtk<'a> {
 impl Vtk<'_> {
     /// One part of the file, which begins with the words of this line. False if no more is needed.
     fn section(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<bool> {
+        let place = self.lines.place();
         match (first, rest) {
-            ("DATASET", [kind, ..]) => ensure!(
-                matches!(
-                    kind.to_ascii_uppercase().as_str(),
-                    "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID"
-                ),
-                "{}: a data set of kind {} has no points of its own; write POLYDATA",
-                self.lines.place(),
-                short(kind)
-            ),
+            ("DATASET", [kind, ..]) => {
+                const KINDS: [&str; 3] = ["POLYDATA", "UNSTRUCTURED_GRID", "STRUCTURED_GRID"];
+                ensure!(
+                    KINDS.contains(&kind.to_ascii_uppercase().as_str()),
+                    "{place}: a data set of kind {} has no points of its own; write POLYDATA",
+                    short(kind)
+                );
+            }
             ("POINTS", [n, kind, ..]) => {
                 let n = self.count(n, "the number of points")?;
                 let kind = self.kind(kind)?;
@@ -94,7 +94,7 @@ impl Vtk<'_> {
             }
             ("METADATA", _) => while self.lines.advance()? && !self.lines.line().is_empty() {},
             ("OFFSETS" | "CONNECTIVITY", [kind, ..]) => {
-                bail!("{}: {first} {} without CELLS before it", self.lines.place(), short(kind))
+                bail!("{place}: {first} {} without CELLS before it", short(kind))
             }
             ("DIMENSIONS", sizes) => self.grid(sizes),
             ("CELL_TYPES", [n, ..]) => {
@@ -150,10 +150,11 @@ impl Vtk<'_> {
     }
 
     fn scalars(&mut self, name: &str, kind: &str, components: Option<&&str>) -> anyhow::Result<()> {
-        let components = components
-            .map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)))
-            .with_context(|| format!("{}: SCALARS have 1 to 4 components", self.lines.place()))?;
         let (kind, place) = (self.kind(kind)?, self.lines.place());
+        let components =
+            components.map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)));
+        let components =
+            components.with_context(|| format!("{place}: SCALARS have 1 to 4 components"))?;
         let target = self.arrays.target(self.of, name, kind, components, self.options);
         let target = target.with_context(|| place)?;
         // The line LOOKUP_TABLE is part of it.
@@ -295,21 +296,20 @@ impl Vtk<'_> {
         if old {
             return self.array(target, Kind::I32, size, what);
         }
-        let mut target = Some(target);
-        for (label, count) in [("OFFSETS", n), ("CONNECTIVITY", size)] {
+        for (label, count, target) in
+            [("OFFSETS", n, Target::Nothing), ("CONNECTIVITY", size, target)]
+        {
             ensure!(
                 self.lines.advance_over_blanks()?,
                 "{} is cut off in {what}; write it again",
                 self.lines.source.name
             );
             let words = texts(self.lines.line());
-            let [found, kind] = &words[..] else {
-                bail!("{}: a line '{label} type' is expected", self.lines.place())
+            let kind = match &words[..] {
+                [found, kind] if found == label => self.kind(kind)?,
+                _ => bail!("{}: a line '{label} type' is expected", self.lines.place()),
             };
-            ensure!(found == label, "{}: a line '{label} type' is expected", self.lines.place());
-            let kind = self.kind(kind)?;
-            let to = if label == "OFFSETS" { None } else { target.take() };
-            self.array(to.unwrap_or(Target::Nothing), kind, count, label)?;
+            self.array(target, kind, count, label)?;
         }
         Ok(())
     }

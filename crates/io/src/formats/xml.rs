@@ -6,7 +6,7 @@ use std::io::Read;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{Source, short};
+use crate::lines::{Source, short, shown};
 
 const LONGEST_TAG: usize = 1 << 16;
 
@@ -38,14 +38,9 @@ impl Xml<'_> {
 
     /// The next byte without taking it; none at the end.
     pub fn peek(&mut self) -> anyhow::Result<Option<u8>> {
-        let name = self.source.name;
-        Ok(self
-            .source
-            .input
-            .fill_buf()
-            .with_context(|| format!("cannot read {name}"))?
-            .first()
-            .copied())
+        let Source { input, name, .. } = &mut self.source;
+        let next = input.fill_buf().with_context(|| format!("cannot read {name}"))?;
+        Ok(next.first().copied())
     }
 
     pub fn take(&mut self) -> anyhow::Result<Option<u8>> {
@@ -108,12 +103,7 @@ impl Xml<'_> {
             }
             if !ends {
                 word.push(byte);
-                ensure!(
-                    word.len() < 1000,
-                    "{}: '{}' is not a number",
-                    self.place(),
-                    crate::lines::shown(word)
-                );
+                ensure!(word.len() < 1000, "{}: '{}' is not a number", self.place(), shown(word));
             }
             self.take()?;
         }

@@ -45,6 +45,7 @@ fn is_pair(names: &[String]) -> bool {
 }
 
 /// How the lines of a table are read.
+#[derive(Default)]
 struct Layout {
     separator: Separator,
     /// None if the file has no rows.
@@ -86,9 +87,8 @@ impl Label {
 
 impl<'a> Csv<'a> {
     pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
-        let layout = Layout { separator: Separator::Blanks, columns: None, label: None };
-        let (columns, ahead, any, divided, notices) = (None, false, false, None, vec![]);
-        Csv { lines, chosen, layout, columns, ahead, any, divided, notices }
+        let (layout, columns, divided) = (Layout::default(), None, None);
+        Csv { lines, chosen, layout, columns, ahead: false, any: false, divided, notices: vec![] }
     }
 
     /// Reads up to the first pair, and learns what the columns hold.

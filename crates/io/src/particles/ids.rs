@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 
-use super::{Centres, Particles};
+use super::{Particles, with_points};
 
 impl Particles {
     /// A copy of the ids, for whoever needs them longer than the particles.
@@ -27,10 +27,7 @@ impl Particles {
             room.with_context(|| format!("no memory for the order of {n} particles"))?;
             order.extend(0..n as u32);
             order.sort_unstable_by_key(|&k| ids[k as usize]);
-            match &mut self.centres {
-                Centres::Plane(points) => ordered(points, &order)?,
-                Centres::Space(points) => ordered(points, &order)?,
-            }
+            with_points!(&mut self.centres, points => ordered(points, &order)?);
             if let Some(radii) = &mut self.radii {
                 ordered(radii, &order)?;
             }

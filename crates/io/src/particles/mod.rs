@@ -28,6 +28,22 @@ impl Default for Centres {
     }
 }
 
+/// The same expression for the points of either dimension.
+macro_rules! with_points {
+    ($centres:expr, $points:ident => $body:expr) => {
+        match $centres {
+            $crate::particles::Centres::Plane($points) => $body,
+            $crate::particles::Centres::Space($points) => $body,
+        }
+    };
+}
+pub(crate) use with_points;
+
+/// The point of the first coordinates in a row.
+fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
+    Point::from(std::array::from_fn(|k| row[k]))
+}
+
 /// Particles as read.
 #[derive(Debug, Default, PartialEq)]
 pub struct Particles {
@@ -62,10 +78,7 @@ impl Particles {
 
     /// The number of particles.
     pub fn len(&self) -> usize {
-        match &self.centres {
-            Centres::Plane(points) => points.len(),
-            Centres::Space(points) => points.len(),
-        }
+        with_points!(&self.centres, points => points.len())
     }
 
     /// True if there are none.
@@ -91,28 +104,30 @@ impl Particles {
 
     /// Coordinates of particle `k`; z is 0 in the plane.
     pub fn centre(&self, k: usize) -> [f64; 3] {
-        match &self.centres {
-            Centres::Plane(points) => [points[k][0], points[k][1], 0.0],
-            Centres::Space(points) => [points[k][0], points[k][1], points[k][2]],
-        }
+        let mut centre = [0.0; 3];
+        with_points!(&self.centres, points => {
+            centre.iter_mut().zip(points[k].iter()).for_each(|(to, x)| *to = *x);
+        });
+        centre
     }
 
-    pub fn push(&mut self, point: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
+    /// Changes a coordinate of particle `k`; one that discs do not have stays.
+    pub fn set(&mut self, k: usize, axis: usize, x: f64) {
+        with_points!(&mut self.centres, points => {
+            points[k].iter_mut().skip(axis).take(1).for_each(|to| *to = x);
+        });
+    }
+
+    pub fn push(&mut self, place: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
         ensure!(
             self.len() < u32::MAX as usize,
             "more than 2^32 - 1 = {} particles; split the file",
             u32::MAX
         );
-        match &mut self.centres {
-            Centres::Plane(points) => {
-                room(points)?;
-                points.push(Point::from([point[0], point[1]]));
-            }
-            Centres::Space(points) => {
-                room(points)?;
-                points.push(Point::from(point));
-            }
-        }
+        with_points!(&mut self.centres, points => {
+            room(points)?;
+            points.push(point(&place));
+        });
         if let Some(radii) = &mut self.radii {
             room(radii)?;
             radii.push(radius);
@@ -127,16 +142,10 @@ impl Particles {
     /// Adds rows of coordinates, and of radii behind them if there are any.
     pub fn extend(&mut self, numbers: &[f64], columns: usize) -> anyhow::Result<()> {
         let (rows, dim) = (numbers.chunks_exact(columns), self.dim());
-        match &mut self.centres {
-            Centres::Plane(points) => {
-                room_for(points, rows.len())?;
-                points.extend(rows.clone().map(|row| Point::from([row[0], row[1]])));
-            }
-            Centres::Space(points) => {
-                room_for(points, rows.len())?;
-                points.extend(rows.clone().map(|row| Point::from([row[0], row[1], row[2]])));
-            }
-        }
+        with_points!(&mut self.centres, points => {
+            room_for(points, rows.len())?;
+            points.extend(rows.clone().map(point));
+        });
         if let Some(radii) = &mut self.radii {
             room_for(radii, rows.len())?;
             radii.extend(rows.map(|row| row[dim]));
@@ -252,14 +261,9 @@ impl Particles {
                 _ => Radii::Each(radii.into()),
             },
         };
-        let scene = match self.centres {
-            Centres::Plane(points) => AnyScene::from(
-                Scene::<f64, 2>::new(points, radii).with_context(|| name.to_string())?,
-            ),
-            Centres::Space(points) => AnyScene::from(
-                Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
-            ),
-        };
+        let scene = with_points!(self.centres, points => {
+            AnyScene::from(Scene::<f64, _>::new(points, radii).with_context(|| name.to_string())?)
+        });
         let Particles { lattice, has_box, notices, source, .. } = self;
         Ok(Given { scene, lattice, has_box, notices, source })
     }

@@ -55,6 +55,14 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
+fn the_documentation_lists_every_format() {
+    let page = include_str!("../../../../docs/FILES.md");
+    for Format { key, .. } in &FORMATS {
+        assert!(page.contains(&format!("(`{key}`) |")), "{key}");
+    }
+}
+
+#[test]
 fn equal_radii_are_one_radius() {
     let uniform = |text: &str| read(text.as_bytes(), "csv", NONE).unwrap().uniform();
     assert!(uniform("x,y,r\n1,2,1\n3,4,1\n") && !uniform("x,y,r\n1,2,1\n3,4,2\n"));

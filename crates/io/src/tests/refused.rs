@@ -53,7 +53,7 @@ fn damaged_bytes_never_panic() {
                 assert!(message.len() < 1000 && !message.is_empty(), "{message}");
             }
         };
-        for end in 0..=bytes.len() {
+        for end in (0..=bytes.len()).step_by(1 + bytes.len() / 500) {
             options.into_iter().for_each(|options| see(&bytes[..end], options));
         }
         for round in 0..3000 {

@@ -9,6 +9,7 @@ use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::{Declared, Notice, Options};
 
 /// A table, as far as its first lines describe it.
+#[derive(Default)]
 pub(super) struct Table {
     pub columns: Columns,
     /// Where they are named, for messages.
@@ -51,8 +52,7 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
         }
         comments.take(lines, options)?;
     };
-    let format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };
-    let (columns, separator, trailing, assumed, is_header) = if more {
+    let mut table = if more {
         named_by(lines, &mut comments, options)?
     } else {
         // A comment that names columns is the header of a file without particles.
@@ -62,32 +62,21 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
                 lines.source.name
             )
         })?;
-        (columns, Separator::Blanks, false, false, false)
+        Table { columns, ..Table::default() }
     };
-    let place = lines.place();
-    let mut columns = columns;
-    let by = Chosen::frame(options.columns, &mut columns, &place, split::by_name)?;
-    let split = by.map(|by| Split::new(by, &mut columns, options)).transpose();
-    let split = split.with_context(|| place.clone())?;
-    let declared = comments.edges.map(|edges| {
+    table.format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };
+    table.place = lines.place();
+    let columns = &mut table.columns;
+    let by = Chosen::frame(options.columns, columns, &table.place, split::by_name)?;
+    let split = by.map(|by| Split::new(by, columns, options)).transpose();
+    table.split = split.with_context(|| table.place.clone())?;
+    table.declared = comments.edges.map(|edges| {
         let periodic = Some(edges.map(|edge| edge > 0.0));
         Declared::between(&edges.map(|edge| [0.0, edge]), periodic)
     });
-    let is_row = more && (!is_header || lines.advance()?);
-    let notices = comments.notices;
-    Ok(Table {
-        columns,
-        place,
-        separator,
-        trailing,
-        assumed,
-        is_row,
-        format,
-        split,
-        blocks: Blocks::default(),
-        declared,
-        notices,
-    })
+    table.is_row = more && (table.is_row || lines.advance()?);
+    table.notices = comments.notices;
+    Ok(table)
 }
 
 impl Comments {
@@ -154,16 +143,13 @@ fn named(header: &[u8]) -> Columns {
 }
 
 /// The columns, what separates them, whether that also ends a line, whether their meaning is
-/// assumed, and whether the current line is their header.
-fn named_by(
-    lines: &Lines<'_>,
-    comments: &mut Comments,
-    options: Options,
-) -> anyhow::Result<(Columns, Separator, bool, bool, bool)> {
+/// assumed, and whether the current line is a row.
+fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> anyhow::Result<Table> {
     let (place, whole) = (lines.place(), uncommented(lines.line()));
     let separator = Separator::guess(whole);
     let line = separator.shorn(whole);
     let trailing = line.len() != whole.len();
+    let table = Table { separator, trailing, ..Table::default() };
     let count = separator.cells(line).count();
     let is_number = |cell: &[u8]| number(cell).is_some();
     let numeric = separator.cells(line).all(is_number);
@@ -173,7 +159,7 @@ fn named_by(
     });
     if let Some(columns) = of_comment.filter(|_| numeric || comments.format) {
         // Beside the numbers, YADE writes names of materials and the like.
-        return Ok((columns, separator, trailing, false, false));
+        return Ok(Table { columns, is_row: true, ..table });
     }
     let at = |k: usize| separator.cells(line).nth(k).is_some_and(is_number);
     let by_numbers = options.columns.and_then(|chosen| chosen.numbers());
@@ -190,7 +176,7 @@ fn named_by(
                  is a header"
             )));
         }
-        return Ok((columns, separator, trailing, assumed, false));
+        return Ok(Table { columns, assumed, is_row: true, ..table });
     }
     ensure!(
         separator == Separator::Blanks || !words(line).all(is_decimal_comma),
@@ -207,14 +193,15 @@ fn named_by(
     let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
     let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
     if in_cut && (of_text == separator || !sound(header.clone())) {
-        return Ok((named(text).chosen(&place, options)?, of_text, trailing, false, true));
+        let columns = named(text).chosen(&place, options)?;
+        return Ok(Table { columns, separator: of_text, ..table });
     }
     ensure!(
         header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
         "{place}: the first line holds numbers, and no names of columns; put a header line such as \
          x,y,z,r before it, or say which column is which with --columns x=1,y=2 and so on"
     );
-    Ok((header.chosen(&place, options)?, separator, trailing, false, true))
+    Ok(Table { columns: header.chosen(&place, options)?, ..table })
 }
 
 /// The columns of numbers that no header names.

@@ -10,10 +10,9 @@ mod frames;
 mod header;
 
 use anyhow::{bail, ensure};
-use nalgebra::Point;
 
 use crate::lines::Source;
-use crate::particles::{Centres, Column, Particles};
+use crate::particles::{Column, Particles};
 use crate::room::room;
 use crate::{Options, RadiusSource};
 pub use fields::records;
@@ -51,8 +50,8 @@ pub fn particles(
         "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file",
         u32::MAX
     );
-    let (dim, has_radii) = meaning(columns, options);
-    let mut particles = Particles::new(dim, has_radii);
+    let (mut particles, radius) = of_rows(columns, options);
+    let (dim, has_radii) = (particles.dim(), particles.has_radii());
     let checked = |value: f64, row: u64, column: usize| {
         let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
         ensure!(
@@ -68,11 +67,6 @@ pub fn particles(
         );
         Ok(value)
     };
-    let radius = if has_radii {
-        RadiusSource::Column(format!("last of {columns} columns"))
-    } else {
-        RadiusSource::Missing
-    };
     if header.fortran {
         // The first column brings the particles, the others fill them up.
         header.values(source, rows, |row, x| {
@@ -81,10 +75,9 @@ pub fn particles(
         for column in 1..columns {
             header.values(source, rows, |row, value| {
                 let (value, row) = (checked(value, row, column)?, row as usize);
-                match (&mut particles.centres, &mut particles.radii) {
-                    (_, Some(radii)) if column == dim => radii[row] = value,
-                    (Centres::Plane(points), _) => points[row][column] = value,
-                    (Centres::Space(points), _) => points[row][column] = value,
+                match &mut particles.radii {
+                    Some(radii) if column == dim => radii[row] = value,
+                    _ => particles.set(row, column, value),
                 }
                 Ok(())
             })?;
@@ -111,14 +104,17 @@ pub fn particles(
     Ok((particles, radius))
 }
 
-/// Returns the dimension of rows of two to four numbers, and whether the last one is the radius.
-pub fn meaning(columns: usize, options: Options) -> (usize, bool) {
-    match (columns, options.dim) {
+/// No particles yet, for rows of two to four numbers, and where their radii come from.
+pub fn of_rows(columns: usize, options: Options) -> (Particles, RadiusSource) {
+    let (dim, has_radii) = match (columns, options.dim) {
         (2, _) => (2, false),
         (3, Some(2)) => (2, true),
         (3, _) => (3, false),
         _ => (3, true),
-    }
+    };
+    let last = RadiusSource::Column(format!("last of {columns} columns"));
+    let radius = if has_radii { last } else { RadiusSource::Missing };
+    (Particles::new(dim, has_radii), radius)
 }
 
 /// All numbers of an array in file order: coordinates of particles, or their sizes.
@@ -149,24 +145,17 @@ pub fn list(
 }
 
 /// Particles of coordinates that came one axis after the other.
-pub fn zip(
-    axes: [Option<Vec<f64>>; 3],
-    radii: Option<Vec<f64>>,
-    name: &str,
-) -> anyhow::Result<Particles> {
+pub fn zip(axes: [Option<Vec<f64>>; 3], name: &str) -> anyhow::Result<Particles> {
     let [Some(x), Some(y), z] = axes else {
         bail!("{name}: arrays x and y of the same length are needed")
     };
-    let lengths = [Some(y.len()), z.as_ref().map(Vec::len), radii.as_ref().map(Vec::len)];
     ensure!(
-        lengths.into_iter().flatten().all(|n| n == x.len()),
+        y.len() == x.len() && z.as_ref().is_none_or(|z| z.len() == x.len()),
         "{name}: the arrays x, y, z and r are not of the same length"
     );
-    let centres = match z {
-        None => Centres::Plane(x.into_iter().zip(y).map(|(x, y)| Point::from([x, y])).collect()),
-        Some(z) => Centres::Space(
-            x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect(),
-        ),
-    };
-    Ok(Particles { centres, radii, ..Particles::default() })
+    let mut particles = Particles::new(2 + usize::from(z.is_some()), false);
+    for (k, (&x, &y)) in x.iter().zip(&y).enumerate() {
+        particles.push([x, y, z.as_ref().map_or(0.0, |z| z[k])], 0.0, 0)?;
+    }
+    Ok(particles)
 }

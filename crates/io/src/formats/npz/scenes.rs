@@ -167,16 +167,20 @@ impl Scenes {
 
     /// Refuses a second array of points.
     fn alone(&self, label: &str, place: &str) -> anyhow::Result<()> {
-        let whole = self.whole.as_ref().map(|(.., other)| other);
-        let other = whole.or(self.frames.as_ref().map(|points| &points.label));
-        match other {
-            None => Ok(()),
-            Some(other) => bail!(
+        if let Some(other) = self.points() {
+            bail!(
                 "{place}: both '{}' and '{}' could hold the particles; keep one array of points",
                 short(other),
                 short(label)
-            ),
+            );
         }
+        Ok(())
+    }
+
+    /// The name of the array of points, if there is one.
+    fn points(&self) -> Option<&String> {
+        let whole = self.whole.as_ref().map(|(.., label)| label);
+        whole.or(self.frames.as_ref().map(|points| &points.label))
     }
 
     fn take_frames(
@@ -218,9 +222,7 @@ impl Scenes {
             let unused = self.sizes.drain(..).map(|(size, _)| unused_sizes(&size.label, given));
             self.unused.extend(unused);
         }
-        let whole = self.whole.as_ref().map(|(.., label)| label);
-        let points = whole.or(self.frames.as_ref().map(|points| &points.label));
-        match (points, &self.axes) {
+        match (self.points(), &self.axes) {
             (Some(_), [None, None, None]) | (None, [Some(_), Some(_), _]) => Ok(()),
             (Some(label), _) => bail!(
                 "{name} holds points in '{}' and in x, y, z, too; keep one of them",
@@ -235,8 +237,7 @@ impl Scenes {
 
     /// Rows named r are places where nothing else is.
     fn places(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
-        let others = self.whole.is_some() || self.frames.is_some();
-        if others || self.axes.iter().any(Option::is_some) {
+        if self.points().is_some() || self.axes.iter().any(Option::is_some) {
             return Ok(());
         }
         let rows = |(_, shape): &(Size, Vec<u64>)| matches!(shape[..], [_, 2..=4]);
@@ -254,7 +255,7 @@ impl Scenes {
             Some((particles, radius, _)) => (particles, radius),
             None => {
                 let axes = std::mem::take(&mut self.axes);
-                (npy::zip(axes, None, name)?, RadiusSource::Missing)
+                (npy::zip(axes, name)?, RadiusSource::Missing)
             }
         };
         self.sized(particles, radius, None, name, options)
@@ -309,15 +310,10 @@ fn of_rows(
     name: &str,
     options: Options,
 ) -> anyhow::Result<(Particles, RadiusSource)> {
-    let (dim, has_radii) = npy::meaning(columns, options);
-    let mut particles = Particles::new(dim, has_radii);
+    let (mut particles, radius) = npy::of_rows(columns, options);
     particles.extend(values, columns)?;
     let bad = particles.radii.iter().flatten().position(|r| *r < 0.0);
     ensure!(bad.is_none(), "{name}: the radius of particle {} is negative", bad.unwrap_or(0));
-    let radius = match has_radii {
-        true => RadiusSource::Column(format!("last of {columns} columns")),
-        false => RadiusSource::Missing,
-    };
     Ok((particles, radius))
 }
 
