@@ -139,7 +139,8 @@ fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
 
 /// 1 if one was wrong, or none can be used.
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
-    let wrong = |standing: &Standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours();
+    let wrong =
+        |standing: &Standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours();
     match race.standings.iter().any(wrong) || verdict.is_none() {
         true => ExitCode::from(1),
         false => ExitCode::SUCCESS,

@@ -16,7 +16,7 @@ use contactbench_core::periodic::{
 };
 use contactbench_core::sink::normalise_by;
 use contactbench_io::Given;
-use contactbench_io::write::{Around, Style};
+use contactbench_io::write::Style;
 use contactbench_run::run::alloc;
 use contactbench_scenes::doubts::Touching;
 
@@ -73,8 +73,8 @@ pub(super) fn style<'a>(
     ids: Option<&'a [i64]>,
     by_id: bool,
 ) -> Style<'a> {
-    let around = periodic.map_or(Around::Open(&given.scene), Around::Boxed);
-    Style { around, ids, by_id, extras: &options.extras }
+    let scene = periodic.map_or(&given.scene, Periodic::scene);
+    Style { scene, periodic, ids, by_id, extras: &options.extras }
 }
 
 impl Search {

@@ -82,9 +82,28 @@ impl Framed for Dump<'_> {
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let (place, lines) = (self.lines.place(), &mut self.lines);
         let Header { n, names, bounds, step, time } = std::mem::take(&mut self.header);
+        let n = n.unwrap_or_default();
+        let of = "atoms that its header announces: it is cut off, or still being written";
         let atoms = keep.then(|| Atoms::new(&names, bounds, &place, self.options)).transpose()?;
-        let read = section(lines, n.unwrap_or_default(), atoms)?;
-        Ok(read.map(|(particles, about)| (particles, About { step, time, ..about })))
+        let Some(mut atoms) = atoms else {
+            return (0..n).try_for_each(|k| lines.row(k, n, of)).map(|()| None);
+        };
+        for k in 0..n {
+            lines.row(k, n, of)?;
+            let line = lines.line();
+            ensure!(
+                !line.starts_with(b"ITEM:"),
+                "{}: a new section begins after {k} of the {n} atoms announced; mend the number",
+                lines.place()
+            );
+            atoms.rows.push(line, lines)?;
+            if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
+                scale_last(bounds, &mut atoms.rows.particles);
+            }
+        }
+        atoms.finite(lines.source.name)?;
+        let (particles, about) = atoms.rows.read("LAMMPS dump");
+        Ok(Some((particles, About { declared: atoms.bounds, step, time, ..about })))
     }
 
     fn end(&self) -> Option<(u64, bool)> {
@@ -128,31 +147,6 @@ fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
         lines.source.name
     );
     Ok(())
-}
-
-/// The rows of one frame; none where they are passed over.
-fn section(lines: &mut Lines<'_>, n: u64, atoms: Option<Atoms>) -> anyhow::Result<Option<Loaded>> {
-    let mut atoms = atoms;
-    let of = "atoms that its header announces: it is cut off, or still being written";
-    for k in 0..n {
-        lines.row(k, n, of)?;
-        if let Some(atoms) = &mut atoms {
-            let line = lines.line();
-            ensure!(
-                !line.starts_with(b"ITEM:"),
-                "{}: a new section begins after {k} of the {n} atoms announced; mend the number",
-                lines.place()
-            );
-            atoms.rows.push(line, lines)?;
-            if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
-                scale_last(bounds, &mut atoms.rows.particles);
-            }
-        }
-    }
-    let Some(atoms) = atoms else { return Ok(None) };
-    atoms.finite(lines.source.name)?;
-    let (particles, about) = atoms.rows.read("LAMMPS dump");
-    Ok(Some((particles, About { declared: atoms.bounds, ..about })))
 }
 
 /// The rows of one frame, and what they hold.

@@ -69,7 +69,18 @@ impl Framed for Data<'_> {
 
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
         let Data { lines, options, header: Header { n, time, bounds } } = self;
-        let rows = rows(lines, *n, keep, *options)?;
+        let mut rows: Option<Rows> = None;
+        let of = "particles that the frame's first line announces: it is cut off, or still being \
+                  written";
+        for k in 0..*n {
+            lines.row(k, *n, of)?;
+            if keep && rows.is_none() {
+                rows = Some(columns(lines)?.rows(&lines.place(), *options)?);
+            }
+            if let Some(rows) = &mut rows {
+                rows.push(lines.line(), lines)?;
+            }
+        }
         if !keep {
             return Ok(None);
         }
@@ -84,36 +95,15 @@ impl Framed for Data<'_> {
     }
 }
 
-/// The rows of one frame; none where there are none, or they are not kept.
-fn rows(
-    lines: &mut Lines<'_>,
-    n: u64,
-    keep: bool,
-    options: Options,
-) -> anyhow::Result<Option<Rows>> {
-    let mut rows: Option<Rows> = None;
-    let of = "particles that the frame's first line announces: it is cut off, or still being \
-              written";
-    for k in 0..n {
-        lines.row(k, n, of)?;
-        if !keep {
-            continue;
+/// The columns of a frame, by the number of cells in its first row.
+fn columns(lines: &Lines<'_>) -> anyhow::Result<Columns> {
+    Ok(match words(lines.line()).count() {
+        8 => Columns::named(PLANE.split(' ')),
+        14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
+        count => {
+            bail!("{}: {count} columns; 8 (discs) or 14 (spheres) are expected", lines.place())
         }
-        if rows.is_none() {
-            let columns = match words(lines.line()).count() {
-                8 => Columns::named(PLANE.split(' ')),
-                14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
-                count => bail!(
-                    "{}: {count} columns; 8 (discs) or 14 (spheres) are expected",
-                    lines.place()
-                ),
-            };
-            rows = Some(columns.rows(&lines.place(), options)?);
-        }
-        let Some(rows) = &mut rows else { continue };
-        rows.push(lines.line(), lines)?;
-    }
-    Ok(rows)
+    })
 }
 
 /// The domain of a frame: least coordinates, then largest.

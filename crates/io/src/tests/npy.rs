@@ -6,7 +6,7 @@ use contactbench_core::periodic::ImagePair;
 /// Writes pairs of particles that need not be there.
 fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     let scene = read(b"x,y,r\n", "csv", NONE).unwrap();
-    let style = write::Style::plain(write::Around::Open(&scene));
+    let style = write::Style::plain(&scene);
     write::contacts(
         Some(path),
         pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] }),

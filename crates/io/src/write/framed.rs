@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
-use super::row::{Directed, Extra, Number, Style};
+use super::row::{Extra, Number, Style};
 use super::{PairFormat, format, whole};
 use crate::formats::npy;
 use contactbench_core::periodic::ImagePair;
@@ -65,12 +65,12 @@ impl Framed<'_> {
             _ => 1 << 53,
         };
         ensure!(
-            self.format != PairFormat::Npy || k <= most && style.len() as u64 <= most,
+            self.format != PairFormat::Npy || k <= most && style.scene.len() as u64 <= most,
             "frame {k}: npy files of pairs hold numbers to {most}, and there are more frames or \
              particles; write .csv"
         );
         let before = self.numbered.then_some(Number::Whole(k as i64));
-        let mut write = |contact: Directed| {
+        let mut write = |contact: ImagePair| {
             self.row.clear();
             self.row.extend(before);
             style.row(contact, &mut self.row);
@@ -79,10 +79,9 @@ impl Framed<'_> {
             row(&mut self.text, self.format, self.kind, &self.row);
             self.out.write_all(&self.text).context("cannot write the pairs")
         };
-        if style.by_id {
-            style.directed(contacts)?.into_iter().try_for_each(write)
-        } else {
-            contacts.map(Directed::of).try_for_each(&mut write)
+        match style.by_id {
+            true => style.directed(contacts)?.into_iter().try_for_each(write),
+            false => contacts.into_iter().try_for_each(&mut write),
         }
     }
 

@@ -15,15 +15,15 @@ use anyhow::{Context, bail, ensure};
 
 use crate::Given;
 use crate::formats::npy;
-use contactbench_core::periodic::ImagePair;
+use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_core::scene::{Lattice, Real, Scene, array};
 use contactbench_core::with_scene;
-use row::Directed;
+use row::turned;
 
 mod framed;
 mod row;
 pub use framed::{Framed, framed, of_file};
-pub use row::{Around, Extra, Style};
+pub use row::{Extra, Style};
 
 /// What a file of pairs can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,15 +142,10 @@ pub fn contacts(
     if let Some(path) = path
         && format(path)? == PairFormat::Vtk
     {
-        return create(path, |out| match style.around {
-            Around::Open(scene) => {
-                with_scene!(scene, scene => vtk(out, contacts, scene, None, style))
-            }
-            Around::Boxed(periodic) => {
-                let lattice = Some(periodic.lattice());
-                with_scene!(periodic.scene(), scene => vtk(out, contacts, scene, lattice, style))
-            }
-        });
+        return create(
+            path,
+            |out| with_scene!(style.scene, scene => vtk(out, contacts, scene, style)),
+        );
     }
     framed(path, false, Some(contacts.len()), |out| out.frame(0, style, contacts))
 }
@@ -239,17 +234,15 @@ fn vtk<T: Real, const D: usize>(
     out: &mut dyn Write,
     contacts: impl ExactSizeIterator<Item = ImagePair>,
     scene: &Scene<'_, T, D>,
-    lattice: Option<&Lattice>,
     style: &Style<'_>,
 ) -> io::Result<()> {
-    let n = scene.len();
-    let mut lines: Vec<Directed> = Vec::new();
+    let (n, lattice) = (scene.len(), style.periodic.map(Periodic::lattice));
+    let mut lines: Vec<ImagePair> = Vec::new();
     let room = lines.try_reserve(2 * contacts.len());
     room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
     for pair in contacts {
-        let line = Directed::of(pair);
-        lines.push(line);
-        lines.extend((pair.image != [0; 3]).then(|| line.turned()));
+        lines.push(pair);
+        lines.extend((pair.image != [0; 3]).then(|| turned(pair)));
     }
     let across = || lines.iter().filter(|line| line.image != [0; 3]);
     let images = across().count();
@@ -263,8 +256,8 @@ fn vtk<T: Real, const D: usize>(
     for k in 0..n {
         self::line(out, centre(k).into_iter().chain(flat()), " ")?;
     }
-    for &Directed { to, image, .. } in across() {
-        let mut place = centre(to as usize);
+    for &ImagePair { j, image, .. } in across() {
+        let mut place = centre(j as usize);
         for (vector, times) in lattice.iter().flat_map(|it| it.vectors()).zip(image) {
             (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
         }
@@ -272,11 +265,11 @@ fn vtk<T: Real, const D: usize>(
     }
     writeln!(out, "LINES {} {}", lines.len(), 3 * lines.len())?;
     let mut next = n;
-    for &Directed { from, to, image } in &lines {
+    for &ImagePair { i, j, image } in &lines {
         if image == [0; 3] {
-            writeln!(out, "2 {from} {to}")?;
+            writeln!(out, "2 {i} {j}")?;
         } else {
-            writeln!(out, "2 {from} {next}")?;
+            writeln!(out, "2 {i} {next}")?;
             next += 1;
         }
     }
@@ -287,6 +280,6 @@ fn vtk<T: Real, const D: usize>(
         writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
         (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))?;
     }
-    style.vtk_ids(out, (0..n as u32).chain(across().map(|line| line.to)))?;
+    style.vtk_ids(out, (0..n as u32).chain(across().map(|line| line.j)))?;
     style.vtk_lines(out, &lines)
 }

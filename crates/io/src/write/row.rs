@@ -33,20 +33,13 @@ impl Extra {
     ];
 }
 
-/// Where the particles are.
-#[derive(Clone, Copy, Debug)]
-pub enum Around<'a> {
-    /// In open space.
-    Open(&'a AnyScene<'a>),
-    /// In a box that repeats.
-    Boxed(&'a Periodic<'a>),
-}
-
 /// How contacts of some particles are written.
 #[derive(Clone, Copy, Debug)]
 pub struct Style<'a> {
     /// The particles.
-    pub around: Around<'a>,
+    pub scene: &'a AnyScene<'a>,
+    /// The same in their box, if they have one.
+    pub periodic: Option<&'a Periodic<'a>>,
     /// Their ids, if they have any.
     pub ids: Option<&'a [i64]>,
     /// Contacts are named by the ids, the smaller first, and stand in their order.
@@ -62,50 +55,21 @@ pub(super) enum Number {
     Real(f64),
 }
 
-/// A contact in the direction in which it is written.
-#[derive(Clone, Copy)]
-pub(super) struct Directed {
-    pub from: u32,
-    pub to: u32,
-    /// The image of the second.
-    pub image: [i32; 3],
-}
-
-impl Directed {
-    pub fn of(pair: ImagePair) -> Directed {
-        Directed { from: pair.i, to: pair.j, image: pair.image }
-    }
-
-    pub fn turned(self) -> Directed {
-        let image = self.image.map(i32::wrapping_neg);
-        Directed { from: self.to, to: self.from, image }
-    }
+/// A contact in the other direction. Unlike those that detectors report, contacts are written in
+/// either: the image is that of the second particle, `j`.
+pub(super) fn turned(ImagePair { i, j, image }: ImagePair) -> ImagePair {
+    ImagePair { i: j, j: i, image: image.map(i32::wrapping_neg) }
 }
 
 impl<'a> Style<'a> {
     /// Writes pairs as places in the file, without further columns.
-    pub fn plain(around: Around<'a>) -> Style<'a> {
-        Style { around, ids: None, by_id: false, extras: &[] }
-    }
-
-    fn scene(&self) -> &AnyScene<'a> {
-        match self.around {
-            Around::Open(scene) => scene,
-            Around::Boxed(periodic) => periodic.scene(),
-        }
-    }
-
-    /// The number of particles.
-    pub(super) fn len(&self) -> usize {
-        self.scene().len()
+    pub fn plain(scene: &'a AnyScene<'a>) -> Style<'a> {
+        Style { scene, periodic: None, ids: None, by_id: false, extras: &[] }
     }
 
     /// Numbers of an image: none in open space.
     pub(super) fn images(&self) -> usize {
-        match self.around {
-            Around::Open(_) => 0,
-            Around::Boxed(_) => self.scene().dim(),
-        }
+        self.periodic.map_or(0, |_| self.scene.dim())
     }
 
     pub(super) fn has(&self, extra: Extra) -> bool {
@@ -120,7 +84,7 @@ impl<'a> Style<'a> {
             names.extend(["overlap", "depth"]);
         }
         if self.has(Extra::Normal) {
-            names.extend(["nx", "ny", "nz"].into_iter().take(self.scene().dim()));
+            names.extend(["nx", "ny", "nz"].into_iter().take(self.scene.dim()));
         }
         if self.has(Extra::Ids) && !self.by_id {
             names.extend(["id1", "id2"]);
@@ -136,29 +100,28 @@ impl<'a> Style<'a> {
     pub(super) fn directed(
         &self,
         contacts: impl Iterator<Item = ImagePair>,
-    ) -> anyhow::Result<Vec<Directed>> {
+    ) -> anyhow::Result<Vec<ImagePair>> {
         let mut all = Vec::new();
         for pair in contacts {
             room(&mut all)?;
-            all.push(Directed::of(pair));
+            all.push(pair);
         }
         if self.by_id {
             for contact in &mut all {
-                if self.id(contact.from) > self.id(contact.to) {
-                    *contact = contact.turned();
+                if self.id(contact.i) > self.id(contact.j) {
+                    *contact = turned(*contact);
                 }
             }
-            let key = |it: &Directed| (self.id(it.from), self.id(it.to), it.image);
-            all.sort_unstable_by_key(key);
+            all.sort_unstable_by_key(|it| (self.id(it.i), self.id(it.j), it.image));
         }
         Ok(all)
     }
 
     /// The numbers of a contact, in the order of the names.
-    pub(super) fn row(&self, contact: Directed, row: &mut Vec<Number>) {
-        let Directed { from, to, image } = contact;
-        let ids = [self.id(from), self.id(to)];
-        let names = if self.by_id { ids } else { [from, to].map(i64::from) };
+    pub(super) fn row(&self, contact: ImagePair, row: &mut Vec<Number>) {
+        let ImagePair { i, j, image } = contact;
+        let ids = [self.id(i), self.id(j)];
+        let names = if self.by_id { ids } else { [i, j].map(i64::from) };
         row.extend(names.map(Number::Whole));
         row.extend(image[..self.images()].iter().map(|&s| Number::Whole(s.into())));
         if self.has(Extra::Overlap) {
@@ -166,7 +129,7 @@ impl<'a> Style<'a> {
         }
         if self.has(Extra::Normal) {
             let normal = self.normal(contact);
-            row.extend(normal[..self.scene().dim()].iter().map(|&x| Number::Real(x)));
+            row.extend(normal[..self.scene.dim()].iter().map(|&x| Number::Real(x)));
         }
         if self.has(Extra::Ids) && !self.by_id {
             row.extend(ids.map(Number::Whole));
@@ -174,31 +137,27 @@ impl<'a> Style<'a> {
     }
 
     /// The overlap as a length, and in mean radii.
-    pub(super) fn overlap(&self, Directed { from, to, image }: Directed) -> [f64; 2] {
-        with_scene!(self.scene(), scene => {
-            let [a, b] = [from as usize, to as usize];
+    pub(super) fn overlap(&self, ImagePair { i, j, image }: ImagePair) -> [f64; 2] {
+        with_scene!(self.scene, scene => {
+            let [a, b] = [i as usize, j as usize];
             let radii = [a, b].map(|k| scene.radius(k).wide());
-            let depth = match self.around {
-                Around::Open(_) => {
-                    let [a, b] = [a, b].map(|k| array(&scene.centres()[k]).map(|x| x.wide()));
-                    depth(&a, &b, radii[0], radii[1])
-                }
-                Around::Boxed(periodic) => {
-                    periodic::depth(periodic, ImagePair::new(from, to, image))
-                }
+            let [at, to] = [a, b].map(|k| array(&scene.centres()[k]).map(|x| x.wide()));
+            let depth = match self.periodic {
+                None => depth(&at, &to, radii[0], radii[1]),
+                Some(periodic) => periodic::depth(periodic, ImagePair::new(i, j, image)),
             };
             [depth * 0.5 * (radii[0] + radii[1]), depth]
         })
     }
 
     /// The unit vector from the first to the second; 0 where their centres are the same.
-    pub(super) fn normal(&self, Directed { from, to, image }: Directed) -> [f64; 3] {
+    pub(super) fn normal(&self, ImagePair { i, j, image }: ImagePair) -> [f64; 3] {
         let mut way = [0.0; 3];
-        with_scene!(self.scene(), scene => {
-            let [a, b] = [from, to].map(|k| array(&scene.centres()[k as usize]).map(|x| x.wide()));
+        with_scene!(self.scene, scene => {
+            let [a, b] = [i, j].map(|k| array(&scene.centres()[k as usize]).map(|x| x.wide()));
             way.iter_mut().zip(a.iter().zip(&b)).for_each(|(way, (a, b))| *way = b - a);
         });
-        if let Around::Boxed(periodic) = self.around {
+        if let Some(periodic) = self.periodic {
             for (vector, times) in periodic.lattice().vectors().iter().zip(image) {
                 (0..3).for_each(|k| way[k] += f64::from(times) * vector[k]);
             }
@@ -227,7 +186,7 @@ impl<'a> Style<'a> {
     }
 
     /// What stands beside each line of a VTK file, as arrays of numbers of its cells.
-    pub(super) fn vtk_lines(&self, out: &mut dyn Write, lines: &[Directed]) -> io::Result<()> {
+    pub(super) fn vtk_lines(&self, out: &mut dyn Write, lines: &[ImagePair]) -> io::Result<()> {
         if self.has(Extra::Overlap) || self.has(Extra::Normal) {
             writeln!(out, "CELL_DATA {}", lines.len())?;
         }

@@ -66,7 +66,7 @@ impl Reader<Loaded> for Frames<'_> {
         };
         let Some(count) = scenes.frames.as_ref().map(|points| points.frames) else {
             let first = std::mem::replace(next, 1) == 0;
-            return first.then(|| scenes.one(name, *options)).transpose();
+            return first.then(|| scenes.frame(None, name, *options)).transpose();
         };
         while *next < count {
             let k = *next;
@@ -76,7 +76,7 @@ impl Reader<Loaded> for Frames<'_> {
             }
             *next += 1;
             if step == Step::Keep {
-                let frame = scenes.frame(k, name, *options);
+                let frame = scenes.frame(Some(k), name, *options);
                 return frame.with_context(|| format!("frame {k}")).map(Some);
             }
         }
@@ -111,8 +111,9 @@ impl Scenes {
             _ if is_box => return self.around.take(source, &header, label, options),
             _ if !header.fields.is_empty() => {
                 let read = npy::records(source, &header, options)?;
+                self.alone(label, source.name)?;
                 let radius = read.columns.radius();
-                return self.whole((read.particles, radius), label, source.name);
+                self.whole = Some((read.particles, radius, label.to_string()));
             }
             (&[_], _) if options.ids && Ids::is_named(label, column) => {
                 let mut ids = Ids::new(label, column);
@@ -133,8 +134,9 @@ impl Scenes {
                 self.sizes.push((Size { values, column, label, of_cells }, header.sizes.clone()));
             }
             (&[_, 2..=4], _) if header.is_real() => {
-                let read = npy::particles(source, &header, options)?;
-                return self.whole(read, label, source.name);
+                let (particles, radius) = npy::particles(source, &header, options)?;
+                self.alone(label, source.name)?;
+                self.whole = Some((particles, radius, label.to_string()));
             }
             (&[frames, rows, 2..=4], _) if header.is_real() && frames.min(rows) > 0 => {
                 return self.take_frames(source, &header, label);
@@ -151,17 +153,6 @@ impl Scenes {
             ),
             _ => self.others.push(label.to_string()),
         }
-        Ok(())
-    }
-
-    fn whole(
-        &mut self,
-        (particles, radius): (Particles, RadiusSource),
-        label: &str,
-        place: &str,
-    ) -> anyhow::Result<()> {
-        self.alone(label, place)?;
-        self.whole = Some((particles, radius, label.to_string()));
         Ok(())
     }
 
@@ -249,36 +240,19 @@ impl Scenes {
         Ok(())
     }
 
-    /// The only frame.
-    fn one(&mut self, name: &str, options: Options) -> anyhow::Result<Loaded> {
-        let (particles, radius) = match self.whole.take() {
-            Some((particles, radius, _)) => (particles, radius),
-            None => {
-                let axes = std::mem::take(&mut self.axes);
-                (npy::zip(axes, name)?, RadiusSource::Missing)
+    /// Frame `k` of several, or the only one, with the sizes and the box that stand in other arrays.
+    fn frame(&mut self, k: Option<u64>, name: &str, options: Options) -> anyhow::Result<Loaded> {
+        let frame = k.zip(self.frames.as_ref()).map(|(k, points)| [k, points.frames]);
+        let (mut particles, mut radius) = match (&self.frames, self.whole.take()) {
+            (Some(Points { values, rows, columns, .. }), _) => {
+                let values = &values[k.unwrap_or(0) as usize * rows * columns..][..rows * columns];
+                of_rows(values, *columns, name, options)?
+            }
+            (None, Some((particles, radius, _))) => (particles, radius),
+            (None, None) => {
+                (npy::zip(std::mem::take(&mut self.axes), name)?, RadiusSource::Missing)
             }
         };
-        self.sized(particles, radius, None, name, options)
-    }
-
-    /// Frame `k` of several.
-    fn frame(&self, k: u64, name: &str, options: Options) -> anyhow::Result<Loaded> {
-        let Some(points) = &self.frames else { bail!("{name} holds no frames") };
-        let length = points.rows * points.columns;
-        let values = &points.values[k as usize * length..][..length];
-        let (particles, radius) = of_rows(values, points.columns, name, options)?;
-        self.sized(particles, radius, Some([k, points.frames]), name, options)
-    }
-
-    /// With the sizes and the box that stand in other arrays.
-    fn sized(
-        &self,
-        mut particles: Particles,
-        mut radius: RadiusSource,
-        frame: Option<[u64; 2]>,
-        name: &str,
-        options: Options,
-    ) -> anyhow::Result<Loaded> {
         let n = particles.len();
         particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
         particles.notices.extend(self.unused.iter().cloned());
