@@ -6,6 +6,7 @@ use std::io::{BufRead, Read};
 use anyhow::{Context, bail, ensure};
 
 use crate::formats::gzip::Unpacking;
+use crate::room::numbered;
 
 /// Longest line of a text file. A longer one is some other kind of file, and would fill the memory.
 pub const LONGEST_LINE: usize = 1 << 20;
@@ -189,12 +190,7 @@ impl<'a> Lines<'a> {
         else {
             bail!("{}: '{}' is not {what}", self.place(), shown(text));
         };
-        ensure!(
-            n <= u64::from(u32::MAX),
-            "{}: {n} particles; at most 2^32 - 1 = {} can be numbered: split the file",
-            self.place(),
-            u32::MAX
-        );
+        numbered(n, "particles", &self.place())?;
         Ok(n)
     }
 }
@@ -230,6 +226,11 @@ pub fn whole(cell: &[u8]) -> Option<i64> {
 /// A time step; none where it is no whole number.
 pub(crate) fn step_of(cell: &[u8]) -> Option<i64> {
     std::str::from_utf8(cell).ok()?.parse().ok()
+}
+
+/// Whether a word is among those of a list, which blanks separate.
+pub(crate) fn among(list: &str, word: &str) -> bool {
+    list.split(' ').any(|it| it == word)
 }
 
 /// The words of a line.
@@ -294,24 +295,22 @@ impl<'a> Iterator for Cells<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
-        let rest = self.rest?;
+        let mut rest = self.rest?;
+        if self.separator == Separator::Blanks {
+            rest = rest.trim_ascii_start();
+            if rest.is_empty() {
+                self.rest = None;
+                return None;
+            }
+        }
         // What stands in quotes separates nothing.
         let from = quoted(rest).unwrap_or(0);
+        let mut bytes = rest[from..].iter();
         let end = match self.separator {
-            Separator::One(c) => rest[from..].iter().position(|&b| b == c).map(|end| from + end),
-            Separator::Blanks => {
-                let rest = rest.trim_ascii_start();
-                if rest.is_empty() {
-                    self.rest = None;
-                    return None;
-                }
-                let from = quoted(rest).unwrap_or(0);
-                let end = rest[from..].iter().position(u8::is_ascii_whitespace);
-                let end = end.map(|end| from + end);
-                self.rest = end.map(|end| &rest[end + 1..]);
-                return Some(unquoted(&rest[..end.unwrap_or(rest.len())]));
-            }
+            Separator::One(c) => bytes.position(|&b| b == c),
+            Separator::Blanks => bytes.position(u8::is_ascii_whitespace),
         };
+        let end = end.map(|end| from + end);
         self.rest = end.map(|end| &rest[end + 1..]);
         Some(unquoted(rest[..end.unwrap_or(rest.len())].trim_ascii()))
     }

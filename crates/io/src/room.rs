@@ -20,3 +20,13 @@ pub(crate) fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()>
     }
     Ok(())
 }
+
+/// Refuses more particles than 32 bits can number.
+pub(crate) fn numbered(n: u64, what: &str, place: &str) -> anyhow::Result<()> {
+    let most = u32::MAX;
+    ensure!(
+        n <= u64::from(most),
+        "{place}: {n} {what}; at most 2^32 - 1 = {most} can be numbered: split the file"
+    );
+    Ok(())
+}

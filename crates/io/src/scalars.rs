@@ -5,7 +5,7 @@ use anyhow::{bail, ensure};
 use nalgebra::Point;
 
 use crate::arrays::Cells;
-use crate::lines::{Source, short};
+use crate::lines::{Source, among, short};
 use crate::particles::Column;
 use crate::room::{room, room_for};
 
@@ -116,11 +116,10 @@ pub struct Ids {
 
 impl Ids {
     /// Names of id arrays in VTK, ParaView, Exodus and NumPy files, in lower case.
-    const NAMES: [&str; 6] =
-        ["ids", "globalid", "globalids", "globalpointids", "globalnodeid", "globalnodeids"];
+    const NAMES: &str = "ids globalid globalids globalpointids globalnodeid globalnodeids";
 
     pub fn is_named(label: &str, column: Column) -> bool {
-        column == Column::Id || Ids::NAMES.contains(&&*label.to_ascii_lowercase())
+        column == Column::Id || among(Ids::NAMES, &label.to_ascii_lowercase())
     }
 
     pub fn new(label: &str, column: Column) -> Ids {

@@ -2,50 +2,32 @@
 
 use std::borrow::Cow;
 
-/// Units by name: the family and the power of ten. Families do not turn into each other.
-const UNITS: [(&str, &str, i32); 37] = [
+use crate::lines::among;
+
+/// Names of units, their family and the power of ten. Families do not turn into each other.
+const UNITS: [(&str, &str, i32); 16] = [
     ("km", "m", 3),
-    ("m", "m", 0),
-    ("meter", "m", 0),
-    ("meters", "m", 0),
-    ("metre", "m", 0),
-    ("metres", "m", 0),
+    ("m meter meters metre metres", "m", 0),
     ("dm", "m", -1),
     ("cm", "m", -2),
-    ("mm", "m", -3),
-    ("millimeter", "m", -3),
-    ("millimeters", "m", -3),
-    ("millimetre", "m", -3),
-    ("millimetres", "m", -3),
-    ("um", "m", -6),
-    ("µm", "m", -6),
-    ("μm", "m", -6),
-    ("micron", "m", -6),
-    ("microns", "m", -6),
-    ("micrometer", "m", -6),
-    ("micrometre", "m", -6),
-    ("nm", "m", -9),
-    ("nanometer", "m", -9),
-    ("nanometre", "m", -9),
-    ("angstrom", "m", -10),
-    ("Angstrom", "m", -10),
-    ("Å", "m", -10),
+    ("mm millimeter millimeters millimetre millimetres", "m", -3),
+    ("um µm μm micron microns micrometer micrometre", "m", -6),
+    ("nm nanometer nanometre", "m", -9),
+    ("angstrom Angstrom Å", "m", -10),
     ("pm", "m", -12),
     ("pc", "pc", 0),
     ("kpc", "pc", 3),
     ("Mpc", "pc", 6),
     ("Gpc", "pc", 9),
-    ("px", "px", 0),
-    ("pixel", "px", 0),
-    ("pixels", "px", 0),
-    ("in", "in", 0),
-    ("inch", "in", 0),
+    ("px pixel pixels", "px", 0),
+    ("in inch", "in", 0),
     ("ft", "ft", 0),
 ];
 
 /// The family and the power of ten of a unit.
 pub fn known(unit: &str) -> Option<(&'static str, i32)> {
-    UNITS.iter().find(|(name, ..)| *name == unit).map(|&(_, family, power)| (family, power))
+    let found = UNITS.iter().find(|(names, ..)| among(names, unit));
+    found.map(|&(_, family, power)| (family, power))
 }
 
 /// A name without the unit in brackets behind it, and that unit.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use anyhow::{Context, ensure};
 
-use crate::lines::{Lines, listed, short, shown, whole};
+use crate::lines::{Lines, among, listed, short, shown, whole};
 use crate::pairs::{List, push};
 
 /// How the two particles are called.
@@ -13,20 +13,11 @@ const PAIRS: [[&str; 2]; 5] =
     [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];
 /// How images are called, before the letter or the number of an axis, in small letters and figures
 /// alone: `sx`, `S_x`, `shift[0]`, `Periodic Image.X`.
-const IMAGES: [&str; 9] = [
-    "s",
-    "shift",
-    "cellshift",
-    "unitshift",
-    "unitcellshift",
-    "image",
-    "periodicimage",
-    "pbcshift",
-    "celloffset",
-];
+const IMAGES: &str =
+    "s shift cellshift unitshift unitcellshift image periodicimage pbcshift celloffset";
 const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"], ["1", "2", "3"]];
 /// What else holds whole numbers, and no images.
-const HARMLESS: [&str; 7] = ["index", "type", "ptype", "ntype", "patom", "natom", "id"];
+const HARMLESS: &str = "index type ptype ntype patom natom id";
 
 const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
                       the line";
@@ -104,8 +95,8 @@ impl Columns {
         let others = (0..names.len()).filter(|k| ![i, j].contains(k) && !image.contains(k));
         let other = |k: usize| {
             let plain = plain(&names[k]);
-            let harmless = HARMLESS.contains(&plain.trim_end_matches(['1', '2']));
-            let named = !plain.is_empty() && !IMAGES.contains(&&*plain);
+            let harmless = among(HARMLESS, plain.trim_end_matches(['1', '2']));
+            let named = !plain.is_empty() && !among(IMAGES, &plain);
             (k, Other { name: short(&names[k]), named, whole: !harmless })
         };
         let others: Vec<(usize, Other)> = others.map(other).collect();
@@ -200,7 +191,7 @@ fn unnamed(k: usize) -> (usize, Other) {
 
 /// Whether an array of this name holds images, one in each row.
 pub(super) fn is_image(name: &str) -> bool {
-    IMAGES.contains(&&*plain(name))
+    among(IMAGES, &plain(name))
 }
 
 /// Small letters and figures alone.
@@ -222,7 +213,7 @@ fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<us
         places.entry(plain(name)).or_insert(k);
     }
     for axes in AXES {
-        for stem in IMAGES {
+        for stem in IMAGES.split(' ') {
             let at = axes.map(|axis| places.get(&format!("{stem}{axis}")).copied());
             match at {
                 [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),

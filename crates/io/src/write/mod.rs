@@ -47,30 +47,31 @@ pub enum SceneFormat {
     Npy,
 }
 
-fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+/// What the ending of a file's name stands for; `what` the file holds, for messages.
+fn by_ending<T: Copy, const N: usize>(
+    path: &Path,
+    what: &str,
+    all: [(&str, T); N],
+) -> anyhow::Result<T> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let known = all.iter().find(|(name, _)| ending == *name);
+    match known {
+        Some((_, format)) => Ok(*format),
+        None => bail!("{}: the ending of a file of {what}", path.display()),
+    }
 }
 
 /// The format of a file of pairs, by its ending; asked before the work is done.
 pub fn format(path: &Path) -> anyhow::Result<PairFormat> {
-    match &*ending(path) {
-        "csv" => Ok(PairFormat::Csv),
-        "npy" => Ok(PairFormat::Npy),
-        "vtk" => Ok(PairFormat::Vtk),
-        _ => bail!("{}: the ending of a file of pairs must be .csv, .npy or .vtk", path.display()),
-    }
+    let all = [("csv", PairFormat::Csv), ("npy", PairFormat::Npy), ("vtk", PairFormat::Vtk)];
+    by_ending(path, "pairs must be .csv, .npy or .vtk", all)
 }
 
 /// The format of a file of a scene, by its ending; asked before the work is done.
 pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
-    match &*ending(path) {
-        "csv" => Ok(SceneFormat::Csv),
-        "xyz" | "extxyz" => Ok(SceneFormat::Xyz),
-        "npy" => Ok(SceneFormat::Npy),
-        _ => {
-            bail!("{}: the ending of a file of a scene must be .csv, .xyz or .npy", path.display())
-        }
-    }
+    use SceneFormat::{Csv, Npy, Xyz};
+    let all = [("csv", Csv), ("xyz", Xyz), ("extxyz", Xyz), ("npy", Npy)];
+    by_ending(path, "a scene must be .csv, .xyz or .npy", all)
 }
 
 pub(crate) fn create(

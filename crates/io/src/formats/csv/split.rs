@@ -8,37 +8,21 @@ use std::cmp::Ordering;
 
 use anyhow::{bail, ensure};
 
-use crate::lines::{Lines, number, short, shown, step_of};
+use crate::lines::{Lines, among, number, short, shown, step_of};
 use crate::particles::{Column, Columns};
 use crate::units;
 use crate::{Notice, Options};
 
 /// Names of the columns that split a table, in lower case and without signs.
-const NAMES: [(Kind, &[&str]); 3] = [
-    (
-        Kind::Frame,
-        &[
-            "frame",
-            "frames",
-            "frameno",
-            "framenumber",
-            "frameid",
-            "frameindex",
-            "iframe",
-            "snapshot",
-            "snap",
-        ],
-    ),
-    (
-        Kind::Step,
-        &["timestep", "step", "steps", "stepno", "timestepindex", "iteration", "iter", "tstep"],
-    ),
-    (Kind::Time, &["time", "t", "times"]),
+const NAMES: [(Kind, &str); 3] = [
+    (Kind::Frame, "frame frames frameno framenumber frameid frameindex iframe snapshot snap"),
+    (Kind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
+    (Kind::Time, "time t times"),
 ];
 /// Parts of other names that may split the particles into frames.
 const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
 /// Header names that are read as ids if there is no column id.
-const IDS: [&str; 6] = ["particle", "particleid", "pid", "trackid", "atomid", "bodyid"];
+const IDS: &str = "particle particleid pid trackid atomid bodyid";
 
 /// What the column counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +40,7 @@ fn plain(name: &str) -> String {
 
 fn kind(name: &str) -> Option<Kind> {
     let name = plain(name);
-    NAMES.iter().find(|(_, names)| names.contains(&&*name)).map(|(kind, _)| *kind)
+    NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
 }
 
 /// Returns a notice if an unused column or array may tell frames apart, judging by its name. In a
@@ -177,7 +161,7 @@ impl Split {
         let beside = [Kind::Step, Kind::Time]
             .map(|it| place(columns, it).filter(|&k| k != column).map(|k| (k, None)));
         if !columns.meaning.contains(&Column::Id) && !options.columns.is_some_and(|it| it.axes()) {
-            let is_id = |name: &String| IDS.contains(&&*plain(name));
+            let is_id = |name: &String| among(IDS, &plain(name));
             let ids = columns.names.iter().zip(&mut columns.meaning);
             let mut ids = ids.filter(|(name, it)| **it == Column::Other && is_id(name));
             if let Some((_, meaning)) = ids.next() {

@@ -174,21 +174,16 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
         start.starts_with(MAGIC),
         "{name} is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"
     );
-    let length = match start[6] {
-        1 => {
-            let mut length = [0; 2];
-            need(&mut length)?;
-            usize::from(u16::from_le_bytes(length))
-        }
-        2 | 3 => {
-            let mut length = [0; 4];
-            need(&mut length)?;
-            u32::from_le_bytes(length) as usize
-        }
+    let wide = match start[6] {
+        1 => 2,
+        2 | 3 => 4,
         version => bail!(
             "{name} is npy version {version}; versions 1 to 3 are read: write it with numpy.save"
         ),
     };
+    let mut length = [0; 4];
+    need(&mut length[..wide])?;
+    let length = u32::from_le_bytes(length) as usize;
     ensure!(
         length <= LONGEST_HEADER,
         "{name}: the npy header has {length} bytes; at most {LONGEST_HEADER} are read"

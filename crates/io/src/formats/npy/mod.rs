@@ -13,7 +13,7 @@ use anyhow::{bail, ensure};
 
 use crate::lines::Source;
 use crate::particles::{Column, Particles};
-use crate::room::room;
+use crate::room::{numbered, room};
 use crate::{Options, RadiusSource};
 pub use fields::records;
 pub use frames::frames;
@@ -45,11 +45,7 @@ pub fn particles(
         "{name}: the type {} is not read; convert with .astype('f8')",
         header.descr
     );
-    ensure!(
-        rows <= u64::from(u32::MAX),
-        "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file",
-        u32::MAX
-    );
+    numbered(rows, "particles", name)?;
     let (mut particles, radius) = of_rows(columns, options);
     let (dim, has_radii) = (particles.dim(), particles.has_radii());
     let checked = |value: f64, row: u64, column: usize| {

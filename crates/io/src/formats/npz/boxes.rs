@@ -4,24 +4,14 @@ use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{self, Declared};
 use crate::formats::npy::{self, Header};
-use crate::lines::{Source, short};
+use crate::lines::{Source, among, short};
 use crate::particles::Column;
 use crate::{Notice, Options};
 
 /// Names of arrays that hold a box, in lower case.
-const BOXES: [&str; 9] = [
-    "box",
-    "cell",
-    "lattice",
-    "l",
-    "boxsize",
-    "box_size",
-    "boxlength",
-    "box_length",
-    "box_lengths",
-];
+const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";
 /// Names of arrays that say along which vectors it repeats.
-const FLAGS: [&str; 3] = ["pbc", "periodic", "periodicity"];
+const FLAGS: &str = "pbc periodic periodicity";
 
 /// What an archive says of its box.
 #[derive(Default)]
@@ -39,7 +29,7 @@ struct Found {
 impl Cell {
     pub fn is_named(label: &str) -> bool {
         let label = label.to_ascii_lowercase();
-        BOXES.contains(&&*label) || FLAGS.contains(&&*label)
+        among(BOXES, &label) || among(FLAGS, &label)
     }
 
     /// Takes an array of such a name.
@@ -54,7 +44,7 @@ impl Cell {
         if options.boundaries.open || options.boundaries.edges.is_some() {
             return Ok(());
         }
-        let is_flags = FLAGS.contains(&&*label.to_ascii_lowercase());
+        let is_flags = among(FLAGS, &label.to_ascii_lowercase());
         let place = source.name;
         let what = || format!("{place}: '{}' is {}", short(label), header.words());
         ensure!(header.fields.is_empty(), "{}, and no box; give --box LX,LY,LZ or --open", what());

@@ -12,7 +12,7 @@ use anyhow::{Context, bail, ensure};
 use crate::arrays::{Arrays, Cells, Of};
 use crate::formats::xml::{Base64, Tag, Xml};
 use crate::lines::{Source, short};
-use crate::room::room;
+use crate::room::{numbered, room};
 use crate::scalars::{Kind, Target};
 use crate::{Loaded, Options};
 use numbers::{Array, Counting, Layout, numbers, text};
@@ -128,12 +128,7 @@ impl File<'_> {
         let n = number("NumberOfPoints");
         let n = n.with_context(|| format!("{place}: the piece does not say its NumberOfPoints"))?;
         self.announced = self.announced.saturating_add(n);
-        ensure!(
-            self.announced <= u64::from(u32::MAX),
-            "{place}: {} points; at most 2^32 - 1 = {} can be numbered: split the file",
-            self.announced,
-            u32::MAX
-        );
+        numbered(self.announced, "points", &place)?;
         let [vertices, lines, strips, polygons, others] =
             ["NumberOfVerts", "NumberOfLines", "NumberOfStrips", "NumberOfPolys", "NumberOfCells"]
                 .map(|key| number(key).unwrap_or(0));
