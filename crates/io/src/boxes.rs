@@ -208,27 +208,19 @@ impl FromStr for Axes {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Axes, String> {
-        let mut axes = [false; 3];
         match text {
             "true" => return Ok(Axes::All),
             "none" | "false" => return Ok(Axes::NONE),
             _ => {}
         }
-        for letter in text.chars() {
-            match "xyz".find(letter) {
-                Some(k) if !axes[k] => axes[k] = true,
-                _ => {
-                    axes = [false; 3];
-                    break;
-                }
-            }
-        }
-        if axes == [false; 3] {
+        let counts = ["x", "y", "z"].map(|axis| text.matches(axis).count());
+        let once = counts.iter().all(|count| *count <= 1);
+        if !once || text.is_empty() || counts.iter().sum::<usize>() < text.len() {
             return Err("it must be the axes along which the box repeats, as in x, xy or xyz; \
                         or true for all, none or false for no axis"
                 .into());
         }
-        Ok(Axes::These(axes))
+        Ok(Axes::These(counts.map(|count| count == 1)))
     }
 }
 
@@ -392,22 +384,4 @@ impl Boundaries {
             Err(error) => bail!("{name}: {error} (--box, --periodic, --open)"),
         }
     }
-}
-
-/// Along which axes the letters of LAMMPS say that a box repeats: `pp ff sm`, p for both of its
-/// ends; or what is wrong with them.
-pub fn letters(flags: &[&str]) -> Result<[bool; 3], &'static str> {
-    let mut periodic = [false; 3];
-    if flags.len() != 3 {
-        return Err("two letters for each of the three axes are expected, as in pp pp ff");
-    }
-    for (periodic, flag) in periodic.iter_mut().zip(flags) {
-        match flag.as_bytes() {
-            b"pp" => *periodic = true,
-            [b'p', _] | [_, b'p'] => return Err("a box repeats at both ends of an axis, pp"),
-            [b'f' | b's' | b'm', b'f' | b's' | b'm'] => {}
-            _ => return Err("the letters are p, f, s and m, two for each axis, as in pp pp ff"),
-        }
-    }
-    Ok(periodic)
 }

@@ -1,14 +1,15 @@
 //! Columns of a text: what they mean, and particles of their rows.
 
 mod doubts;
+mod rows;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{Lines, Separator, Source, listed, number, short, shown, whole};
-use crate::particles::{Particles, digits, loaded, unused_sizes};
-use crate::scalars::Kind;
+use crate::lines::{number, short, shown, whole};
+use crate::particles::{Particles, digits, unused_sizes};
 use crate::units::{self, shifted};
-use crate::{Loaded, Notice, Options, RadiusSource};
+use crate::{Notice, Options, RadiusSource};
+pub use rows::Rows;
 
 /// What a column of a file means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -305,95 +306,6 @@ impl Columns {
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
         }
         particles.push(point, radius, id).with_context(place)
-    }
-}
-
-/// The columns of a frame, and the particles of the rows that were read.
-pub struct Rows {
-    pub columns: Columns,
-    pub particles: Particles,
-}
-
-impl Rows {
-    /// What is read of a frame of no rows, of which columns cannot be known.
-    pub fn none(names: &str, has_radii: bool) -> Rows {
-        let columns = Columns::named(names.split(' '));
-        Rows { columns, particles: Particles::new(3, has_radii) }
-    }
-
-    /// The particles, and what was understood.
-    pub fn read(self, format: &'static str) -> Loaded {
-        loaded(format, self.particles, self.columns.radius())
-    }
-
-    /// Adds the particle of a line whose cells are between blanks.
-    pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
-        let Rows { columns, particles } = self;
-        let between = || format!(" ({})", listed(&columns.names));
-        columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
-    }
-
-    /// Adds the particles of the next `count` records, such as "vertex", of a binary file; `fields`
-    /// are the types, none of what is no number, and the bytes of the columns. Returns how many
-    /// records there are.
-    pub fn push_records(
-        &mut self,
-        source: &mut Source<'_>,
-        what: &str,
-        count: u64,
-        fields: &[(Option<(Kind, bool)>, usize)],
-    ) -> anyhow::Result<u64> {
-        let mut ends = vec![0];
-        ends.extend(fields.iter().scan(0, |end, (_, width)| {
-            *end += width;
-            Some(*end)
-        }));
-        let mut record = vec![0; ends[fields.len()]];
-        for k in 0..count {
-            if !source.fill(&mut record)? {
-                return Ok(k);
-            }
-            let value = |place: usize| {
-                let (kind, big) = fields[place].0?;
-                Some(kind.get(&record[ends[place]..], big))
-            };
-            self.push_values(|| format!("{}: {what} {k} (from 0)", source.name), k, value)?;
-        }
-        Ok(count)
-    }
-
-    /// Adds the particle of a record; `value` gives the number of a column, if it is one.
-    fn push_values(
-        &mut self,
-        place: impl Fn() -> String,
-        k: u64,
-        value: impl Fn(usize) -> Option<f64>,
-    ) -> anyhow::Result<()> {
-        let Rows { columns, particles } = self;
-        let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
-        for (at, (column, label)) in columns.meaning.iter().zip(&columns.names).enumerate() {
-            if *column == Column::Other || *column == Column::Id && particles.ids.is_none() {
-                continue;
-            }
-            let what = || format!("{}: '{}'", place(), short(label));
-            let value = value(at).with_context(|| format!("{} is no number", what()))?;
-            match column {
-                Column::Axis(axis) => {
-                    ensure!(value.is_finite(), "{} is {value}; it must be finite", what());
-                    point[*axis] = value;
-                }
-                Column::Id => {
-                    let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
-                    ensure!(is_whole, "{}: {value} is not a whole number", what());
-                    id = value as i64;
-                }
-                _ => {
-                    let size = column.size(value);
-                    radius = size.map_err(|why| anyhow::anyhow!("{}: {value} {why}", what()))?;
-                }
-            }
-        }
-        particles.push(point, radius, id)
     }
 }
 

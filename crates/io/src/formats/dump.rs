@@ -14,7 +14,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::boxes::{bound, in_order, letters};
+use crate::boxes::{bound, in_order};
 use crate::formats::Opened;
 use crate::frames::Framed;
 use crate::lines::{Lines, Separator, Source, number, short, step_of};
@@ -312,4 +312,22 @@ fn scale_last(bounds: &Declared, particles: &mut Particles) {
         let length = terms.fold(origin[axis], |sum, (s, vector)| sum + s * vector[axis]);
         particles.set(last, axis, length);
     }
+}
+
+/// Along which axes the letters of LAMMPS say that a box repeats: `pp ff sm`, p for both of its
+/// ends; or what is wrong with them.
+fn letters(flags: &[&str]) -> Result<[bool; 3], &'static str> {
+    let mut periodic = [false; 3];
+    if flags.len() != 3 {
+        return Err("two letters for each of the three axes are expected, as in pp pp ff");
+    }
+    for (periodic, flag) in periodic.iter_mut().zip(flags) {
+        match flag.as_bytes() {
+            b"pp" => *periodic = true,
+            [b'p', _] | [_, b'p'] => return Err("a box repeats at both ends of an axis, pp"),
+            [b'f' | b's' | b'm', b'f' | b's' | b'm'] => {}
+            _ => return Err("the letters are p, f, s and m, two for each axis, as in pp pp ff"),
+        }
+    }
+    Ok(periodic)
 }

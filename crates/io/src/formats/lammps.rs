@@ -81,23 +81,23 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
                 .filter(|style| !style.is_empty());
             let mut rows = atoms(&mut lines, n, style.as_deref(), options)?;
             let Rows { columns, particles } = &mut rows;
-            if style.is_none() && options.columns.is_none() && n > 0 {
-                particles.notices.push(Notice::Assumed(format!(
-                    "no atom style stands behind 'Atoms': the columns are taken as {}; --columns \
-                     says otherwise",
-                    columns.names.join(" ")
-                )));
-            }
-            if style.as_deref().is_some_and(|style| style.starts_with("hybrid"))
-                && particles.has_radii()
-                && options.columns.is_none()
-            {
-                particles.notices.push(Notice::Assumed(format!(
-                    "the columns of the hybrid style are taken as {}; --radius or --columns says \
-                     otherwise",
-                    columns.names.join(" ")
-                )));
-            }
+            let names = columns.names.join(" ");
+            let hybrid = style.as_deref().is_some_and(|style| style.starts_with("hybrid"));
+            let assumed = if style.is_none() && n > 0 {
+                Some(format!(
+                    "no atom style stands behind 'Atoms': the columns are taken as {names}; \
+                     --columns says otherwise"
+                ))
+            } else {
+                (hybrid && particles.has_radii()).then(|| {
+                    format!(
+                        "the columns of the hybrid style are taken as {names}; --radius or \
+                         --columns says otherwise"
+                    )
+                })
+            };
+            let assumed = assumed.filter(|_| options.columns.is_none());
+            particles.notices.extend(assumed.map(Notice::Assumed));
             let (particles, about) = rows.read("LAMMPS data");
             return Ok((particles, About { declared: header.declared(), ..about }));
         }

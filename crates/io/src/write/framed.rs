@@ -139,8 +139,8 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
 }
 
 /// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
-/// output. Rows say their frame if they are `numbered`; `count` is their number, if it is known. The
-/// file is there as a whole or not at all: see [`whole`].
+/// output. Rows say their frame if they are `numbered`; `count` is their number, if it is known.
+/// The file is there as a whole or not at all: see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,
     numbered: bool,

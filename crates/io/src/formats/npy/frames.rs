@@ -47,14 +47,12 @@ impl Reader<Loaded> for Array<'_> {
             *read += 1;
             if step == Step::Keep {
                 let frame = frame(source, header, *options);
-                return match header.frames {
-                    None => frame.map(Some),
-                    Some(_) => {
-                        let read = frame.with_context(|| format!("frame {k}"))?;
-                        choice.done(None, None);
-                        Ok(Some(read))
-                    }
-                };
+                if header.frames.is_none() {
+                    return frame.map(Some);
+                }
+                let read = frame.with_context(|| format!("frame {k}"))?;
+                choice.done(None, None);
+                return Ok(Some(read));
             }
             let numbers = header.rows.saturating_mul(header.columns.unwrap_or(1) as u64);
             let bytes = numbers.saturating_mul(header.kind.width() as u64);
@@ -83,14 +81,11 @@ fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::
         source.name
     );
     let (particles, radius) = particles(source, header, options)?;
-    if options.dim.is_none() {
-        // Who gives the dimension knows the columns.
-        let which = match particles.counted() {
-            Some(Counted::First) => "first column counts the particles, and is taken for x",
-            Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
-            None | Some(Counted::Graph) => return Ok(loaded("NumPy npy", particles, radius)),
-        };
-        bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name);
-    }
-    Ok(loaded("NumPy npy", particles, radius))
+    // Who gives the dimension knows the columns.
+    let which = match particles.counted().filter(|_| options.dim.is_none()) {
+        Some(Counted::First) => "first column counts the particles, and is taken for x",
+        Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
+        None | Some(Counted::Graph) => return Ok(loaded("NumPy npy", particles, radius)),
+    };
+    bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name)
 }

@@ -240,7 +240,7 @@ impl Scenes {
         Ok(())
     }
 
-    /// Frame `k` of several, or the only one, with the sizes and the box that stand in other arrays.
+    /// Frame `k` of several, or the only one, with sizes and box from other arrays.
     fn frame(&mut self, k: Option<u64>, name: &str, options: Options) -> anyhow::Result<Loaded> {
         let frame = k.zip(self.frames.as_ref()).map(|(k, points)| [k, points.frames]);
         let (mut particles, mut radius) = match (&self.frames, self.whole.take()) {

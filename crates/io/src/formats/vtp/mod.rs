@@ -52,16 +52,12 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     };
     file.kind()?;
     let mut ended = false;
-    while let Some(tag) = file.xml.tag()? {
+    while !ended && let Some(tag) = file.xml.tag()? {
         match (tag.name.as_str(), tag.closing) {
-            ("VTKFile", true) => {
-                ended = true;
-                break;
-            }
+            ("VTKFile", true) => ended = true,
             ("AppendedData", false) => {
                 file.behind(tag.get("encoding") == Some("raw"))?;
                 ended = true;
-                break;
             }
             ("Piece", false) => file.piece(&tag)?,
             ("DataArray", false) => file.array(&tag)?,

@@ -1,8 +1,9 @@
 //! Files of text, and what is read of them: `*.txt` in this folder.
 //!
-//! A line `>>> ENDING` begins a file (`>>> list` a list of contacts, `>>> any` a file that is read
-//! with several endings and as a list, `>>> file NAME` one of tests/data), whose lines follow. A line `<<< NAME=VALUE ...` reads the
-//! file with these options, and below it stands what comes of that:
+//! A line `>>> ENDING` begins a file, whose lines follow: `>>> list` a list of contacts, `>>> any`
+//! a file that is read with several endings and as a list, `>>> file NAME` one of tests/data. A
+//! line `<<< NAME=VALUE ...` reads the file with these options, and below it stands what comes of
+//! that:
 //!
 //! | line | holds |
 //! |---|---|
@@ -13,8 +14,8 @@
 //! | `!` | words of the refusal |
 //!
 //! In a file `\t`, `\r`, `\0` and `\\` stand for themselves, `\xff` for a byte, and `\` at the end
-//! of a line for no line feed. A line without options reads the only frame. A line `% <f8 (2, 2) 1 2
-//! 3 4` is an array of NumPy, in Fortran order if its type ends in F; lines `%NAME <f8 (2,) 1 2` are
+//! of a line for no line feed. A line without options reads the only frame. A line `% <f8 (2,) 1 2`
+//! is an array of NumPy, in Fortran order if its type ends in F; lines `%NAME <f8 (2,) 1 2` are
 //! those of an archive. What is read is the same if it is compressed with gzip.
 
 use std::fmt::Write;
