@@ -30,32 +30,6 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     ended(program(folder, arguments).output().unwrap())
 }
 
-/// A run that succeeds.
-pub fn good(folder: &Path, arguments: &[&str]) -> Ended {
-    let ended = run(folder, arguments);
-    assert_eq!(ended.code, Some(0), "{arguments:?}: {}{}", ended.stdout, ended.stderr);
-    ended
-}
-
-/// A run that ends with exit code 2 and one line of refusal on standard error, the last, with all
-/// these words. Notices may precede it.
-pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) -> Ended {
-    let ended = run(folder, arguments);
-    let refusal = |line: &&str| line.starts_with("contactbench: ");
-    let lines = ended.stderr.lines();
-    assert_eq!(
-        (ended.code, lines.clone().filter(refusal).count(), lines.last().filter(refusal).is_some()),
-        (Some(2), 1, true),
-        "{arguments:?}: {}{}",
-        ended.stdout,
-        ended.stderr
-    );
-    for word in words {
-        assert!(ended.stderr.contains(word), "{arguments:?}: no '{word}' in: {}", ended.stderr);
-    }
-    ended
-}
-
 /// A folder of its own, in which the program runs.
 pub struct Place(tempfile::TempDir);
 
@@ -290,10 +264,16 @@ pub fn not_started(stderr: &str) -> Option<String> {
     stderr.lines().find(of_start).map(|line| line.trim().to_string())
 }
 
+/// Whether a program can be started with this option, and ends well.
+pub fn starts(program: &str, option: &str) -> bool {
+    let mut command = Command::new(program);
+    command.arg(option).current_dir(std::env::temp_dir()).stdin(Stdio::null());
+    command.output().is_ok_and(|output| output.status.success())
+}
+
 /// Is there such a program? If not, the test passes, and is named among those left out.
 pub fn has(program: &'static str) -> bool {
-    let there =
-        Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
+    let there = starts(program, "--version");
     if !there {
         untested(&format!("runners that need {program}"), program);
     }

@@ -16,7 +16,7 @@ fn block(section: &str, language: &str) -> &'static str {
     block.split_once("```").unwrap().0
 }
 
-/// Does a program start?
+/// Does a program start? Some of the codes end badly after their help.
 fn starts(program: &str) -> bool {
     let mut command = Command::new(program);
     command.arg("-h").current_dir(std::env::temp_dir());

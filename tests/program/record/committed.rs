@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::committed::committed;
-use crate::common::{good, refused};
+use crate::common::{Place, untested};
 
 /// Most lines of a write-up: a page of one screen and a half.
 const LONGEST: usize = 70;
@@ -63,25 +63,14 @@ fn provenance(record: &Path, field: &str) -> Option<String> {
 
 /// Returns the program that made a record, as pages write it: `25 November 2026 (50b98b6)`.
 fn program(record: &Path) -> Option<(String, String)> {
-    const MONTHS: [&str; 12] = [
-        "January",
-        "February",
-        "March",
-        "April",
-        "May",
-        "June",
-        "July",
-        "August",
-        "September",
-        "October",
-        "November",
-        "December",
-    ];
+    const MONTHS: &str = "January February March April May June July August September October \
+                          November December";
     let revision = provenance(record, "revision")?;
     let date = git(&["show", "-s", "--format=%cs", &revision])?;
     let mut parts = date.trim().split('-').map(|part| part.parse::<usize>().unwrap());
     let [year, month, day] = [(); 3].map(|()| parts.next().unwrap());
-    Some((format!("{day} {} {year}", MONTHS[month - 1]), revision[..7].into()))
+    let month = MONTHS.split(' ').nth(month - 1).unwrap();
+    Some((format!("{day} {month} {year}"), revision[..7].into()))
 }
 
 fn git(arguments: &[&str]) -> Option<String> {
@@ -194,7 +183,7 @@ fn records_of_an_older_program_say_so() {
         let (Some((date, short)), Some(changed)) =
             (program(&record), changed_since(&record, &revision))
         else {
-            return crate::common::untested("the age of records", "history of commits");
+            return untested("the age of records", "history of commits");
         };
         let (folder, place) = (write_up(&record), record.display());
         let page = read(folder.join("README.md"));
@@ -263,17 +252,16 @@ fn the_index_names_every_record() {
 #[test]
 fn verbs_read_compressed_records() {
     let record = &root().join("results/reference-motion/million");
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let copy = Command::new("cp").arg("-r").args([record, folder]).status().unwrap();
+    let at = Place::new();
+    let copy = Command::new("cp").arg("-r").args([record, at.root()]).status().unwrap();
     assert!(copy.success());
-    std::fs::remove_file(folder.join("million/report.md")).unwrap();
-    good(folder, &["report", "million"]);
-    assert!(read(folder.join("million/report.md")) == read(record.join("report.md")));
-    good(folder, &["compare", "million", "million"]);
-    good(folder, &["merge", "million", "--out", "whole"]);
-    assert!(read(folder.join("whole/samples.jsonl")).lines().count() > 100);
-    let resume = ["run", "motion", "--resume", "--out", "million"];
-    refused(folder, &resume, &["million/samples.jsonl.gz is a compressed record", "gunzip"]);
-    refused(folder, &["merge", "whole", "--out", "million"], &["holds a record already"]);
+    at.remove("million/report.md");
+    at.good("report million");
+    assert!(at.read("million/report.md") == read(record.join("report.md")));
+    at.good("compare million million");
+    at.good("merge million --out whole");
+    assert!(at.read("whole/samples.jsonl").lines().count() > 100);
+    let words = ["million/samples.jsonl.gz is a compressed record", "gunzip"];
+    at.ends(2, "run motion --resume --out million", &words);
+    at.ends(2, "merge whole --out million", &["holds a record already"]);
 }

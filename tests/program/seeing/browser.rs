@@ -7,19 +7,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-const OPTIONS: [&str; 9] = [
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-dev-shm-usage",
-];
+use crate::common::{starts, untested};
+
+const OPTIONS: &str = "--headless=new --no-sandbox --disable-gpu --disable-quic --no-first-run \
+                       --disable-background-networking --disable-component-update --disable-sync \
+                       --disable-dev-shm-usage";
 
 /// A window of a browser; closed when dropped.
 pub struct Browser {
@@ -29,62 +24,41 @@ pub struct Browser {
     folder: tempfile::TempDir,
 }
 
-/// Whether a program can be started.
-fn is_there(program: &str) -> bool {
-    Command::new(program)
-        .arg("--version")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success())
-}
-
 impl Browser {
     /// Opens a window of this size; none where Chromium or chromedriver are not installed, unless
     /// `CONTACTBENCH_BROWSER=required`.
     pub fn open(width: u32, height: u32) -> Option<Browser> {
-        let chromium = ["chromium", "chromium-browser", "google-chrome"]
-            .into_iter()
-            .find(|name| is_there(name));
-        let (Some(chromium), true) = (chromium, is_there("chromedriver")) else {
-            let required =
-                std::env::var("CONTACTBENCH_BROWSER").is_ok_and(|value| value == "required");
-            assert!(
-                !required,
-                "CONTACTBENCH_BROWSER=required, but chromium and chromedriver are not there"
-            );
-            crate::common::untested("pages in a browser", "chromium with chromedriver");
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        let chromium = names.into_iter().find(|name| starts(name, "--version"));
+        let (Some(chromium), true) = (chromium, starts("chromedriver", "--version")) else {
+            let required = std::env::var("CONTACTBENCH_BROWSER").is_ok_and(|it| it == "required");
+            assert!(!required, "CONTACTBENCH_BROWSER=required: no chromium or chromedriver");
+            untested("pages in a browser", "chromium with chromedriver");
             return None;
         };
-        let mut driver = Command::new("chromedriver")
-            .arg("--port=0")
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+        let mut driver = Command::new("chromedriver");
+        driver.arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut driver = driver.spawn().unwrap();
         let lines = BufReader::new(driver.stdout.take().unwrap()).lines();
         let port = lines.map_while(Result::ok).find_map(|line| {
             line.split_once("successfully on port ")?.1.trim_end_matches('.').parse().ok()
         });
+        let port = port.expect("chromedriver prints its port");
         let folder = tempfile::tempdir().unwrap();
-        let mut browser = Browser {
-            driver,
-            port: port.expect("chromedriver says its port"),
-            session: String::new(),
-            folder,
-        };
         let path = std::env::split_paths(&std::env::var_os("PATH").unwrap())
             .map(|folder| folder.join(chromium))
             .find(|path| path.exists());
-        let mut options: Vec<String> = OPTIONS.map(String::from).into();
+        let mut options: Vec<String> = OPTIONS.split(' ').map(String::from).collect();
         options.push(format!("--window-size={width},{height}"));
-        options
-            .push(format!("--user-data-dir={}", browser.folder.path().join("profile").display()));
+        options.push(format!("--user-data-dir={}", folder.path().join("profile").display()));
+        let mut browser = Browser { driver, port, session: String::new(), folder };
         let wanted = json!({"capabilities": {"alwaysMatch": {
             "browserName": "chrome",
             "goog:loggingPrefs": {"browser": "ALL"},
-            "goog:chromeOptions": {"binary": path, "args": options,
-                "prefs": {"download.default_directory": browser.downloads(), "download.prompt_for_download": false}},
+            "goog:chromeOptions": {"binary": path, "args": options, "prefs": {
+                "download.default_directory": browser.downloads(),
+                "download.prompt_for_download": false,
+            }},
         }}});
         let opened = browser.send("POST", "/session", &wanted);
         browser.session = opened["sessionId"].as_str().expect("a session").to_string();
@@ -92,7 +66,7 @@ impl Browser {
     }
 
     /// Where downloads go.
-    pub fn downloads(&self) -> PathBuf {
+    fn downloads(&self) -> PathBuf {
         self.folder.path().join("downloads")
     }
 
@@ -127,10 +101,8 @@ impl Browser {
 
     /// Opens a file.
     pub fn show(&self, file: &Path) {
-        self.post(
-            "/url",
-            json!({"url": format!("file://{}", file.canonicalize().unwrap().display())}),
-        );
+        let file = file.canonicalize().unwrap();
+        self.post("/url", json!({"url": format!("file://{}", file.display())}));
     }
 
     /// What a piece of JavaScript returns.
@@ -138,40 +110,51 @@ impl Browser {
         self.post("/execute/sync", json!({"script": code, "args": []}))
     }
 
-    fn find(&self, css: &str) -> String {
+    /// The same, as a type.
+    pub fn get<T: DeserializeOwned>(&self, code: &str) -> T {
+        serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
+    }
+
+    /// The text of the first element that this selector finds.
+    pub fn text(&self, css: &str) -> String {
+        self.get(&format!("return document.querySelector({css:?}).textContent"))
+    }
+
+    /// Does something to the first element that this selector finds.
+    fn act(&self, css: &str, action: &str, body: Value) {
         let found = self.post("/element", json!({"using": "css selector", "value": css}));
-        found
-            .as_object()
-            .and_then(|object| object.values().next()?.as_str().map(String::from))
-            .expect("an element")
+        let element = found.as_object().and_then(|it| it.values().next()?.as_str());
+        self.post(&format!("/element/{}/{action}", element.expect("an element")), body);
     }
 
-    /// Clicks on the first element that this selector finds, as a mouse would: fails if something
-    /// is in front of it.
+    /// Clicks as a mouse would: fails if something is in front of the element.
     pub fn click(&self, css: &str) {
-        let element = self.find(css);
-        self.post(&format!("/element/{element}/click"), json!({}));
+        self.act(css, "click", json!({}));
     }
 
-    /// Types into the first element that this selector finds.
     pub fn keys(&self, css: &str, text: &str) {
-        let element = self.find(css);
-        self.post(&format!("/element/{element}/value"), json!({"text": text}));
+        self.act(css, "value", json!({"text": text}));
     }
 
     /// Chooses the option with this text.
     pub fn choose(&self, select: &str, text: &str) {
-        let k = self.run(&format!(
+        let k: i32 = self.get(&format!(
             "return [...document.querySelector({select:?}).options].findIndex((o) => o.text === \
              {text:?})"
         ));
         assert_ne!(k, -1, "{select} has no option {text}");
-        self.click(&format!("{select} option:nth-child({})", k.as_u64().unwrap() + 1));
+        self.click(&format!("{select} option:nth-child({})", k + 1));
     }
 
     /// A command of the DevTools protocol.
-    pub fn devtools(&self, command: &str, parameters: Value) -> Value {
-        self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}))
+    pub fn devtools(&self, command: &str, parameters: Value) {
+        self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
+    }
+
+    /// Makes the window that of a phone.
+    pub fn phone(&self) {
+        let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
+        self.devtools("Emulation.setDeviceMetricsOverride", size);
     }
 
     /// What stands in the console: warnings, errors, refused requests.

@@ -143,19 +143,11 @@ fn a_film_plays_in_a_browser() {
     let at = Place::new();
     let (_, data, _) = film(&at, FLIGHT);
     browser.show(&at.path("film.html"));
-    let text = |id: &str| {
-        browser
-            .run(&format!("return document.getElementById('{id}').textContent"))
-            .as_str()
-            .unwrap()
-            .to_string()
-    };
+    let text = |id: &str| browser.text(&format!("#{id}"));
     assert_eq!(text("step"), "frame 0 of 40");
     let paths = |id: &str| {
-        let code = format!(
-            "return (document.getElementById('{id}').getAttribute('d').match(/M/g) || []).length"
-        );
-        count(&browser.run(&code))
+        let code = format!("return document.getElementById('{id}').getAttribute('d')");
+        browser.get::<String>(&code).matches('M').count()
     };
     let worst = (0..41).max_by_key(|&k: &usize| count(&data["frames"][k][4])).unwrap();
     browser.run(&format!("show({worst})"));

@@ -32,10 +32,7 @@ fn axes_and_results_are_seen_at_every_width() {
     assert!(head <= axis + 1.0, "{head} {axis}");
     assert_eq!(side(&browser, ".strip.own", "top"), None, "one axis is enough");
 
-    browser.devtools(
-        "Emulation.setDeviceMetricsOverride",
-        json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true}),
-    );
+    browser.phone();
     browser.show(&page);
     assert!(side(&browser, ".strip.own", "top").is_some(), "each strip has its axis");
     let heads = browser.run(

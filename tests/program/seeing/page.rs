@@ -108,15 +108,15 @@ pub fn report(at: &Place) -> PathBuf {
     at.path("report.html")
 }
 
-/// The medians of the record by scene, dimension, N, detector and arithmetic: by sorting, from the
+/// The medians of the record by scene, dimension, detector, arithmetic and N: by sorting, from the
 /// rows alone.
-fn medians() -> BTreeMap<(String, u64, u64, String, String), f64> {
+fn medians() -> BTreeMap<(String, u64, String, String, u64), f64> {
     let mut times: BTreeMap<_, Vec<u64>> = BTreeMap::new();
     for row in rows().iter().filter(|row| row["time_ns"].is_u64()) {
         let text = |name: &str| row[name].as_str().unwrap().to_string();
         let number = |name: &str| row[name].as_u64().unwrap();
         let (detector, arithmetic) = (text("detector"), text("arithmetic"));
-        let key = (text("scene"), number("dim"), number("n"), detector, arithmetic);
+        let key = (text("scene"), number("dim"), detector, arithmetic, number("n"));
         times.entry(key).or_default().push(number("time_ns"));
     }
     let median = |mut all: Vec<u64>| {
@@ -128,13 +128,12 @@ fn medians() -> BTreeMap<(String, u64, u64, String, String), f64> {
 }
 
 /// Shown series of the chart: label to its values.
-fn series(browser: &Browser) -> BTreeMap<String, Vec<Option<f64>>> {
+fn series(browser: &Browser) -> BTreeMap<String, Vec<f64>> {
     let code = "const u = document.getElementById('chart').chart; return \
                 u.series.slice(1).map((s, k) => [s.label, s.show, [...u.data[k + 1]]])";
-    let found = browser.run(code);
-    let values = |list: &Value| list.as_array().unwrap().iter().map(Value::as_f64).collect();
-    let shown = found.as_array().unwrap().iter().filter(|series| series[1] == true);
-    shown.map(|series| (series[0].as_str().unwrap().to_string(), values(&series[2]))).collect()
+    let found: Vec<(String, bool, Vec<Option<f64>>)> = browser.get(code);
+    let shown = found.into_iter().filter(|(_, show, _)| *show);
+    shown.map(|(label, _, values)| (label, values.into_iter().flatten().collect())).collect()
 }
 
 fn close(a: f64, b: f64) -> bool {
@@ -143,15 +142,10 @@ fn close(a: f64, b: f64) -> bool {
 
 /// The cells of the table, as text.
 fn table(browser: &Browser) -> Vec<Vec<String>> {
-    let code = "return [...document.querySelectorAll('#cells tbody tr')].map((row) => \
-                [...row.cells].map((cell) => cell.textContent))";
-    serde_json::from_value(browser.run(code)).unwrap()
-}
-
-fn heads(browser: &Browser) -> Vec<String> {
-    let code = "return [...document.querySelectorAll('#cells thead button')].map((button) => \
-                button.textContent.replace(/ [▲▼]$/, ''))";
-    serde_json::from_value(browser.run(code)).unwrap()
+    browser.get(
+        "return [...document.querySelectorAll('#cells tbody tr')].map((row) => \
+         [...row.cells].map((cell) => cell.textContent))",
+    )
 }
 
 #[test]
@@ -160,179 +154,137 @@ fn the_page_works_in_a_browser() {
     let page = report(&at);
     let Some(browser) = Browser::open(1400, 1000) else { return };
     browser.show(&page);
-    assert_eq!(browser.log(), Vec::<String>::new());
+    assert_eq!(browser.log(), [""; 0]);
     opens_safely(&browser);
     charts(&browser);
     results(&browser);
     narrow(&browser, &page);
-    assert_eq!(browser.log(), Vec::<String>::new(), "after all clicks");
+    assert_eq!(browser.log(), [""; 0], "after all clicks");
 }
 
 /// The answer is there; a name with markup in it stayed text; nothing was asked of the network.
 fn opens_safely(browser: &Browser) {
     assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
     assert_eq!(browser.run("return document.title"), "Who is fast? <b>");
-    let said = browser.run("return document.querySelector('.card.speed').textContent");
-    assert!(
-        said.as_str().unwrap().contains("nbs is faster than the fastest library in 6 of 6 scenes"),
-        "{said}"
-    );
-    let body = browser.run("return document.body.textContent").as_str().unwrap().to_string();
-    for part in [
-        "1 of 1 claim hold",
-        "30 s",
-        "contactbench run e.toml <b>",
-        "A & B",
-        EVIL,
-        "Permission is hereby granted",
-    ] {
+    let said = browser.text(".card.speed");
+    assert!(said.contains("in 6 of 6 scenes"), "{said}");
+    let body = browser.text("body");
+    let license = "Permission is hereby granted";
+    for part in ["1 of 1 claim hold", "30 s", "contactbench run e.toml <b>", "A & B", EVIL, license]
+    {
         assert!(body.contains(part), "{part}");
     }
-    assert_eq!(
-        browser.run("return document.querySelectorAll('img').length"),
-        1,
-        "the figure, and no image of a name"
-    );
-    let size = browser.run("return document.querySelector('figure img').naturalWidth").as_u64();
-    assert!(size > Some(100), "the figure is drawn");
-    let requests = browser.run(
+    let images: Vec<u32> =
+        browser.get("return [...document.querySelectorAll('img')].map((it) => it.naturalWidth)");
+    assert!(images.len() == 1 && images[0] > 100, "the figure, and no image of a name: {images:?}");
+    let requests: Vec<String> = browser.get(
         "return performance.getEntriesByType('resource').map((e) => e.name).filter((n) => \
          !n.startsWith('data:'))",
     );
-    assert_eq!(requests, json!([]));
+    assert_eq!(requests, [""; 0]);
 }
 
 /// Values, toggles, scales, metric, scene, dimension, arithmetic, hovering, keys.
 fn charts(browser: &Browser) {
     let medians = medians();
-    let expected =
-        |scene: &str, dim: u64, detector: &str, arithmetic: &str, per: bool| -> Vec<f64> {
-            let found = medians.iter().filter(|((s, d, _, who, how), _)| {
-                s == scene && *d == dim && who == detector && how == arithmetic
-            });
-            found.map(|((_, _, n, ..), time)| if per { time / *n as f64 } else { *time }).collect()
-        };
-    let same = |found: &[Option<f64>], expected: &[f64]| {
-        assert_eq!(found.iter().flatten().count(), expected.len());
-        assert!(
-            found.iter().flatten().zip(expected).all(|(a, b)| close(*a, *b)),
-            "{found:?} {expected:?}"
-        );
+    let expected = |scene: &str, dim: u64, detector: &str, arithmetic: &str| -> Vec<(f64, f64)> {
+        let found = medians.iter().filter(|((s, d, who, how, _), _)| {
+            s == scene && *d == dim && who == detector && how == arithmetic
+        });
+        found.map(|((.., n), time)| (*time, *n as f64)).collect()
     };
-    // packed, 3D, exact
-    let shown = series(browser);
-    assert_eq!(
-        shown.keys().map(String::as_str).collect::<Vec<_>>(),
-        [EVIL, "nbs", "sorting"],
-        "controls begin hidden"
-    );
+    let per = |times: Vec<(f64, f64)>| times.into_iter().map(|(time, n)| time / n).collect();
+    let same = |label: &str, expected: Vec<f64>| {
+        let found = &series(browser)[label];
+        let equal = found.iter().zip(&expected).all(|(a, b)| close(*a, *b));
+        assert!(equal && found.len() == expected.len(), "{label}: {found:?} {expected:?}");
+    };
+    // packed, 3D, exact; controls begin hidden.
+    assert_eq!(series(browser).into_keys().collect::<Vec<_>>(), [EVIL, "nbs", "sorting"]);
     for detector in ["nbs", "sorting", EVIL] {
-        same(&shown[detector], &expected("packed", 3, detector, "exact", true));
+        same(detector, per(expected("packed", 3, detector, "exact")));
     }
-    browser.click("#legend button:nth-child(2)");
+    let toggle = "#legend button:nth-child(2)";
+    browser.click(toggle);
     assert!(!series(browser).contains_key("nbs"));
-    assert_eq!(
-        browser.run(
-            "return document.querySelector('#legend \
-             button:nth-child(2)').getAttribute('aria-pressed')"
-        ),
-        "false"
-    );
+    let pressed = format!("return document.querySelector('{toggle}').ariaPressed");
+    assert_eq!(browser.run(&pressed), "false");
     browser.choose("#by-dim", "2D");
     assert!(!series(browser).contains_key("nbs"), "what is hidden stays hidden");
-    browser.click("#legend button:nth-child(2)");
-    same(&series(browser)["nbs"], &expected("packed", 2, "nbs", "exact", true));
+    browser.click(toggle);
+    same("nbs", per(expected("packed", 2, "nbs", "exact")));
     browser.choose("#by-arithmetic", "all");
-    same(&series(browser)["sorting (f64)"], &expected("packed", 2, "sorting", "f64", true));
+    same("sorting (f64)", per(expected("packed", 2, "sorting", "f64")));
     browser.choose("#by-arithmetic", "f64");
     browser.choose("#by-scene", "loose");
-    same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", true));
+    same("nbs", per(expected("loose", 2, "nbs", "f64")));
     browser.click("#per-particle");
-    same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", false));
-    let scale = |axis: &str| {
-        browser.run(&format!("return document.getElementById('chart').chart.scales.{axis}.distr"))
+    same("nbs", expected("loose", 2, "nbs", "f64").into_iter().map(|it| it.0).collect());
+    let scales = || -> [u32; 2] {
+        browser.get(
+            "const it = document.getElementById('chart').chart.scales; return [it.x.distr, \
+             it.y.distr]",
+        )
     };
-    assert_eq!((scale("x"), scale("y")), (json!(3), json!(3)));
+    assert_eq!(scales(), [3, 3]);
     browser.click("#log-x");
     browser.click("#log-y");
-    assert_eq!((scale("x"), scale("y")), (json!(1), json!(1)));
+    assert_eq!(scales(), [1, 1]);
     for (metric, values) in [
         ("Memory (peak)", [1200.0, 12000.0]),
         ("Operations (all)", [400.0, 4000.0]),
         ("Contact tests", [300.0, 3000.0]),
+        ("Error", [1.0 / 200.0, 10.0 / 2000.0]),
     ] {
         browser.choose("#metric", metric);
-        same(&series(browser)["nbs"], &values);
+        same("nbs", values.into());
     }
-    browser.choose("#metric", "Error");
-    same(&series(browser)["nbs"], &[1.0 / 200.0, 10.0 / 2000.0]);
     browser.choose("#by-arithmetic", "exact");
-    same(&series(browser)["nbs"], &[0.0, 0.0]);
+    same("nbs", vec![0.0, 0.0]);
     browser.click("#log-y");
-    let note = browser.run("return document.getElementById('chart-note').textContent");
-    assert!(note.as_str().unwrap().contains("values of 0 cannot be shown"), "{note}");
-    // values at the cursor, by keys
+    let note = browser.text("#chart-note");
+    assert!(note.contains("values of 0"), "{note}");
+    // Values at the cursor, by keys.
     browser.choose("#metric", "Time");
     browser.keys("#chart", "\u{e014}");
-    let tip = browser
-        .run("const tip = document.getElementById('tip'); return tip.hidden ? '' : tip.innerText")
-        .as_str()
-        .unwrap()
-        .to_string();
-    let value = expected("loose", 2, "nbs", "exact", false)[0];
-    assert!(
-        tip.contains("N = 100, ns") && tip.replace(',', "").contains(&format!("{value}")),
-        "{tip} has no {value}"
-    );
+    let tip = browser.text("#tip:not([hidden])").replace(',', "");
+    let value = expected("loose", 2, "nbs", "exact")[0].0;
+    assert!(tip.contains("N = 100") && tip.contains(&value.to_string()), "{tip}: no {value}");
 }
 
 /// Sorting, filters, download.
 fn results(browser: &Browser) {
-    let (heads, all) = (heads(browser), table(browser));
-    assert_eq!(all.len(), 8 * 4 * 2);
-    let column = |name: &str| {
-        heads
-            .iter()
-            .position(|head| head == name)
-            .unwrap_or_else(|| panic!("no {name} in {heads:?}"))
-    };
-    let (n, time_column, detector) = (column("N"), column("ns / N"), column("detector"));
+    let heads: Vec<String> = browser.get(
+        "return [...document.querySelectorAll('#cells thead button')].map((button) => \
+         button.textContent.replace(/ [▲▼]$/, ''))",
+    );
+    assert_eq!(table(browser).len(), 8 * 4 * 2);
+    let column = |name: &str| heads.iter().position(|head| head == name).unwrap();
+    let [n, time, detector, scene, dim] =
+        ["N", "ns / N", "detector", "scene", "dimension"].map(column);
     let number = |text: &str| text.replace(',', "").parse::<f64>().ok();
-    let button = format!("#cells th:nth-child({}) button", time_column + 1);
-    let order = || {
-        browser.run(&format!(
-            "return document.querySelector('#cells th:nth-child({})').ariaSort",
-            time_column + 1
-        ))
-    };
+    let head = format!("#cells th:nth-child({})", time + 1);
     for (said, sign) in [("ascending", 1.0), ("descending", -1.0)] {
-        browser.click(&button);
-        assert_eq!(order(), said);
-        let times: Vec<Option<f64>> =
-            table(browser).iter().map(|row| number(&row[time_column])).collect();
-        let values: Vec<f64> = times.iter().flatten().copied().collect();
-        assert!(
-            values.len() == 60 && values.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= 0.0),
-            "{values:?}"
-        );
+        browser.click(&format!("{head} button"));
+        assert_eq!(browser.run(&format!("return document.querySelector('{head}').ariaSort")), said);
+        let times: Vec<Option<f64>> = table(browser).iter().map(|row| number(&row[time])).collect();
+        let values: Vec<f64> = times.iter().flatten().map(|time| sign * time).collect();
+        assert!(values.len() == 60 && values.is_sorted(), "{values:?}");
         assert!(times[60..].iter().all(Option::is_none), "what has no time comes last");
     }
     browser.choose("#only-detector", "nbs");
     browser.keys("#words", "packed exact");
     let shown = table(browser);
-    assert_eq!(shown.len(), 6);
-    assert!(shown.iter().all(|row| row[detector] == "nbs"
-        && row.contains(&"packed".into())
-        && row.contains(&"exact".into())));
-    let count = browser.run("return document.getElementById('count').textContent");
-    assert_eq!(count, "6 of 64 rows");
+    assert_eq!((shown.len(), browser.text("#count")), (6, "6 of 64 rows".into()));
+    for row in &shown {
+        assert!(row[detector] == "nbs" && row.iter().any(|cell| cell == "exact"), "{row:?}");
+    }
     browser.click("#csv");
     let text = browser.downloaded("results.csv");
-    let table = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
-    let lines: Vec<Vec<String>> = table.into_deserialize().map(Result::unwrap).collect();
+    let lines = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+    let lines: Vec<Vec<String>> = lines.into_deserialize().map(Result::unwrap).collect();
     assert_eq!((lines.len(), &lines[0]), (7, &heads));
     let medians = medians();
-    let (scene, dim) = (column("scene"), column("dimension"));
     for (line, row) in lines[1..].iter().zip(&shown) {
         for (exact, seen) in line.iter().zip(row) {
             match (number(exact), number(seen)) {
@@ -343,38 +295,23 @@ fn results(browser: &Browser) {
             }
         }
         let size: u64 = line[n].parse().unwrap();
-        let median = medians[&(
-            line[scene].clone(),
-            line[dim].parse().unwrap(),
-            size,
-            "nbs".into(),
-            "exact".into(),
-        )];
-        assert!(close(line[time_column].parse().unwrap(), median / size as f64), "{line:?}");
+        let (scene, dim) = (line[scene].clone(), line[dim].parse().unwrap());
+        let median = medians[&(scene, dim, "nbs".into(), "exact".into(), size)];
+        assert!(close(line[time].parse().unwrap(), median / size as f64), "{line:?}");
     }
 }
 
-/// On a phone nothing is wider than the screen, and every control is large enough for a finger.
+/// On a phone nothing is wider than the screen, and the answer is seen at once.
 fn narrow(browser: &Browser, page: &Path) {
     for (scheme, ground) in [("light", "rgb(255, 255, 255)"), ("dark", "rgb(22, 24, 29)")] {
-        browser.devtools(
-            "Emulation.setDeviceMetricsOverride",
-            json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true}),
-        );
-        browser.devtools(
-            "Emulation.setEmulatedMedia",
-            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}),
-        );
+        browser.phone();
+        let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        browser.devtools("Emulation.setEmulatedMedia", features);
         browser.show(page);
         assert_eq!(browser.run("return document.documentElement.scrollWidth"), 390, "{scheme}");
         assert_eq!(browser.run("return getComputedStyle(document.body).backgroundColor"), ground);
-        let bottom = browser
-            .run(
-                "return Math.round(document.querySelector('.card.speed').getBoundingClientRect().\
-                 bottom)",
-            )
-            .as_u64()
-            .unwrap();
-        assert!(bottom < 500, "the answer is seen at once: it ends at {bottom}");
+        let bottom: f64 = browser
+            .get("return document.querySelector('.card.speed').getBoundingClientRect().bottom");
+        assert!(bottom < 500.0, "the answer ends at {bottom}");
     }
 }
