@@ -15,12 +15,14 @@
 //! | `in FILE words \| words` | words in a file |
 //! | `same ARGUMENTS` | the standard output of another run |
 //!
-//! Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Blanks and line feeds between words are
+//! `ARRAYS/` in arguments is the folder of arrays in `tests/data`. Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Blanks and line feeds between words are
 //! equal. Exit code 2 has one line that begins with `contactbench: `, or an error of the options.
 
 use std::fmt::Display;
 
 use crate::common::{Ended, Place};
+
+const ARRAYS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/arrays/");
 
 macro_rules! cases {
     ($($name:ident),*) => {
@@ -30,7 +32,7 @@ macro_rules! cases {
         })*
     };
 }
-cases!(refusals, experiments, boxes, files);
+cases!(refusals, experiments, boxes, files, records);
 
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.bytes());
@@ -83,7 +85,7 @@ impl Scenario {
 
     fn run(&mut self, at: &str, code: &str, rest: &str) {
         let (line, words) = rest.split_once(" :: ").unwrap_or((rest, ""));
-        let ended = self.place.run(line);
+        let ended = self.place.run(&line.replace("ARRAYS/", ARRAYS));
         let refusals = ended.stderr.lines().filter(|line| line.starts_with("contactbench: "));
         let one = refusals.clone().count() == 1 && refusals.last() == ended.stderr.lines().last();
         let is_one = one || ended.stderr.starts_with("error: ") || !ended.stdout.is_empty();

@@ -65,23 +65,3 @@ fn check_takes_scenes() {
     assert_eq!((&json["passed"], &json["detectors"][0]), (&true.into(), &"nbs".into()));
     assert_eq!(crate::record::junit(&at.path("good.xml")), (1, 0));
 }
-
-/// Refusals alone show nothing: not of one detector, and not beside a scene that was compared.
-#[test]
-fn a_check_that_compared_nothing_is_no_pass() {
-    let at = Place::new();
-    at.file("far.csv", "x,y,r\n0,0,0.5\n1e12,0,0.5\n");
-    at.file("two.csv", "x,y,r\n0,0,1\n2,0,1\n");
-    for scenes in ["--scene far.csv", "--scene far.csv --scene two.csv"] {
-        let line = format!("check --detector nbs {scenes} --junit a.xml --summary a.md");
-        let ended = at.ends(2, &line, &["nothing was compared of far.csv"]);
-        assert!(!ended.stdout.contains("all agree"), "{}", ended.stdout);
-        let failed = "<testcase classname=\"far.csv\" name=\"nbs, exact arithmetic\"><failure ";
-        let junit = at.read("a.xml");
-        assert!(junit.contains(failed) && junit.contains("failures=\"1\""), "{junit}");
-        at.ends(2, &format!("check --detector nbs --json {scenes}"), &["\"passed\": false"]);
-    }
-    // One that refuses beside others that answer is named, and no failure.
-    at.good("check --scene far.csv --junit b.xml");
-    assert!(at.read("b.xml").contains("name=\"nbs, exact arithmetic\"><skipped "));
-}

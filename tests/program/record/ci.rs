@@ -3,25 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use serde_json::Value;
-
 use super::junit;
 use crate::common::{PROGRAM, Place};
-
-#[test]
-fn lists_are_printed_for_machines() {
-    let at = Place::new();
-    let all = at.json("list");
-    for (table, least) in
-        [("detectors", 11), ("arithmetics", 5), ("scenes", 8), ("experiments", 10)]
-    {
-        let rows = all[table].as_array().unwrap_or_else(|| panic!("{table}"));
-        assert!(rows.len() >= least && rows[0]["name"].is_string(), "{table}");
-    }
-    assert_eq!(at.json("list detectors").as_object().unwrap().len(), 1);
-    let cases = |list: &Value| list["hard_cases"].as_array().map_or(0, Vec::len);
-    assert!(cases(&at.json("list hard-cases")) > 20);
-}
 
 /// The action, as the example workflow calls it, on a baseline made by this very program.
 #[cfg(unix)]

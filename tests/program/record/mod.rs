@@ -6,7 +6,6 @@ mod ci;
 mod committed;
 mod gates;
 mod integrity;
-mod maps;
 mod merge;
 mod origins;
 mod partial;

@@ -69,7 +69,4 @@ fn reports_name_what_is_missing_and_claim_nothing_of_it() {
         "2 not covered",
     ];
     shown(&at, &ended, &words);
-    at.remove("result");
-    let ended = at.run("run t.toml --shard 1/9 --out result");
-    shown(&at, &ended, &["1 of 9 scenes", "missing: 16 cells (other shard)"]);
 }

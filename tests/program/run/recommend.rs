@@ -38,20 +38,3 @@ fn recommend_names_one_and_why_not_the_others() {
     }
     assert_eq!([&answer["n"], &answer["contacts"], &answer["dim"]], [2500, 0, 2]);
 }
-
-#[test]
-fn recommend_takes_files_dimensions_and_arithmetics() {
-    let at = Place::new();
-    at.file("discs.csv", "x,y\n0,0\n1,0\n5,0\n");
-    let line = "recommend --seconds 0.5 discs.csv --radius 0.5 --arithmetic f32 --threads 2";
-    let answer = at.json(line);
-    assert_eq!([&answer["n"], &answer["contacts"]], [3, 1]);
-    assert_eq!(answer["arithmetic"], "f32");
-    assert_eq!(at.json("recommend --seconds 0.3 loose:dim=3,n=300")["dim"], 3);
-    let hard = at.json("recommend --seconds 0.3 hard:case=shrink-then-grow,dim=3");
-    assert!(hard["use"].is_string());
-    let words = ["\n\nuse ", " ns per particle", " bytes per particle; exact"];
-    let ended = at.ends(0, "recommend packed:n=400 --seconds 0.3", &words);
-    assert_eq!(ended.stderr, "");
-    assert!(ended.stdout.starts_with("packed:n=400: 400 discs, "), "{}", ended.stdout);
-}

@@ -72,8 +72,6 @@ fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
         let rows: Vec<&str> = said.lines().filter(|line| line.contains("  ")).collect();
         assert!(rows.len() == 8 && rows.iter().all(|it| it.chars().count() <= 80), "{said}");
     }
-    at.ends(0, "list motions", &["brownian"]);
-    at.ends(0, "list trackers", &["rule=top-two"]);
 }
 
 /// What `track` prints of a tracker, an experiment has in its record: two paths through the program.
@@ -200,23 +198,4 @@ frames = 5
     let before = at.read("out/samples.jsonl");
     at.good("run mixed.toml --out out --resume");
     assert_eq!(before, at.read("out/samples.jsonl"));
-}
-
-/// One frame of a motion in a file, or all of them: the same numbers.
-#[test]
-fn frames_of_a_motion_are_written_one_or_all() {
-    let at = Place::new();
-    let write =
-        |more: &str| at.good(&format!("scene packed:n=60 --motion brownian:speed=0.05 {more}"));
-    write("--frames 3 -o all.xyz");
-    write("--at 2 -o two.csv");
-    write("--at 0 -o first.csv");
-    assert_eq!(at.read("all.xyz"), write("--frames 3").stdout);
-    at.good("scene packed:n=60 -o scene.csv");
-    assert_eq!(at.read("first.csv"), at.read("scene.csv"), "frame 0 is the scene");
-    for (frame, name) in [("0", "first.csv"), ("2", "two.csv")] {
-        at.good(&format!("scene all.xyz --frame {frame} -o again.csv"));
-        assert_eq!(at.read("again.csv"), at.read(name), "frame {frame}");
-    }
-    assert!(at.read("first.csv") != at.read("two.csv"));
 }
