@@ -1,4 +1,4 @@
-use super::{Block, Span, Text};
+use super::{Block, Text};
 use contactbench_terms::text::html as escape;
 
 /// Returns the blocks as HTML. A figure is replaced by its title; the page adds the picture.
@@ -27,11 +27,6 @@ fn block_text(block: &Block) -> String {
 
 /// Words in HTML, without a paragraph around them.
 pub fn words(text: &Text) -> String {
-    let span = |span: &Span| match span {
-        Span::Plain(text) => escape(text),
-        Span::Strong(text) => format!("<strong>{}</strong>", escape(text)),
-        Span::Emphasis(text) => format!("<em>{}</em>", escape(text)),
-        Span::Code(text) => format!("<code>{}</code>", escape(text)),
-    };
-    text.0.iter().map(span).collect()
+    let around = [["<strong>", "</strong>"], ["<em>", "</em>"], ["<code>", "</code>"]];
+    text.written(around, |_, text| escape(text))
 }

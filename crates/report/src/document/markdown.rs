@@ -1,4 +1,4 @@
-use super::{Block, Span, Text};
+use super::{Block, Style, Text};
 
 /// The blocks in Markdown, an empty line after each.
 pub fn markdown(blocks: &[Block]) -> String {
@@ -24,13 +24,10 @@ fn block_text(block: &Block) -> String {
 }
 
 fn words(text: &Text) -> String {
-    let span = |span: &Span| match span {
-        Span::Plain(text) => escaped(text),
-        Span::Strong(text) => format!("**{}**", escaped(text)),
-        Span::Emphasis(text) => format!("*{}*", escaped(text)),
-        Span::Code(text) => format!("`{}`", text.replace(is_break, " ").replace('`', "'")),
-    };
-    text.0.iter().map(span).collect()
+    text.written([["**"; 2], ["*"; 2], ["`"; 2]], |style, text| match style {
+        Style::Code => text.replace(is_break, " ").replace('`', "'"),
+        _ => escaped(text),
+    })
 }
 
 /// Text for Markdown: nothing that Markdown would take for markup, no line breaks.

@@ -18,103 +18,91 @@ use crate::table::Table;
 pub enum Block {
     /// A heading, 1 to 6.
     Heading(u8, Text),
-    /// Running text.
     Paragraph(Text),
     /// Something that the reader must not miss.
     Warning(Text),
-    /// Items with bullets.
     List(Vec<Text>),
     /// Text as it is, a command, say.
     Code(String),
-    /// A table with its title.
     Table(Table),
-    /// A figure.
+    /// What a figure shows, and its file, in the folder `figures`.
     Figure {
-        /// What it shows.
         title: String,
-        /// Its file, in the folder `figures`.
         path: PathBuf,
     },
 }
 
-/// Words of a paragraph.
+/// Words of a paragraph, each with its style.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Text(pub Vec<Span>);
+pub struct Text(Vec<(Style, String)>);
 
-/// Words of one kind.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Span {
-    /// As they are.
-    Plain(String),
-    /// Bold.
-    Strong(String),
-    /// Slanted.
-    Emphasis(String),
-    /// Of a program.
-    Code(String),
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Style {
+    Plain,
+    Strong,
+    Emphasis,
+    /// Words of a program.
+    Code,
 }
 
 impl Text {
-    /// Without words.
     pub fn new() -> Text {
         Text::default()
     }
 
     /// These words after it.
     pub fn plain(self, text: impl Into<String>) -> Text {
-        self.and(Span::Plain(text.into()))
+        self.and(Style::Plain, text)
     }
 
-    /// These words after it, bold.
     pub fn strong(self, text: impl Into<String>) -> Text {
-        self.and(Span::Strong(text.into()))
+        self.and(Style::Strong, text)
     }
 
-    /// These words after it, slanted.
     pub fn emphasis(self, text: impl Into<String>) -> Text {
-        self.and(Span::Emphasis(text.into()))
+        self.and(Style::Emphasis, text)
     }
 
-    /// These words of a program after it.
     pub fn code(self, text: impl Into<String>) -> Text {
-        self.and(Span::Code(text.into()))
+        self.and(Style::Code, text)
     }
 
-    fn and(mut self, span: Span) -> Text {
-        self.0.push(span);
+    fn and(mut self, style: Style, text: impl Into<String>) -> Text {
+        self.0.push((style, text.into()));
         self
     }
 
-    /// Has it no words?
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+    /// The words in a language: what stands around each style but the plain one, and how words are
+    /// escaped.
+    fn written(&self, around: [[&str; 2]; 3], escape: impl Fn(Style, &str) -> String) -> String {
+        let span = |(style, text): &(Style, String)| {
+            let [open, close] = match style {
+                Style::Plain => [""; 2],
+                Style::Strong => around[0],
+                Style::Emphasis => around[1],
+                Style::Code => around[2],
+            };
+            format!("{open}{}{close}", escape(*style, text))
+        };
+        self.0.iter().map(span).collect()
     }
 }
 
-impl From<&str> for Text {
-    fn from(text: &str) -> Text {
-        Text::new().plain(text)
-    }
-}
-
-impl From<String> for Text {
-    fn from(text: String) -> Text {
+impl<T: Into<String>> From<T> for Text {
+    fn from(text: T) -> Text {
         Text::new().plain(text)
     }
 }
 
 impl Block {
-    /// A heading.
     pub fn heading(level: u8, text: impl Into<Text>) -> Block {
         Block::Heading(level, text.into())
     }
 
-    /// A table.
     pub fn table(table: impl Into<Table>) -> Block {
         Block::Table(table.into())
     }
 
-    /// A paragraph.
     pub fn paragraph(text: impl Into<Text>) -> Block {
         Block::Paragraph(text.into())
     }

@@ -1,4 +1,4 @@
-use super::{Block, Span, Text};
+use super::{Block, Text};
 use contactbench_terms::number::wrap;
 
 /// The blocks for a terminal of this many columns, an empty line between two. Figures are left out.
@@ -33,10 +33,5 @@ pub fn indented(head: &str, text: &str, width: usize) -> String {
 }
 
 fn words(text: &Text) -> String {
-    let span = |span: &Span| match span {
-        Span::Plain(text) | Span::Strong(text) | Span::Emphasis(text) | Span::Code(text) => {
-            text.clone()
-        }
-    };
-    text.0.iter().map(span).collect()
+    text.written([[""; 2]; 3], |_, text| text.into())
 }

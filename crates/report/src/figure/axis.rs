@@ -1,6 +1,5 @@
 //! Axes: ranges, ticks and their labels.
 
-/// A linear or logarithmic axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     log: bool,
@@ -48,7 +47,6 @@ impl Axis {
         place.is_finite().then_some(place)
     }
 
-    /// The value at a place.
     pub fn value(&self, place: f64) -> f64 {
         if self.log {
             self.low * (self.high / self.low).powf(place)

@@ -111,7 +111,6 @@ impl Canvas<'_> {
         self.fill(&corners(low, high)[..4], colour);
     }
 
-    /// The outline of a rectangle.
     pub fn frame(&mut self, low: Point, high: Point, width: f64, colour: Colour) {
         self.line(&corners(low, high), colour, width);
     }
@@ -139,7 +138,6 @@ impl Canvas<'_> {
         self.text(letter, at, Text::new(13.0, ink_on(colour)).bold().centred());
     }
 
-    /// Two lines that cross.
     pub fn cross(&mut self, [a, b, c, d]: [Point; 4], colour: Colour) {
         self.line(&[a, b], colour, 2.0);
         self.line(&[c, d], colour, 2.0);

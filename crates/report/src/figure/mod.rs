@@ -25,7 +25,6 @@ use contactbench_record::experiment::{Experiment, Figure, FigureKind};
 pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub figure: &'a Figure,
-    /// The cells of the experiment.
     pub cells: &'a [Cell],
     pub styles: &'a style::Styles,
     pub machine: &'a Machine,

@@ -30,7 +30,6 @@ const MEASURES: [&str; 17] = [
     "duplicate",
     "error_rate",
 ];
-/// Fields that are words.
 const WORDS: [&str; 7] =
     ["experiment", "scene", "order", "arithmetic", "detector", "outcome", "reason"];
 
@@ -43,7 +42,6 @@ fn number(value: Option<f64>) -> Value {
     }
 }
 
-/// A measured number of a cell.
 fn measure(cell: &Cell, name: &str) -> Option<f64> {
     match name {
         "time_low" => Some(cell.time()?.low),

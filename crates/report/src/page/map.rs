@@ -13,7 +13,6 @@ const SCRIPT: &str = include_str!("../../assets/report/map.js");
 /// How much of a place is its colour, by how clearly one wins; letters must be read on it.
 const DEPTHS: [u32; STEPS.len() + 1] = [10, 20, 32, 46];
 
-/// The section of these maps.
 pub fn section(maps: &[&Drawn], styles: &Styles) -> String {
     let mut out = String::from("<section id=\"maps\"><h2>Maps</h2>\n");
     let _ = writeln!(

@@ -43,7 +43,6 @@ const UPLOT_LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
 /// Figures are put into the page up to so many bytes together; those beyond are linked.
 const FIGURE_BYTES: usize = 2_500_000;
 
-/// The page of a record.
 pub fn html(facts: &Facts<'_>) -> String {
     let (parts, styles) = (&facts.parts, &facts.styles);
     let detectors = ranked(facts.cells, |cell| cell.id.contender());
@@ -101,7 +100,6 @@ fn source(facts: &Facts<'_>) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
 }
 
-/// Question and answer of every experiment.
 fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
     let mut out = String::from("<ul class=\"who\" aria-label=\"Marks of the detectors\">");
     for (k, name) in marks.detectors.iter().enumerate() {

@@ -65,7 +65,6 @@ pub struct Part<'a> {
     /// How much of its plan is there.
     pub coverage: Summary,
     pub verdicts: Vec<Verdict>,
-    /// The fastest detector of each scene.
     pub winners: Winners,
     /// Does the question ask for it?
     pub asks_fastest: bool,
@@ -85,7 +84,6 @@ pub struct Part<'a> {
     pub files: Vec<(&'static str, table::Table)>,
 }
 
-/// Where a record is from.
 pub struct Origin {
     /// Command, revision and machine.
     pub provenance: Option<Value>,

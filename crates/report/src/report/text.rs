@@ -16,7 +16,6 @@ impl Facts<'_> {
         }
     }
 
-    /// What a terminal shows.
     pub(super) fn terminal(&self, wrong: &[String]) -> Vec<Block> {
         let mut out: Vec<Block> = wrong.iter().map(|it| Block::paragraph(it.as_str())).collect();
         out.extend(self.alerts.iter().cloned());
@@ -35,7 +34,6 @@ impl Facts<'_> {
         out
     }
 
-    /// All of the report.
     pub(super) fn report(&self) -> Vec<Block> {
         let mut out = self.head();
         self.parts.iter().for_each(|part| part.section(&mut out));

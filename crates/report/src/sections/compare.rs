@@ -4,7 +4,7 @@ use crate::table::Table;
 use contactbench_record::findings::compare::{
     Absent, Against, Change, Compared, Judgement, Lack, Note, Options, PLACEMENT, Summary, Timing,
 };
-use contactbench_record::findings::noise::Noise;
+use contactbench_record::findings::noise::{Noise, Twin};
 use contactbench_record::record::hardware::size_of;
 use contactbench_record::record::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};
@@ -19,18 +19,14 @@ pub fn change(Change { what, a, b }: &Change) -> String {
 pub fn absent(absent: &Absent) -> String {
     match absent {
         Absent::OnlyIn(side) => format!("only in {}", side.name()),
-        Absent::UnavailableIn(side, reason) => {
-            format!("unavailable in {}: {reason}", side.name())
-        }
+        Absent::UnavailableIn(side, reason) => format!("unavailable in {}: {reason}", side.name()),
     }
 }
 
 /// What cannot be compared of a cell.
 pub fn lack(lack: &Lack) -> String {
     match lack {
-        Lack::Pass(pass, side) => {
-            format!("the {} pass only in {}", pass.name(), side.name())
-        }
+        Lack::Pass(pass, side) => format!("the {} pass only in {}", pass.name(), side.name()),
         Lack::Value(what, side) => format!("{what} only in {}", side.name()),
         Lack::Blocks => "no times in blocks of both".into(),
     }
@@ -124,14 +120,12 @@ pub fn pairing(how: &Options) -> String {
 
 /// What equal code differed by where builds took turns, in a sentence.
 pub fn floor(experiment: &str, noise: &Noise) -> String {
-    let (outside, cells) = noise
-        .twins
-        .iter()
-        .fold((0, 0), |(outside, cells), twin| (outside + twin.outside, cells + twin.cells));
+    let sum = |count: fn(&Twin) -> usize| -> usize { noise.twins.iter().map(count).sum() };
     format!(
-        "this build against itself, the same way: {outside} of {} exclude 1; nine in ten are \
-         within {} ({experiment})",
-        plural(cells, "interval"),
+        "this build against itself, the same way: {} of {} exclude 1; nine in ten are within {} \
+         ({experiment})",
+        sum(|twin| twin.outside),
+        plural(sum(|twin| twin.cells), "interval"),
         percent(noise.floor - 1.0)
     )
 }
@@ -189,38 +183,32 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
 
 /// How far a comparison sees: `by 12%`, `of 47 times`.
 fn seen(least: f64) -> String {
-    if least < 2.0 {
-        format!("by {}", percent(least - 1.0))
-    } else {
-        format!("of {least:.0} times")
+    match least < 2.0 {
+        true => format!("by {}", percent(least - 1.0)),
+        false => format!("of {least:.0} times"),
     }
 }
 
 /// Why times cannot be gated, if they cannot be.
 pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
-    if let Some(two) = &how.machines {
-        return Some(format!("no time could be judged ({})", machines(two)));
-    }
-    if let Some((name, factor)) = &found.moved {
-        return Some(moved(name, *factor));
-    }
-    let Some((typical, _)) = found.least else {
-        return Some(format!(
+    match (&how.machines, &found.moved, found.least) {
+        (Some(two), ..) => Some(format!("no time could be judged ({})", machines(two))),
+        (_, Some((name, factor)), _) => Some(moved(name, *factor)),
+        (.., None) => Some(format!(
             "no time could be judged ({}; an interval needs six blocks); leave it out, or measure \
              what can be compared",
             pairing(how)
-        ));
-    };
-    if !found.sees() {
-        let but = if how.side_by_side.is_some() {
-            "give it more blocks, or a quieter machine"
-        } else {
-            "use contactbench run --against PROGRAM"
-        };
-        let seen = seen(typical);
-        return Some(format!("this comparison can only find slowdowns {seen}: {but}"));
+        )),
+        (.., Some((typical, _))) if !found.sees() => {
+            let but = match how.side_by_side {
+                Some(_) => "give it more blocks, or a quieter machine",
+                None => "use contactbench run --against PROGRAM",
+            };
+            let seen = seen(typical);
+            Some(format!("this comparison can only find slowdowns {seen}: {but}"))
+        }
+        _ => (!found.decides()).then(|| "every cell is undecided; give it more blocks".into()),
     }
-    (!found.decides()).then(|| "every cell is undecided; give it more blocks".into())
 }
 
 /// The ratio of a detector over its cells, in a line.
@@ -254,28 +242,28 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
         lacking => format!(", {lacking} measured in part in one: see --all"),
     };
     let compared = plural(found.cells - found.absent, "cell");
-    let count = |(verdict, count): (&Judgement, &usize)| {
-        let but = match (verdict, found.small) {
-            (Judgement::WithinBand, small @ 1..) => format!(" ({small} of them not 1)"),
-            _ => String::new(),
-        };
-        format!("{count} {}{but}", verdict.name())
+    let count = |(verdict, count): (&Judgement, &usize)| match (verdict, found.small) {
+        (Judgement::WithinBand, small @ 1..) => {
+            format!("{count} {} ({small} of them not 1)", verdict.name())
+        }
+        _ => format!("{count} {}", verdict.name()),
     };
     let judged: Vec<String> = found.judged.iter().map(count).collect();
     let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
     if let Some((typical, most)) = found.least {
-        judged += &format!("; a slowdown {} would show", seen(typical));
-        judged += &format!(" (median of cells; at most {})", seen(most));
+        judged += &format!(
+            "; a slowdown {} would show (median of cells; at most {}); of equal code {:.1} would \
+             be slower by chance",
+            seen(typical),
+            seen(most),
+            found.by_chance
+        );
     }
-    if found.least.is_some() {
-        judged += &format!("; of equal code {:.1} would be slower by chance", found.by_chance);
-    }
-    let gate = if gated { "gated" } else { "not gated" };
+    let (gate, only) = (if gated { "gated" } else { "not gated" }, found.absent);
     [
         format!(
-            "pairs, counts, bytes, outcomes: {verdict} ({compared} compared, {} in one \
-             only{lacking})",
-            found.absent
+            "pairs, counts, bytes, outcomes: {verdict} ({compared} compared, {only} in one \
+             only{lacking})"
         ),
         format!("times ({gate}, band {band_percent} %): {judged}"),
     ]

@@ -23,74 +23,52 @@ pub fn blocks<'a>(found: impl Iterator<Item = &'a Summary>) -> Vec<Block> {
 fn whole(found: &[&Summary]) -> String {
     let sum = |count: fn(&Summary) -> usize| -> usize { found.iter().map(|it| count(it)).sum() };
     let (scenes, cells) = (sum(|found| found.scenes[1]), sum(|found| found.cells[1]));
-    let twins = match sum(|found| found.twins) {
-        0 => String::new(),
-        twins => format!("; beside them {} of twins, for the noise", plural(twins, "cell")),
-    };
-    let named = |found: &&Summary| {
-        let name = &found.experiment;
-        short(found).map(|it| if cells > found.cells[1] { format!("{name}: {it}") } else { it })
-    };
-    let short: Vec<String> = found.iter().filter_map(named).collect();
-    let short = if short.is_empty() { String::new() } else { format!("; {}", short.join("; ")) };
-    format!(
-        "All of the plan is there: {}, {}{twins}{short}.",
-        plural(scenes, "scene"),
-        plural(cells, "cell")
-    )
+    let mut said = vec![format!("{}, {}", plural(scenes, "scene"), plural(cells, "cell"))];
+    let twins = sum(|found| found.twins);
+    if twins > 0 {
+        said.push(format!("beside them {} of twins, for the noise", plural(twins, "cell")));
+    }
+    said.extend(found.iter().filter_map(|found| match short(found)? {
+        short if cells > found.cells[1] => Some(format!("{}: {short}", found.experiment)),
+        short => Some(short),
+    }));
+    format!("All of the plan is there: {}.", said.join("; "))
 }
 
 /// What is said of an experiment of which something is missing, or that has scenes of its own.
 pub fn partial(found: &Summary) -> Option<String> {
+    let Summary { experiment, scenes, cells, missing, outside, .. } = found;
     let cut = found.short.keys().any(|why| *why != Why::Budget);
-    if found.missing.is_empty() && found.outside == 0 && !cut {
+    if missing.is_empty() && *outside == 0 && !cut {
         return None;
     }
-    let Summary { experiment, scenes, cells, .. } = found;
-    let quick = found.missing.contains_key(&Why::Quick)
-        && found.missing.keys().all(|why| matches!(why, Why::Quick | Why::Unavailable));
-    if quick && found.outside > 0 {
-        return Some(format!(
-            "{experiment}: a quick run, with {} of its own and {} of the {} that are planned{}. \
-             {WHOLE}",
-            plural(found.outside, "scene"),
-            scenes[0],
-            plural(scenes[1], "scene"),
-            unavailable(found)
+    let quick = missing.contains_key(&Why::Quick)
+        && missing.keys().all(|why| matches!(why, Why::Quick | Why::Unavailable));
+    let (planned, own) = (plural(scenes[1], "scene"), plural(*outside, "scene"));
+    let mut said = Vec::new();
+    if quick && *outside > 0 {
+        let there = scenes[0];
+        said.push(format!(
+            "a quick run, with {own} of its own and {there} of the {planned} that are planned"
         ));
+    } else {
+        let all = plural(cells[1], "cell");
+        let (there, measured) = (scenes[0], cells[0]);
+        said.push(format!("{there} of {planned} and {measured} of {all} of the plan are there"));
+        said.extend((!missing.is_empty()).then(|| format!("missing: {}", reasons(missing))));
+        said.extend(short(found));
+        said.extend((*outside > 0).then(|| format!("{own} outside of the plan")));
     }
-    let mut words = format!(
-        "{experiment}: {} of {} and {} of {} of the plan are there",
-        scenes[0],
-        plural(scenes[1], "scene"),
-        cells[0],
-        plural(cells[1], "cell")
-    );
-    if !found.missing.is_empty() {
-        words += &format!("; missing: {}", reasons(&found.missing));
-    }
-    words.extend(short(found).map(|short| format!("; {short}")));
-    if found.outside > 0 {
-        words += &format!("; {} outside of the plan", plural(found.outside, "scene"));
-    }
-    Some(format!("{words}{}. {WHOLE}", unavailable(found)))
-}
-
-/// Stands behind every sentence about a part of a plan.
-const WHOLE: &str = "A claim holds only if it is true of the whole plan.";
-
-/// The contenders that could not be started, and why.
-fn unavailable(found: &Summary) -> String {
-    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    // The contenders that could not be started, and why.
+    let mut unavailable: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for (name, reason) in &found.unavailable {
-        reasons.entry(reason).or_default().push(name);
+        unavailable.entry(reason).or_default().push(name);
     }
-    let part = |(reason, names): (&str, Vec<&str>)| format!("{}: {reason}", names.join(", "));
-    let parts: Vec<String> = reasons.into_iter().map(part).collect();
-    match parts.len() {
-        0 => String::new(),
-        _ => format!("; not started: {}", parts.join("; ")),
-    }
+    let part = |(reason, names): (&&str, &Vec<&str>)| format!("{}: {reason}", names.join(", "));
+    let parts: Vec<String> = unavailable.iter().map(part).collect();
+    said.extend((!parts.is_empty()).then(|| format!("not started: {}", parts.join("; "))));
+    let whole = "A claim holds only if it is true of the whole plan.";
+    Some(format!("{experiment}: {}. {whole}", said.join("; ")))
 }
 
 /// `12 cells got 3 of their 15 blocks (quick run)`.

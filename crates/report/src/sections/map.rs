@@ -13,7 +13,6 @@ pub fn blocks(map: &Map) -> Vec<Block> {
     map.panels.iter().map(|panel| Block::Table(table(map, panel))).collect()
 }
 
-/// A section for each map.
 pub fn sections(about: &About<'_>) -> Vec<Section> {
     let section = |drawn: &Drawn| {
         let Drawn { name, title, map, .. } = drawn;
@@ -31,7 +30,6 @@ const READING: &str = "Who is the fastest in each place, and the time of the nex
 /// A map that an experiment asks for.
 #[derive(Clone, Debug)]
 pub struct Drawn {
-    /// The name of the figure.
     pub name: String,
     pub title: String,
     /// What its axes are called.

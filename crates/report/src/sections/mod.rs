@@ -30,7 +30,6 @@ pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub cells: &'a [&'a Cell],
     pub maps: &'a [map::Drawn],
-    /// The fastest detector of each scene.
     pub winners: &'a Winners,
 }
 
@@ -66,7 +65,6 @@ pub const DETAILS: &[Make] = &[
 ];
 
 impl Section {
-    /// A section without a file.
     fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Section {
         Section { heading: heading.into(), blocks, csv: None }
     }

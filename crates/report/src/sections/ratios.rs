@@ -26,27 +26,24 @@ fn over_libraries(found: &Ratios) -> Text {
         all.iter().filter(|it| it.decided() && (it.ratio.median > 1.0) == ahead).collect()
     };
     let count = |found: &[&Library]| found.iter().map(|it| it.scenes).sum::<usize>();
-    let (ahead, behind) = (decided(true), decided(false));
-    let scenes = all.iter().map(|it| it.scenes).sum();
-    let reference = &found.reference;
-    let claim = format!(
-        "{reference} is faster than the fastest library in {} of {}",
-        count(&ahead),
-        plural(scenes, "scene")
-    );
+    let (mut ahead, behind) = (decided(true), count(&decided(false)));
+    let (scenes, faster) = (all.iter().map(|it| it.scenes).sum(), count(&ahead));
+    let (reference, of) = (&found.reference, plural(scenes, "scene"));
+    let claim = format!("{reference} is faster than the fastest library in {faster} of {of}");
     let mut rest = " (one thread)".to_string();
-    let by_median = |a: &&&Library, b: &&&Library| a.ratio.median.total_cmp(&b.ratio.median);
-    let least = ahead.iter().min_by(by_median);
-    if let (Some(least), Some(most)) = (least, ahead.iter().max_by(by_median)) {
-        let at = |it: &Library| format!("({}; {}, N = {})", it.name, it.title, it.n);
-        let [low, high] = [least, most].map(|it| times(it.ratio.median));
-        rest += &format!("; that library takes {low} times as long {}", at(least));
+    ahead.sort_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
+    if let [least, .., most] | [least @ most] = &ahead[..] {
+        let said = |it: &Library| {
+            let Library { name, title, n, .. } = it;
+            (times(it.ratio.median), format!("({name}; {title}, N = {n})"))
+        };
+        let ((low, first), (high, last)) = (said(least), said(most));
+        rest += &format!("; that library takes {low} times as long {first}");
         if ahead.len() > 1 {
-            rest += &format!(" to {high} times {}", at(most));
+            rest += &format!(" to {high} times {last}");
         }
     }
-    let open = scenes - count(&ahead) - count(&behind);
-    for (count, words) in [(count(&behind), "slower in"), (open, "undecided in")] {
+    for (count, words) in [(behind, "slower in"), (scenes - faster - behind, "undecided in")] {
         if count > 0 {
             rest += &format!("; {words} {count}");
         }
@@ -62,8 +59,7 @@ fn near_fastest(found: &Ratios) -> Text {
     };
     let fastest = count(|near| matches!(near, Near::Fastest));
     let near = fastest + count(|near| matches!(near, Near::Within(_)));
-    let scenes = plural(count(|_| true), "scene");
-    let reference = &found.reference;
+    let (reference, scenes) = (&found.reference, plural(count(|_| true), "scene"));
     let claim = match near == fastest {
         true => format!("{reference} is the fastest in {fastest} of {scenes}"),
         false => format!(
@@ -83,8 +79,7 @@ fn near_fastest(found: &Ratios) -> Text {
         }
     }
     if let Some((scene, n, worst)) = found.worst() {
-        let place = &scene.entries.title;
-        let worst = with_interval(&worst);
+        let (place, worst) = (&scene.entries.title, with_interval(&worst));
         rest += &format!("; at worst {worst} times the time of the fastest, on {place}, N = {n}");
     }
     Text::new().strong(claim).plain(rest + ".")
@@ -171,7 +166,6 @@ fn fastest(found: &Ratios) -> Table {
         .into()
 }
 
-/// What a time comes to per particle.
 fn per_particle(value: f64, n: u64) -> f64 {
     value / n.max(1) as f64
 }

@@ -6,7 +6,6 @@ use crate::table::{Cell, Table};
 use contactbench_record::findings::scenes::{Contender, SceneResults, Versus, scenes};
 use contactbench_record::record::row::Outcome;
 
-/// A section for each scene.
 pub fn sections(about: &About<'_>) -> Vec<Section> {
     let section = |scene: SceneResults| Section::new(&scene.title, vec![table(&scene)]);
     scenes(about.cells).into_iter().map(section).collect()

@@ -1,5 +1,7 @@
 //! The fastest detector of each scene: a sentence, and a line per scene.
 
+use std::collections::BTreeSet;
+
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
@@ -38,7 +40,6 @@ pub fn compared(winners: &Winners) -> bool {
     winners.contests.iter().any(|contest| !contest.others.is_empty())
 }
 
-/// The scenes that an answer shows.
 pub fn shown(winners: &Winners) -> Vec<&Contest> {
     winners.contests.iter().filter(|contest| contest.shown).collect()
 }
@@ -77,16 +78,14 @@ pub fn sentence(winners: &Winners) -> Text {
     out = out.strong(wins);
     if let Some((typical, least, most)) = first.margin() {
         out = out.plain("; the next takes ").strong(format!("{typical:.1} times"));
-        out = out.plain(" as long");
-        if first.margins.len() > 1 {
-            out = out.plain(format!(" (median of scenes; {least:.1} to {most:.1})"));
-        }
+        out = out.plain(match first.margins.len() {
+            1 => " as long".into(),
+            _ => format!(" as long (median of scenes; {least:.1} to {most:.1})"),
+        });
     }
     let mut rest: Vec<String> =
         rest.iter().map(|wins| format!("{} in {}", wins.detector, wins.margins.len())).collect();
-    if tally.undecided > 0 {
-        rest.push(format!("undecided in {}", tally.undecided));
-    }
+    rest.extend((tally.undecided > 0).then(|| format!("undecided in {}", tally.undecided)));
     let rest = if rest.is_empty() { String::new() } else { format!("; {}", rest.join(", ")) };
     out.plain(rest + "." + &end)
 }
@@ -114,60 +113,41 @@ fn alone(found: &Alone) -> Text {
 
 /// Which detectors are equally fast, if no scene is decided.
 fn undecided_all(contests: &[Contest]) -> String {
-    let several = contests.iter().filter(|contest| !contest.others.is_empty());
-    let open = |contest: &Contest| -> Vec<String> {
-        let mut names: Vec<String> = contest
-            .others
-            .iter()
-            .filter(|other| !other.slower)
-            .map(|other| other.name.clone())
-            .chain([contest.first.name.clone()])
-            .collect();
-        names.sort();
-        names
-    };
-    let mut sets: Vec<Vec<String>> = several.map(open).collect();
     let scenes = match contests.len() {
         1 => String::new(),
         2 => " in both scenes".into(),
         more => format!(" in all {more} scenes"),
     };
-    sets.dedup();
-    let blocks = contests.iter().flat_map(|contest| &contest.others);
-    let blocks = blocks.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
+    let others = contests.iter().flat_map(|contest| &contest.others);
+    let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
     if blocks < 5 {
-        return format!(
-            "Undecided{scenes}: {} decide nothing; five are needed.",
-            plural(blocks, "block")
-        );
+        let blocks = plural(blocks, "block");
+        return format!("Undecided{scenes}: {blocks} decide nothing; five are needed.");
     }
-    match &sets[..] {
+    let several = contests.iter().filter(|contest| !contest.others.is_empty());
+    let open = several.map(|contest| -> BTreeSet<&str> {
+        let others = contest.others.iter().filter(|other| !other.slower);
+        others.chain([&contest.first]).map(|it| it.name.as_str()).collect()
+    });
+    let open = Vec::from_iter(open.collect::<BTreeSet<_>>());
+    let (who, which) = match &open[..] {
         [names] if names.len() <= 4 => {
-            let (last, first) = names.split_last().map_or(("", &[][..]), |(l, f)| (l.as_str(), f));
-            format!(
-                "Undecided{scenes}: {} and {last} are equally fast within the noise.",
-                first.join(", ")
-            )
+            let mut names: Vec<&str> = names.iter().copied().collect();
+            let last = names.pop().unwrap_or_default();
+            (format!("{} and {last}", names.join(", ")), ".")
         }
-        _ => format!(
-            "Undecided{scenes}: two or more detectors are equally fast within the noise; the last \
-             column names them."
-        ),
-    }
+        _ => ("two or more detectors".into(), "; the last column names them."),
+    };
+    format!("Undecided{scenes}: {who} are equally fast within the noise{which}")
 }
 
 /// The fastest of an experiment in a few words, for a list of experiments. Their scenes are not
 /// added up: some are one size of one pack, others six scenes at several sizes.
 pub fn brief(winners: &Winners) -> Text {
     let tally = Tally::new(winners);
-    match tally.wins.first() {
-        Some(first) => Text::new().strong(first.detector.as_str()).plain(format!(
-            " in {} of {}",
-            first.margins.len(),
-            plural(tally.scenes, "scene")
-        )),
-        None => "undecided".into(),
-    }
+    let Some(first) = tally.wins.first() else { return "undecided".into() };
+    let wins = format!(" in {} of {}", first.margins.len(), plural(tally.scenes, "scene"));
+    Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
 /// A line per scene; with a column for pictures on a page.

@@ -33,7 +33,6 @@ struct Column {
     interval: bool,
 }
 
-/// One value of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Nothing was measured: a dash; an empty field of a CSV file.
@@ -45,7 +44,6 @@ pub enum Cell {
     Number(f64),
     /// A fraction, shown as a percentage.
     Share(f64),
-    /// A ratio with its interval.
     Ratio(Interval),
     /// What a wrong answer would have given; compared with nothing, and no value of a CSV file.
     Wrong(Box<Cell>),

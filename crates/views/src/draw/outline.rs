@@ -1,6 +1,6 @@
 //! The faces of a box where they cross the plane that is drawn.
 
-use crate::draw::plane::Plane;
+use crate::draw::plane::{Plane, Rectangle, hull};
 use contactbench_core::scene::Lattice;
 
 /// A piece of a face, from here to there.
@@ -11,12 +11,14 @@ pub struct Face {
     pub repeats: bool,
 }
 
+/// A corner, and whether the edge from it is a face, and of which kind.
+type Corner = ([f64; 2], Option<bool>);
+
 /// The faces of a box in a plane, as far as they lie within `view`, or all.
-pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<[[f64; 2]; 2]>) -> Vec<Face> {
+pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<Face> {
     let view = view.unwrap_or_else(|| around(plane, lattice));
     let [[x, y], [right, top]] = view;
-    // A corner, and whether the edge from it is a face, and of which kind.
-    let mut polygon: Vec<([f64; 2], Option<bool>)> =
+    let mut polygon: Vec<Corner> =
         [[x, y], [right, y], [right, top], [x, top]].map(|corner| (corner, None)).to_vec();
     let whole = closed(lattice, plane.slice.is_some());
     let dim = if plane.slice.is_some() { 3 } else { 2 };
@@ -57,32 +59,25 @@ fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
 
 /// A rectangle around the circles and all corners of the box, and a little more, so that no face
 /// lies in its rim.
-fn around(plane: &Plane, lattice: &Lattice) -> [[f64; 2]; 2] {
-    let circles = plane.bounds().unwrap_or([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
-    let [mut low, mut high] = (0..8).fold(circles, |[mut low, mut high], corner| {
-        for (k, &axis) in plane.axes.iter().enumerate() {
-            let vectors = lattice.vectors().iter().enumerate();
-            let taken = vectors.filter(|(vector, _)| corner >> vector & 1 == 1);
-            let at = taken.fold(lattice.origin()[axis], |at, (_, vector)| at + vector[axis]);
-            low[k] = low[k].min(at * plane.factor);
-            high[k] = high[k].max(at * plane.factor);
-        }
-        [low, high]
-    });
-    for k in 0..2 {
-        let more = 0.01 * (high[k] - low[k]);
-        (low[k], high[k]) = (low[k] - more, high[k] + more);
-    }
-    [low, high]
+fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
+    let corner = |corner: usize| {
+        let vectors = lattice.vectors().iter().enumerate();
+        let taken =
+            vectors.filter(|(vector, _)| corner >> vector & 1 == 1).map(|(_, vector)| vector);
+        plane.axes.map(|axis| {
+            let at = taken.clone().fold(lattice.origin()[axis], |at, vector| at + vector[axis]);
+            at * plane.factor
+        })
+    };
+    let corners = (0..8).map(corner).map(|at| [at, at]);
+    let [low, high] = hull(plane.bounds().into_iter().chain(corners)).unwrap_or_default();
+    let more = |k: usize| 0.01 * (high[k] - low[k]);
+    [[0, 1].map(|k| low[k] - more(k)), [0, 1].map(|k| high[k] + more(k))]
 }
 
 /// What of a convex polygon lies where a linear function is not negative. The edge that is new is a
 /// face.
-fn cut(
-    polygon: &[([f64; 2], Option<bool>)],
-    repeats: bool,
-    inside: impl Fn([f64; 2]) -> f64,
-) -> Vec<([f64; 2], Option<bool>)> {
+fn cut(polygon: &[Corner], repeats: bool, inside: impl Fn([f64; 2]) -> f64) -> Vec<Corner> {
     let mut left = Vec::new();
     for (k, &(a, edge)) in polygon.iter().enumerate() {
         let b = polygon[(k + 1) % polygon.len()].0;

@@ -48,12 +48,10 @@ pub struct Curve {
 pub struct Panel {
     /// Scene and parameters.
     pub scene: String,
-    /// 2 or 3.
     pub dim: u32,
     pub lines: BTreeMap<CurveKey, Curve>,
 }
 
-/// All panels of a figure.
 pub struct Plot {
     pub panels: Vec<Panel>,
     /// True if points have bars for seeds, false for blocks.
@@ -127,7 +125,6 @@ impl Plot {
         self.panels.iter().flat_map(|panel| panel.lines.keys()).collect()
     }
 
-    /// The outcomes that are marked.
     pub fn outcomes(&self) -> BTreeSet<Outcome> {
         self.marks().map(|mark| mark.1).collect()
     }

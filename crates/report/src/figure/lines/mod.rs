@@ -19,7 +19,6 @@ use panel::{Area, ROW, Shared, dash_of, outgrown};
 const WIDTH: f64 = 1400.0;
 const LEFT: f64 = 92.0;
 const GAP: f64 = 16.0;
-/// Height of the heading of a panel.
 const HEAD: f64 = 24.0;
 const NOTE: Text = Text::new(16.0, FAINT);
 
@@ -35,7 +34,6 @@ struct Sheet<'a> {
     /// Top and bottom of the panels with their headings.
     top: f64,
     bottom: f64,
-    /// Width and height of a panel.
     panel: (f64, f64),
     shared: Shared<'a>,
 }

@@ -14,7 +14,6 @@ pub const ROW: f64 = 17.0;
 const LABEL: Text = Text::new(17.0, INK);
 const SLOPE: Text = Text::new(15.0, FAINT);
 
-/// What all panels share.
 pub struct Shared<'a> {
     pub styles: &'a Styles,
     pub x: Axis,
@@ -31,7 +30,6 @@ pub struct Shared<'a> {
     pub caches: &'a [(String, u64)],
 }
 
-/// Where a panel is drawn.
 pub struct Area<'a> {
     pub shared: &'a Shared<'a>,
     pub low: Point,

@@ -47,7 +47,6 @@ pub struct Row {
     pub panels: Vec<Panel>,
 }
 
-/// All panels of a figure.
 pub struct Plot {
     pub rows: Vec<Row>,
     /// Those of the chosen cells, from the least to the most accurate.
@@ -109,7 +108,6 @@ impl Plot {
         self.panels().flat_map(|panel| &panel.marks)
     }
 
-    /// Whether marks have skins.
     pub fn skins(&self) -> bool {
         self.marks().any(|mark| mark.skin.is_some())
     }
