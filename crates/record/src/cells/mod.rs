@@ -262,6 +262,10 @@ mod tests {
     use super::*;
     use crate::cells::testing::Lab;
 
+    fn read(cell: &Cell, text: &str) -> Reading {
+        Expression::parse(text).unwrap().read(cell)
+    }
+
     #[test]
     fn passes_are_merged_and_expressions_see_them() {
         let mut lab = Lab::new("e", "packed");
@@ -271,74 +275,50 @@ mod tests {
             .memory(1024, 1000);
         let cells = cells(&lab.rows());
         assert_eq!(cells.len(), 1);
-        let value = |text: &str| -> anyhow::Result<Reading> {
-            let expression = Expression::parse(text)?;
-            expression.check(&cells)?;
-            Ok(expression.read(&cells[0]))
-        };
-        assert_eq!(
-            value("(list_push + contact_test + list_step) / n").unwrap(),
-            Reading::Value(1.0)
-        );
-        assert_eq!(value("time_ns").unwrap(), Reading::Value(200.0));
-        assert_eq!(
-            value("peak_bytes - formula_bytes + per_cluster").unwrap(),
-            Reading::Value(32.0)
-        );
-        assert_eq!(value("n * (n - 1) / 2").unwrap(), Reading::Value(4950.0));
-        assert_eq!(value("1 / (n - 100)").unwrap(), Reading::Missing);
-        let error = value("list_pushes / n").unwrap_err().to_string();
-        assert!(
-            error.contains("unknown variable 'list_pushes' at column 1")
-                && error.contains("did you mean list_push?")
-                && error.contains("per_cluster")
-                && error.contains("list_push,"),
-            "{error}"
-        );
+        for (text, value) in [
+            ("(list_push + contact_test + list_step) / n", Reading::Value(1.0)),
+            ("time_ns", Reading::Value(200.0)),
+            ("peak_bytes - formula_bytes + per_cluster", Reading::Value(32.0)),
+            ("n * (n - 1) / 2", Reading::Value(4950.0)),
+            ("1 / (n - 100)", Reading::Missing),
+        ] {
+            assert_eq!(read(&cells[0], text), value, "{text}");
+        }
+        let wrong = Expression::parse("list_pushes / n").unwrap();
+        let error = wrong.check(&cells).unwrap_err().to_string();
+        let words = "unknown variable 'list_pushes' at column 1 of 'list_pushes / n'; did you mean \
+                     list_push?; the variables are: ";
+        assert!(error.starts_with(words) && error.contains("per_cluster"), "{error}");
     }
 
     #[test]
     fn outcomes_concern_the_passes_that_are_needed() {
         let mut lab = Lab::new("e", "packed");
         lab.count(&[("contact_test", 10)]).fail(Pass::Time, Outcome::Timeout, "30 s");
-        let cells = cells(&lab.rows());
-        let read = |text: &str| Expression::parse(text).unwrap().read(&cells[0]);
-        assert_eq!(read("contact_test"), Reading::Value(10.0));
-        assert_eq!(read("time_ns"), Reading::Not(Outcome::Timeout));
-        assert_eq!(read("peak_bytes"), Reading::Not(Outcome::Timeout));
+        let of = |lab: &Lab, text: &str| lab.find(|cells| read(cells[0], text));
+        assert_eq!(of(&lab, "contact_test"), Reading::Value(10.0));
+        assert_eq!(of(&lab, "time_ns"), Reading::Not(Outcome::Timeout));
+        assert_eq!(of(&lab, "peak_bytes"), Reading::Not(Outcome::Timeout));
         lab.fail(Pass::Memory, Outcome::Wrong, "digest");
-        assert_eq!(
-            Expression::parse("contact_test").unwrap().read(&super::cells(&lab.rows())[0]),
-            Reading::Not(Outcome::Wrong)
-        );
-    }
-
-    #[test]
-    fn a_row_measured_again_replaces_the_first() {
+        assert_eq!(of(&lab, "contact_test"), Reading::Not(Outcome::Wrong));
+        // A row measured again replaces the first.
         let mut lab = Lab::new("e", "packed");
         lab.time(&[100]).time(&[700]);
-        assert_eq!(cells(&lab.rows())[0].time().map(|t| t.median), Some(700.0));
+        assert_eq!(of(&lab, "time_ns"), Reading::Value(700.0));
     }
 
     #[test]
     fn times_of_several_machines_are_not_one_median() {
         let mut lab = Lab::new("e", "packed");
         lab.param("spacing", 1).machine("a").time(&[100, 100]).machine("b").time(&[300, 300]);
-        let cells = cells(&lab.rows());
-        let times: Vec<_> = cells
-            .iter()
-            .map(|cell| (cell.id.axis("machine").unwrap().to_string(), cell.time().unwrap().median))
-            .collect();
-        assert_eq!(times, [("a".into(), 100.0), ("b".into(), 300.0)]);
-        let apart = by_machine(&cells.iter().collect::<Vec<_>>());
-        assert_eq!(
+        let apart = lab.find(|cells| {
+            let apart = by_machine(cells).into_iter();
             apart
-                .iter()
-                .map(|(name, cells)| (name.as_deref().unwrap(), cells.len()))
-                .collect::<Vec<_>>(),
-            [("a", 1), ("b", 1)]
-        );
+                .map(|(name, own)| (name.unwrap(), own[0].time().unwrap().median))
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(apart, [("a".into(), 100.0), ("b".into(), 300.0)]);
         // One machine is no parameter, whatever its name.
-        assert_eq!(super::cells(&lab.rows()[..2])[0].id.axis("machine"), None);
+        assert_eq!(cells(&lab.rows()[..2])[0].id.axis("machine"), None);
     }
 }

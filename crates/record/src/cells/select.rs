@@ -89,8 +89,8 @@ fn compare(found: f64, wanted: &str) -> bool {
 mod tests {
     use super::*;
     use crate::cells;
-    use crate::cells::testing;
     use crate::cells::testing::Lab;
+    use crate::findings::map::testing::filter as parsed;
 
     #[test]
     fn every_kind_of_entry_selects() {
@@ -99,12 +99,7 @@ mod tests {
             lab.param("s-over-d", s).param("kind", "hexagonal").n(1000 * s).count(&[]);
         }
         let cells = cells::cells(&lab.rows());
-        let count = |filter: &str| {
-            let claim = testing::experiment(&format!(
-                "[[claim]]\nname = 'x'\nkind = 'constant'\nvalue = 'n'\nwhere = {{ {filter} }}"
-            ));
-            select(&cells, &claim.claims[0].filter).map(|found| found.len())
-        };
+        let count = |filter: &str| select(&cells, &parsed(filter)).map(|found| found.len());
         for (filter, expected) in [
             ("", 3),
             ("scene = 'pack-c'", 3),

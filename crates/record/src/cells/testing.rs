@@ -7,6 +7,7 @@ use contactbench_terms::arithmetic::Arithmetic;
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::scene::Stats;
 
+use crate::cells::{Cell, cells};
 use crate::experiment::{Document, Entrant, Experiment, Planned};
 use crate::record::id::CellId;
 use crate::record::role::Role;
@@ -44,6 +45,10 @@ impl Lab {
     }
     pub fn rows(&self) -> Vec<Row> {
         self.rows.clone()
+    }
+    /// What is found in the cells of the rows.
+    pub fn find<T>(&self, finding: impl FnOnce(&[&Cell]) -> T) -> T {
+        finding(&cells(&self.rows).iter().collect::<Vec<_>>())
     }
     pub fn scene(&mut self, scene: &str, dim: u32) -> &mut Lab {
         self.base.id.scene = scene.into();
@@ -92,8 +97,11 @@ impl Lab {
         self
     }
     pub fn time(&mut self, blocks: &[u64]) -> &mut Lab {
+        self.timed(Pass::Time, blocks)
+    }
+    fn timed(&mut self, pass: Pass, blocks: &[u64]) -> &mut Lab {
         for (block, &time) in blocks.iter().enumerate() {
-            self.push(Pass::Time, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
+            self.push(pass, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
         }
         self
     }
@@ -106,10 +114,7 @@ impl Lab {
     }
     /// Times of copies beside each other.
     pub fn copies(&mut self, blocks: &[u64]) -> &mut Lab {
-        for (block, &time) in blocks.iter().enumerate() {
-            self.push(Pass::Ceiling, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
-        }
-        self
+        self.timed(Pass::Ceiling, blocks)
     }
     pub fn count(&mut self, counts: &[(&str, u64)]) -> &mut Lab {
         let counts = counts.iter().map(|&(name, count)| (name.into(), count)).collect();
@@ -137,26 +142,15 @@ impl Lab {
 
 /// The role that a name has in these tests.
 fn role_of(name: &str) -> Role {
-    const PEERS: [&str; 5] = ["kiddo", "kd-tree-crate", "rstar", "parry", "zelll"];
-    const DETECTORS: [&str; 12] = [
-        "direct",
-        "binary-tree",
-        "screening",
-        "sorting",
-        "nbs",
-        "streamed-nbs",
-        "cell-grid",
-        "hash-grid",
-        "hgrid",
-        "sweep",
-        "kd-tree",
-        "bvh",
-    ];
+    const PEERS: &str = "kiddo kd-tree-crate rstar parry zelll";
+    const DETECTORS: &str = "direct binary-tree screening sorting nbs streamed-nbs cell-grid \
+                             hash-grid hgrid sweep kd-tree bvh";
+    let is_one = |names: &str| names.split(' ').any(|known| known == name);
     match name.strip_suffix("-twin") {
         Some(original) => Role::Twin(original.into()),
         None if name == "nothing" => Role::Nothing,
-        None if PEERS.contains(&name) => Role::Peer,
-        None if DETECTORS.contains(&name) => Role::Detector,
+        None if is_one(PEERS) => Role::Peer,
+        None if is_one(DETECTORS) => Role::Detector,
         None => Role::Runner,
     }
 }

@@ -68,11 +68,11 @@ impl Shard {
     ) -> Result<Shard, String> {
         let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
         // LSF numbers a job of its own 0, and arrays from 1 on.
-        let lone = |array: &Array, index| array.index == "LSB_JOBINDEX" && index == 0;
-        let index = |array: &Array| number(array.index).filter(|&index| !lone(array, index));
-        let job = ARRAYS.iter().find_map(|array| Some((array, index(array)?)));
+        let lone = |name: &str, index| name == "LSB_JOBINDEX" && index == 0;
+        let index = |array: Array| number(array[0]).filter(|&index| !lone(array[0], index));
+        let job = ARRAYS.into_iter().find_map(|array| Some((array, index(array)?)));
         let rank = rank_of(variable);
-        let job = job.map(|(array, index)| array.shard(index, of, &number)).transpose()?;
+        let job = job.map(|(array, index)| in_array(array, index, of, &number)).transpose()?;
         let (job, (rank, size)) = match (job, rank) {
             (None, None) => return Err(NO_JOB.into()),
             (job, rank) => (job.unwrap_or(Shard { k: 1, n: 1 }), rank.unwrap_or((0, 1))),
@@ -84,39 +84,23 @@ impl Shard {
     }
 }
 
-/// The variables of a job array.
-struct Array {
-    index: &'static str,
-    /// The first index, the last, and the step between them.
-    range: Option<[&'static str; 3]>,
-    /// How many there are, and, where no range tells it, the step between them.
-    count: Option<&'static str>,
-    step: Option<&'static str>,
-}
+/// The variables of a job array: its index; the first, the last, and the step between them; and how
+/// many there are. Empty where it has none.
+type Array = [&'static str; 5];
 
-/// Slurm, PBS Pro, Torque, Grid Engine, LSF. Indices that are not told where they begin begin at 1.
+/// Slurm, PBS Pro, Torque, Grid Engine, LSF. Indices begin at 1 unless a variable holds the first.
 const ARRAYS: [Array; 5] = [
-    Array {
-        index: "SLURM_ARRAY_TASK_ID",
-        range: Some(["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_STEP"]),
-        count: Some("SLURM_ARRAY_TASK_COUNT"),
-        step: None,
-    },
-    Array { index: "PBS_ARRAY_INDEX", range: None, count: None, step: None },
-    Array { index: "PBS_ARRAYID", range: None, count: None, step: None },
-    Array {
-        index: "SGE_TASK_ID",
-        range: Some(["SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"]),
-        count: None,
-        step: None,
-    },
-    // The last index and the step; where it begins, an array does not tell.
-    Array {
-        index: "LSB_JOBINDEX",
-        range: None,
-        count: Some("LSB_JOBINDEX_END"),
-        step: Some("LSB_JOBINDEX_STEP"),
-    },
+    [
+        "SLURM_ARRAY_TASK_ID",
+        "SLURM_ARRAY_TASK_MIN",
+        "SLURM_ARRAY_TASK_MAX",
+        "SLURM_ARRAY_TASK_STEP",
+        "SLURM_ARRAY_TASK_COUNT",
+    ],
+    ["PBS_ARRAY_INDEX", "", "", "", ""],
+    ["PBS_ARRAYID", "", "", "", ""],
+    ["SGE_TASK_ID", "SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE", ""],
+    ["LSB_JOBINDEX", "", "", "LSB_JOBINDEX_STEP", "LSB_JOBINDEX_END"],
 ];
 
 /// The rank of a process and how many there are: Open MPI, MPICH and its kin, srun.
@@ -139,58 +123,51 @@ fn rank_of(variable: &dyn Fn(&str) -> Option<String>) -> Option<(usize, usize)> 
 const NO_JOB: &str = "there is neither a job array (Slurm, PBS, Grid Engine, LSF) nor an MPI job \
                       here; give --shard k/n";
 
-impl Array {
-    fn shard(
-        &self,
-        index: usize,
-        of: Option<usize>,
-        number: &dyn Fn(&str) -> Option<usize>,
-    ) -> Result<Shard, String> {
-        let range = self.range.and_then(|[first, last, step]| {
-            Some((number(first)?, number(last)?, number(step).unwrap_or(1).max(1)))
-        });
-        let (first, step) = range.map_or((1, 1), |(first, _, step)| (first, step));
-        let told = range.map(|(first, last, step)| last.saturating_sub(first) / step + 1);
-        let count = self.count.and_then(number);
-        let step_apart = self.step.and_then(number).unwrap_or(1);
-        if step_apart != 1 {
-            return Err(format!(
-                "the indices of the job array are {step_apart} apart; number the jobs from 1 on, \
-                 or give --shard k/n"
-            ));
-        }
-        if let (Some(of), Some(told)) = (of, told.or(count))
-            && of != told
-        {
-            return Err(format!(
-                "auto/{of} is asked for, and the job array has {told} jobs; give --shard auto, or \
-                 --shard k/{of} for one of {of}"
-            ));
-        }
-        if let (Some(told), Some(count)) = (told, count)
-            && told != count
-        {
-            return Err(format!(
-                "the job array has {count} indices that are not evenly spaced, so {}={index} does \
-                 not say which part is meant; number them 1-{count}, or give --shard k/{count}",
-                self.index
-            ));
-        }
-        let Some(n) = of.or(told).or(count) else {
-            return Err(format!(
-                "{}={index} does not say how long the job array is; give --shard auto/n",
-                self.index
-            ));
-        };
-        let k = index.checked_sub(first).map(|k| k / step + 1);
-        k.filter(|&k| k <= n).map(|k| Shard { k, n }).ok_or_else(|| {
-            format!(
-                "{}={index} is not one of {n} indices from {first} on; number the jobs from \
-                 {first}, or give --shard k/n",
-                self.index
-            )
-        })
+/// The part with this index of a job array.
+fn in_array(
+    [name, first, last, step, count]: Array,
+    index: usize,
+    of: Option<usize>,
+    number: &dyn Fn(&str) -> Option<usize>,
+) -> Result<Shard, String> {
+    let range = number(first).zip(number(last));
+    let (step, count) = (number(step).unwrap_or(1).max(1), number(count));
+    if range.is_none() && step != 1 {
+        return Err(format!(
+            "the indices of the job array are {step} apart; number the jobs from 1 on, or give \
+             --shard k/n"
+        ));
     }
+    let told = range.map(|(first, last)| last.saturating_sub(first) / step + 1);
+    let first = range.map_or(1, |(first, _)| first);
+    if let (Some(of), Some(told)) = (of, told.or(count))
+        && of != told
+    {
+        return Err(format!(
+            "auto/{of} is asked for, and the job array has {told} jobs; give --shard auto, or \
+             --shard k/{of} for one of {of}"
+        ));
+    }
+    if let (Some(told), Some(count)) = (told, count)
+        && told != count
+    {
+        return Err(format!(
+            "the job array has {count} indices that are not evenly spaced, so {name}={index} does \
+             not say which part is meant; number them 1-{count}, or give --shard k/{count}"
+        ));
+    }
+    let Some(n) = of.or(told).or(count) else {
+        return Err(format!(
+            "{name}={index} does not say how long the job array is; give --shard auto/n"
+        ));
+    };
+    let k = index.checked_sub(first).map(|k| k / step + 1);
+    k.filter(|&k| k <= n).map(|k| Shard { k, n }).ok_or_else(|| {
+        format!(
+            "{name}={index} is not one of {n} indices from {first} on; number the jobs from \
+             {first}, or give --shard k/n"
+        )
+    })
 }
 
 impl fmt::Display for Shard {
@@ -267,57 +244,49 @@ mod tests {
 
     #[test]
     fn a_job_knows_its_part() {
-        let of = |of: Option<usize>, variables: &[(&str, &str)]| {
-            Shard::of_environment(of, &|name| {
+        type Variables<'a> = &'a [(&'a str, &'a str)];
+        let of = |of: Option<usize>, variables: Variables<'_>| {
+            let found = |name: &str| {
                 let found = variables.iter().find(|(known, _)| *known == name);
                 found.map(|(_, value)| value.to_string())
-            })
-            .map(|shard| shard.to_string())
+            };
+            Shard::of_environment(of, &found).map_or_else(|error| error, |it| it.to_string())
         };
         let slurm = |id, [min, max, step, count]: [&'static str; 4]| {
-            [
-                ("SLURM_ARRAY_TASK_ID", id),
-                ("SLURM_ARRAY_TASK_MIN", min),
-                ("SLURM_ARRAY_TASK_MAX", max),
-                ("SLURM_ARRAY_TASK_STEP", step),
-                ("SLURM_ARRAY_TASK_COUNT", count),
-            ]
+            let names = ARRAYS[0];
+            [(names[0], id), (names[1], min), (names[2], max), (names[3], step), (names[4], count)]
         };
-        assert_eq!(of(None, &slurm("3", ["1", "8", "1", "8"])).unwrap(), "3/8");
-        assert_eq!(of(None, &slurm("0", ["0", "7", "1", "8"])).unwrap(), "1/8");
-        assert_eq!(of(None, &slurm("14", ["2", "20", "4", "5"])).unwrap(), "4/5");
-        let uneven = of(None, &slurm("3", ["1", "9", "1", "3"])).unwrap_err();
-        assert!(uneven.contains("not evenly spaced"), "{uneven}");
-        // PBS does not say how many there are.
-        let pbs = [("PBS_ARRAY_INDEX", "5")];
-        assert_eq!(of(Some(8), &pbs).unwrap(), "5/8");
-        assert!(of(None, &pbs).unwrap_err().contains("auto/n"));
-        assert!(of(Some(4), &pbs).unwrap_err().contains("from 1 on"));
-        assert!(of(Some(4), &[("PBS_ARRAYID", "0")]).unwrap_err().contains("from 1 on"));
         let sge = [("SGE_TASK_ID", "4"), ("SGE_TASK_FIRST", "2"), ("SGE_TASK_LAST", "6")];
-        assert_eq!(of(None, &sge).unwrap(), "3/5");
         let lsf = [("LSB_JOBINDEX", "2"), ("LSB_JOBINDEX_END", "6")];
-        assert_eq!(of(None, &lsf).unwrap(), "2/6");
-        let stepped = [&lsf[..], &[("LSB_JOBINDEX_STEP", "2")]].concat();
-        assert!(of(None, &stepped).unwrap_err().contains("2 apart"));
-        // A lost job that is sent again, alone.
-        let alone = of(Some(16), &slurm("5", ["5", "5", "1", "1"])).unwrap_err();
-        assert!(alone.contains("--shard k/16"), "{alone}");
-        assert!(of(None, &[("LSB_JOBINDEX", "0")]).unwrap_err().contains("neither a job array"));
-        // Ranks count from 0, and share the part of their job.
         let mpi = [("OMPI_COMM_WORLD_RANK", "2"), ("OMPI_COMM_WORLD_SIZE", "4")];
-        assert_eq!(of(None, &mpi).unwrap(), "3/4");
-        assert_eq!(
-            of(None, &[&slurm("2", ["1", "3", "1", "3"])[..], &mpi].concat()).unwrap(),
-            "7/12"
-        );
-        assert_eq!(of(None, &[("PMI_RANK", "0"), ("PMI_SIZE", "2")]).unwrap(), "1/2");
-        // A script of a batch job is no step: its process is alone.
-        assert!(of(None, &[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "8")]).is_err());
-        let step = [("SLURM_PROCID", "7"), ("SLURM_STEP_NUM_TASKS", "8")];
-        assert_eq!(of(None, &step).unwrap(), "8/8");
-        assert!(of(None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")]).is_err());
-        assert!(of(None, &[]).unwrap_err().contains("neither a job array"));
+        let pbs = [("PBS_ARRAY_INDEX", "5")];
+        for (n, variables, words) in [
+            (None, &slurm("3", ["1", "8", "1", "8"])[..], "3/8"),
+            (None, &slurm("0", ["0", "7", "1", "8"]), "1/8"),
+            (None, &slurm("14", ["2", "20", "4", "5"]), "4/5"),
+            (None, &slurm("3", ["1", "9", "1", "3"]), "not evenly spaced"),
+            // A lost job that is sent again, alone.
+            (Some(16), &slurm("5", ["5", "5", "1", "1"]), "--shard k/16"),
+            // PBS does not say how many there are.
+            (Some(8), &pbs, "5/8"),
+            (None, &pbs, "auto/n"),
+            (Some(4), &pbs, "from 1 on"),
+            (Some(4), &[("PBS_ARRAYID", "0")], "from 1 on"),
+            (None, &sge, "3/5"),
+            (None, &lsf, "2/6"),
+            (None, &[&lsf[..], &[("LSB_JOBINDEX_STEP", "2")]].concat(), "2 apart"),
+            (None, &[("LSB_JOBINDEX", "0")], "neither a job array"),
+            // Ranks count from 0, and share the part of their job.
+            (None, &mpi, "3/4"),
+            (None, &[&slurm("2", ["1", "3", "1", "3"])[..], &mpi].concat(), "7/12"),
+            (None, &[("PMI_RANK", "0"), ("PMI_SIZE", "2")], "1/2"),
+            (None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")], "rank 3 of 2 is none"),
+            // A script of a batch job is no step: its process is alone.
+            (None, &[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "8")], "neither a job array"),
+            (None, &[("SLURM_PROCID", "7"), ("SLURM_STEP_NUM_TASKS", "8")], "8/8"),
+        ] {
+            assert!(of(n, variables).contains(words), "{variables:?}: {}", of(n, variables));
+        }
         for bad in ["auto/0", "auto/", "auto/x", "automatic"] {
             assert!(bad.parse::<Shard>().is_err_and(|e| e.contains("neither auto")), "{bad}");
         }
@@ -326,18 +295,7 @@ mod tests {
     #[test]
     fn a_shard_is_k_of_n() {
         assert_eq!("2/4".parse(), Ok(Shard { k: 2, n: 4 }));
-        for bad in [
-            "",
-            "1",
-            "0/4",
-            "5/4",
-            "0/0",
-            "-1/4",
-            "1/4/2",
-            "a/b",
-            "1.5/4",
-            "1/99999999999999999999999",
-        ] {
+        for bad in "1 0/4 5/4 0/0 -1/4 1/4/2 a/b 1.5/4 1/99999999999999999999999".split(' ') {
             assert!(bad.parse::<Shard>().is_err_and(|e| e.contains("1/4")), "{bad}");
         }
     }

@@ -152,48 +152,38 @@ fn ends(places: &[&Place]) -> BTreeSet<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cells;
     use crate::cells::testing::Lab;
 
     /// Number of scenes, and titles of those shown.
-    fn shown(ratios: u64, sizes: &[u64], seeds: u64) -> (usize, Vec<String>) {
+    fn shown(ratios: u64, sizes: u64, seeds: u64) -> (usize, Vec<String>) {
         let mut lab = Lab::new("e", "packed");
-        for ratio in 1..=ratios {
-            lab.param("size-ratio", ratio);
-            for &n in sizes {
-                for seed in 1..=seeds {
-                    lab.n(n).seed(seed).detector("nbs").time(&[100; 5]);
-                }
+        for (ratio, n) in (1..=ratios).flat_map(|ratio| (1..=sizes).map(move |n| (ratio, n))) {
+            for seed in 1..=seeds {
+                lab.param("size-ratio", ratio).n(n).seed(seed).time(&[100; 5]);
             }
         }
-        let cells = cells::cells(&lab.rows());
-        let scenes = every(&cells.iter().collect::<Vec<_>>());
-        assert_eq!(count(&cells), scenes.len());
-        let titles = scenes.iter().filter(|scene| scene.shown).map(|scene| scene.title.clone());
-        (scenes.len(), titles.collect())
+        lab.find(|cells| {
+            let scenes = every(cells);
+            assert_eq!(count(cells.iter().copied()), scenes.len());
+            let shown = scenes.iter().filter(|scene| scene.shown);
+            (scenes.len(), shown.map(|scene| scene.title.clone()).collect())
+        })
     }
 
     #[test]
     fn every_swept_value_has_its_scene_or_the_ends_have() {
-        let (all, titles) = shown(2, &[10, 100], 1);
         let title = |n: u64, ratio: u64| format!("packed, 2D, N = {n}, size_ratio = {ratio}");
-        assert_eq!(all, 4);
-        assert_eq!(titles, [title(10, 1), title(100, 1), title(10, 2), title(100, 2)]);
+        assert_eq!(shown(2, 2, 1), (4, vec![title(1, 1), title(2, 1), title(1, 2), title(2, 2)]));
         // Three seeds are three scenes.
-        assert_eq!(shown(1, &[10], 3).0, 3);
-        assert!(shown(1, &[10], 3).1[2].ends_with(", seed = 3"));
-        let counts = |ratios, sizes: &[u64]| {
+        let (all, titles) = shown(1, 1, 3);
+        assert!(all == 3 && titles[2].ends_with(", seed = 3"), "{titles:?}");
+        for (ratios, sizes, expected) in
+            [(8, 3, (24, 24)), (13, 3, (39, 16)), (30, 2, (60, 30)), (40, 2, (80, 2))]
+        {
             let (all, titles) = shown(ratios, sizes, 1);
-            (all, titles.len())
-        };
-        assert_eq!(counts(8, &[10, 20, 30]), (24, 24));
-        assert_eq!(counts(13, &[10, 20, 30]), (39, 16));
-        assert_eq!(counts(30, &[10, 20]), (60, 30));
-        assert_eq!(counts(40, &[10, 20]), (80, 2));
-        let (all, titles) = shown(1, &(1..=35).collect::<Vec<_>>(), 1);
-        assert_eq!(
-            (all, titles),
-            (35, vec!["packed, 2D, N = 1".into(), "packed, 2D, N = 35".into()])
-        );
+            assert_eq!((all, titles.len()), expected);
+        }
+        let ends = ["packed, 2D, N = 1", "packed, 2D, N = 35"].map(String::from);
+        assert_eq!(shown(1, 35, 1), (35, ends.into()));
     }
 }

@@ -176,7 +176,6 @@ fn distance(ratio: &Interval) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cells;
     use crate::cells::testing::Lab;
 
     #[test]
@@ -186,39 +185,38 @@ mod tests {
             let apart = if n == 20 { 200 } else { 100 + n % 3 };
             lab.n(n).detector("nbs").time(&[100; 15]).detector("nbs-twin").time(&[apart; 15]);
         }
-        let cells = cells::cells(&lab.rows());
-        let all: Vec<&Cell> = cells.iter().collect();
-        let found = Noise::new(&all);
-        assert!((found.floor - 1.02).abs() < 1e-9, "{found:?}");
+        let found = lab.find(Noise::new);
         let [twin] = &*found.twins else { panic!("{found:?}") };
         assert_eq!((&*twin.name, &*twin.original, twin.cells), ("nbs-twin", "nbs", 20));
-        assert!((twin.typical - 0.01).abs() < 1e-9 && twin.outside == 14, "{twin:?}");
-        assert!((twin.worst.median - 2.0).abs() < 1e-9 && twin.by_chance > 0.03, "{twin:?}");
-        let none: Vec<&Cell> =
-            all.iter().filter(|cell| cell.id.detector == "nbs").copied().collect();
-        let silent = Noise::new(&none);
-        assert!(silent.twins.is_empty() && silent.floor == 1.0 && silent.floor_at(20) == 1.0);
+        assert_eq!(twin.outside, 14);
+        for (value, expected) in
+            [(found.floor, 1.02), (twin.typical, 0.01), (twin.worst.median, 2.0)]
+        {
+            assert!((value - expected).abs() < 1e-9, "{value} {expected}");
+        }
+        assert!(twin.by_chance > 0.03, "{twin:?}");
         // The floor is that of the size, but of one cell it is luck; and of all sizes where there
         // is none.
-        assert!((found.floor_at(20) - 2.0).abs() < 1e-9 && found.floor_at(3) == found.floor);
-        assert_eq!(found.floor_at(1000), found.floor);
+        assert!((found.floor_at(20) - 2.0).abs() < 1e-9);
+        assert_eq!([3, 1000].map(|n| found.floor_at(n)), [found.floor; 2]);
         for seed in 2..=5 {
             lab.n(3).seed(seed).detector("nbs").time(&[100; 15]);
             lab.detector("nbs-twin").time(&[100; 15]);
         }
-        let cells = cells::cells(&lab.rows());
-        let five = Noise::new(&cells.iter().collect::<Vec<_>>());
+        let five = lab.find(Noise::new);
         assert!(five.floor_at(3) == 1.0 && five.floor > 1.0, "{five:?}");
-        let ratio = |median: f64| Interval {
-            median,
-            low: 0.99 * median,
-            high: 1.01 * median,
-            coverage: 0.95,
-            count: 15,
-        };
-        assert!(found.decides(&ratio(1.5), 3) && found.decides(&ratio(0.4), 20));
-        assert!(!found.decides(&ratio(1.5), 20) && !found.decides(&ratio(0.6), 20));
-        let few = Interval { coverage: 0.75, count: 3, ..ratio(1.5) };
+        let silent = lab.find(|cells| {
+            let own = cells.iter().filter(|cell| cell.id.detector == "nbs");
+            Noise::new(&own.copied().collect::<Vec<_>>())
+        });
+        assert_eq!((silent.twins.len(), silent.floor, silent.floor_at(20)), (0, 1.0, 1.0));
+        let one = Interval { median: 1.0, low: 0.99, high: 1.01, coverage: 0.95, count: 15 };
+        for (ratio, n, decided) in
+            [(1.5, 3, true), (0.4, 20, true), (1.5, 20, false), (0.6, 20, false)]
+        {
+            assert_eq!(found.decides(&one.scaled(ratio), n), decided, "{ratio} {n}");
+        }
+        let few = Interval { coverage: 0.75, count: 3, ..one.scaled(1.5) };
         assert!(!found.decides(&few, 3), "three blocks decide nothing");
     }
 
@@ -226,14 +224,11 @@ mod tests {
     fn twins_are_compared_in_both_states() {
         let mut lab = Lab::new("e", "packed");
         let pulses = [100, 100, 100, 100, 100, 150, 150, 150, 150, 150];
-        let (quiet, slow) = ([1000; 5], [2000; 5]);
-        lab.detector("nbs").time(&[quiet, slow].concat()).pulses(&pulses);
+        lab.detector("nbs").time(&[[1000; 5], [2000; 5]].concat()).pulses(&pulses);
         lab.detector("nbs-twin").time(&[[1010; 5], [2400; 5]].concat()).pulses(&pulses);
         // Slow for one and quiet for the other: neither.
         lab.edit(|row| row.pulse_ns = Some(100));
-        let cells = cells::cells(&lab.rows());
-        let found = Noise::new(&cells.iter().collect::<Vec<_>>());
-        let [quiet, slow] = found.twins[0].states.map(Option::unwrap);
+        let [quiet, slow] = lab.find(Noise::new).twins[0].states.map(Option::unwrap);
         assert!((quiet.median - 1.01).abs() < 1e-9 && quiet.count == 5, "{quiet:?}");
         assert!((slow.median - 1.2).abs() < 1e-9 && slow.count == 4, "{slow:?}");
     }

@@ -133,43 +133,43 @@ mod tests {
         // The machine slows down from block to block; the ratios stay.
         let times = |unit: u64| (1..=15).map(|block| unit * (100 + block)).collect::<Vec<u64>>();
         lab.detector("direct").time(&times(12)).count(&[]);
+        assert_eq!(lab.find(Threads::new), None);
         lab.threads(2).time(&times(8)).copies(&times(15));
         lab.threads(4).time(&times(6)).fail(Pass::Ceiling, Outcome::OutOfMemory, "no room for 4");
         lab.threads(1).detector("nbs").time(&times(1));
-        let cells = cells::cells(&lab.rows());
-        assert!(
-            cells.iter().all(|cell| cell.overall().0 == Outcome::Ok),
-            "failed copies are not the detector's failure"
-        );
-        let all: Vec<&Cell> = cells.iter().collect();
-        let found = Threads::new(&all).unwrap();
+        let good = lab.find(|cells| cells.iter().all(|cell| cell.overall().0 == Outcome::Ok));
+        assert!(good, "failed copies are not the detector's failure");
+        let found = lab.find(Threads::new).unwrap();
         let is = |found: Interval, value: f64| {
-            [found.low, found.median, found.high].iter().all(|v| (v - value).abs() < 1e-9)
-                && found.count == 15
+            let ends = [found.low, found.median, found.high];
+            assert!(
+                found.count == 15 && ends.iter().all(|v| (v - value).abs() < 1e-9),
+                "{found:?}"
+            );
         };
         let [two, four] = &*found.gains else { panic!("{found:?}") };
         assert_eq!((&*two.scene, &*two.name, two.line.threads), ("packed, 2D", "direct", 2));
-        assert!(is(two.speedup, 12.0 / 8.0), "{two:?}");
-        assert!(is(two.ceiling.unwrap(), 2.0 * 12.0 / 15.0), "{two:?}");
-        assert!(is(two.fraction.unwrap(), 15.0 / (2.0 * 8.0)), "{two:?}");
-        assert_eq!(two.failure, None);
-        assert!(is(four.speedup, 2.0) && four.ceiling.is_none() && four.fraction.is_none());
+        is(two.speedup, 12.0 / 8.0);
+        is(two.ceiling.unwrap(), 2.0 * 12.0 / 15.0);
+        is(two.fraction.unwrap(), 15.0 / (2.0 * 8.0));
+        is(four.speedup, 2.0);
+        assert_eq!((four.ceiling, four.fraction, &two.failure), (None, None, &None));
         assert_eq!(four.failure, Some((Outcome::OutOfMemory, "no room for 4".into())));
         let first = &found.typical[0];
         assert_eq!((&*first.name, first.scenes), ("direct (2 threads)", 1));
-        assert!((first.speedup - 1.5).abs() < 1e-9 && (first.most - 1.5).abs() < 1e-9);
-        assert!((first.fraction.unwrap() - 15.0 / 16.0).abs() < 1e-9);
-        assert_eq!(found.typical[1].fraction, None);
+        for (value, expected) in
+            [(first.speedup, 1.5), (first.most, 1.5), (first.fraction.unwrap(), 15.0 / 16.0)]
+        {
+            assert!((value - expected).abs() < 1e-9, "{first:?}");
+        }
         // Copies timed alone by the same path go before the time with one thread.
         let mut rows = lab.rows();
         for row in rows.iter_mut().filter(|row| row.pass == Pass::Ceiling) {
             row.alone_ns = row.time_ns.map(|time| time * 2 / 3);
         }
-        let with_alone = crate::cells::cells(&rows);
-        let again = Threads::new(&with_alone.iter().collect::<Vec<_>>()).unwrap();
-        assert!(is(again.gains[0].ceiling.unwrap(), 4.0 / 3.0), "{:?}", again.gains[0]);
+        let cells = cells::cells(&rows);
+        let again = Threads::new(&cells.iter().collect::<Vec<_>>()).unwrap();
+        is(again.gains[0].ceiling.unwrap(), 4.0 / 3.0);
         assert_eq!(again.gains[0].fraction, two.fraction);
-        let sequential: Vec<&Cell> = cells.iter().filter(|cell| cell.id.threads() == 1).collect();
-        assert_eq!(Threads::new(&sequential), None);
     }
 }

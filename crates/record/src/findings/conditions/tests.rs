@@ -29,16 +29,16 @@ fn timed(spans: &[(f64, f64, f64)]) -> (Vec<Row>, Ledger) {
 fn doubts(spans: &[(f64, f64, f64)]) -> Vec<Doubt> {
     let (rows, ledger) = timed(spans);
     let round = |share: f64| (share * 1e6).round() / 1e6;
-    let rounded = |doubt| match doubt {
-        Doubt::Others(mean, worst) => {
-            Doubt::Others(round(mean), worst.map(|(scene, share)| (scene, round(share))))
-        }
-        Doubt::Stolen(mean, worst) => {
-            Doubt::Stolen(round(mean), worst.map(|(scene, share)| (scene, round(share))))
-        }
-        other => other,
+    let both = |mean, worst: Option<(String, f64)>| {
+        (round(mean), worst.map(|(scene, share)| (scene, round(share))))
     };
-    Conditions::new([], &ledger, &rows).doubts.into_iter().map(rounded).collect()
+    let mut doubts = Conditions::new([], &ledger, &rows).doubts;
+    for doubt in &mut doubts {
+        if let Doubt::Others(mean, worst) | Doubt::Stolen(mean, worst) = doubt {
+            (*mean, *worst) = both(*mean, worst.take());
+        }
+    }
+    doubts
 }
 
 #[test]
@@ -60,15 +60,17 @@ fn a_busy_machine_is_doubted_and_an_idle_one_is_not() {
 }
 
 #[test]
-fn a_short_run_is_judged_by_the_load_before_it() {
-    let (rows, ledger) = timed(&[(0.3, 0.9, 0.0), (0.3, 0.9, 0.0)]);
-    let new = |load: &str| {
+fn a_short_run_is_judged_by_the_load_before_it_and_counts_are_not() {
+    let (mut rows, ledger) = timed(&[(0.3, 0.9, 0.0), (0.3, 0.9, 0.0)]);
+    let new = |rows: &[Row], load: &str| {
         let fields = json!({"dirty": false, "profile": "release", "load_average": load});
-        let found = Conditions::new([&fields], &ledger, &rows);
+        let found = Conditions::new([&fields], &ledger, rows);
         (found.doubts, found.load)
     };
-    assert_eq!(new("7.5 3.1 1.0"), (vec![Doubt::Before(7.5)], Load::Before(7.5)));
-    assert_eq!(new("0.2 3.1 1.0"), (vec![], Load::Before(0.2)));
+    assert_eq!(new(&rows, "7.5 3.1 1.0"), (vec![Doubt::Before(7.5)], Load::Before(7.5)));
+    assert_eq!(new(&rows, "0.2 3.1 1.0"), (vec![], Load::Before(0.2)));
+    rows.iter_mut().for_each(|row| (row.pass, row.time_ns) = (Pass::Count, None));
+    assert_eq!(new(&rows, "7.5 3.1 1.0").0, []);
 }
 
 #[test]
@@ -144,14 +146,4 @@ fn programs_that_were_exchanged_are_doubted() {
     assert_eq!(found, [Doubt::Dirty, Doubt::Profile("debug".into())]);
     rows[0].role = Role::Runner;
     assert_eq!(Conditions::new([&fields], &ledger, &rows).doubts, []);
-}
-
-#[test]
-fn counts_alone_are_not_doubted_whatever_the_load_was() {
-    let (rows, _) = timed(&[(0.3, 0.0, 0.0)]);
-    let fields = json!({"dirty": false, "profile": "release", "load_average": "7.5 3.1 1.0"});
-    let doubts = |rows: &[Row]| Conditions::new([&fields], &Ledger::default(), rows).doubts;
-    assert!(doubts(&rows).contains(&Doubt::Before(7.5)));
-    let counted = rows.into_iter().map(|row| Row { pass: Pass::Count, time_ns: None, ..row });
-    assert_eq!(doubts(&counted.collect::<Vec<_>>()), []);
 }
