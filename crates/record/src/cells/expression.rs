@@ -13,18 +13,15 @@ use crate::record::column::Column;
 use crate::record::row::{Outcome, Pass};
 use contactbench_terms::nearest::hint;
 
-/// What an expression gives for a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
     Value(f64),
     /// The cell ended well but lacks a variable, or the result is not a finite number.
     Missing,
-    /// The cell did not end well.
     Not(Outcome),
 }
 
 impl Expression {
-    /// Checks that these cells know its variables.
     pub fn check(&self, cells: &[Cell]) -> anyhow::Result<()> {
         let known = variables(cells);
         let unknown = |name: &str| Column::find(name).is_none() && !known.contains(name);
@@ -44,7 +41,6 @@ impl Expression {
         passes.into_iter().collect()
     }
 
-    /// The value for a cell.
     pub fn read(&self, cell: &Cell) -> Reading {
         let (outcome, _) = cell.outcome(&self.passes());
         if !outcome.is_good() {

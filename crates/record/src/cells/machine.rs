@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use crate::record::hardware::size_of;
 
-/// The machine that a record was made on, as far as its provenance says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {
     /// Name and bytes of the second- and third-level caches.

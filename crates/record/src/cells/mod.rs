@@ -24,7 +24,6 @@ use crate::stats::interval::{Block, Blocks, Interval, interval, median, ratio, t
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::scene::Stats;
 
-/// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     pub id: CellId,
@@ -50,7 +49,6 @@ pub struct Cell {
     pub copies_failure: Option<(Outcome, String)>,
     /// What was measured besides times, by column.
     pub values: BTreeMap<&'static str, f64>,
-    /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
     pub causes: Option<Causes>,
     pub stats: Stats,
@@ -154,7 +152,6 @@ impl Cell {
         (outcome, find(outcome))
     }
 
-    /// How the cell ended in all.
     pub fn overall(&self) -> (Outcome, &str) {
         self.outcome(&[])
     }
@@ -245,7 +242,6 @@ fn severity(outcome: Outcome) -> u8 {
     }
 }
 
-/// The names that expressions over these cells may use.
 pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
     let fixed = ["n", "dim", "seed", "threads"]
         .into_iter()

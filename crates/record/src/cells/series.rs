@@ -23,7 +23,6 @@ pub struct Line {
 /// The cells of a contender at one N: one per seed, in the order of seeds.
 pub type Seeds<'a> = Vec<&'a Cell>;
 
-/// A scene at all its N.
 pub struct Group<'a> {
     /// `packed, 3D, morton`.
     pub title: String,
@@ -31,7 +30,6 @@ pub struct Group<'a> {
     pub lines: BTreeMap<Line, BTreeMap<u64, Seeds<'a>>>,
 }
 
-/// A value per contender and N of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BySize<T> {
     /// The scene, without its N.
@@ -44,9 +42,7 @@ pub struct BySize<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineValues<T> {
     pub line: Line,
-    /// How it is called among the others.
     pub name: String,
-    /// One for each N of the scene.
     pub values: Vec<Option<T>>,
 }
 
@@ -100,7 +96,6 @@ impl<'a> Group<'a> {
         self.lines.values().filter_map(move |sizes| sizes.get(&n)).flatten().copied()
     }
 
-    /// The cells of a line at one N.
     pub fn at(&self, line: &Line, n: u64) -> Option<&Seeds<'a>> {
         self.lines.get(line)?.get(&n)
     }
@@ -114,7 +109,6 @@ impl<'a> Group<'a> {
         self.ranked(n, wanted).first().copied()
     }
 
-    /// All of these, the fastest first.
     pub fn ranked(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Vec<(&Line, f64)> {
         let able = self
             .lines

@@ -13,17 +13,14 @@ use crate::record::row::{Pass, Row};
 /// one time to the next where nothing else is at work.
 pub const SLOW: f64 = 1.25;
 
-/// A machine, and the processor that a sample was kept on.
 type Where<'a> = (Option<&'a str>, Option<u32>);
 
-/// The longest quiet pulse of each processor, in nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub struct States<'a> {
     limits: BTreeMap<Where<'a>, f64>,
 }
 
 impl<'a> States<'a> {
-    /// Of the machines of a record.
     pub fn new(rows: &'a [Row]) -> States<'a> {
         let mut pulses: BTreeMap<Where<'_>, Vec<u64>> = BTreeMap::new();
         for (place, pulse) in rows.iter().filter_map(|row| Some((place(row), pulse(row)?))) {

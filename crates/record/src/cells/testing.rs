@@ -130,7 +130,6 @@ impl Lab {
             (row.outcome, row.reason, row.contacts) = (outcome, reason.into(), None)
         })
     }
-    /// Errors of the last row.
     pub fn errors(&mut self, errors: Errors, causes: Causes) -> &mut Lab {
         self.edit(|row| (row.errors, row.causes) = (Some(errors), Some(causes)))
     }
@@ -140,7 +139,6 @@ impl Lab {
     }
 }
 
-/// The role that a name has in these tests.
 fn role_of(name: &str) -> Role {
     const PEERS: &str = "kiddo kd-tree-crate rstar parry zelll";
     const DETECTORS: &str = "direct binary-tree screening sorting nbs streamed-nbs cell-grid \

@@ -13,7 +13,6 @@ use crate::stats::growth::Model;
 /// Which rows: a field, parameter or variable, and the values that it may have.
 pub type Where = BTreeMap<String, List<toml::Value>>;
 
-/// An expectation.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
@@ -120,7 +119,6 @@ impl ClaimKind {
 }
 
 impl ClaimKind {
-    /// The expressions that are read in every cell.
     pub fn sides(&self) -> Vec<&Expression> {
         match self {
             ClaimKind::Faster { .. } => Vec::new(),
@@ -133,7 +131,6 @@ impl ClaimKind {
 }
 
 impl Claim {
-    /// Where the claim comes from, and when its limit was set.
     pub fn origin(&self) -> String {
         let set = match self.set {
             Set::Unknown => "",

@@ -20,9 +20,7 @@ use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::experiment::{Experiment, REQUIRED, RETIRED, keys};
 use contactbench_terms::nearest::hint;
 
-/// What is wrong, and where.
 struct Problem {
-    /// Bytes of the text.
     pub at: Option<Range<usize>>,
     pub words: String,
 }
@@ -99,7 +97,6 @@ impl<'a> Document<'a> {
         Ok((experiment, Document { text, keys, claims, figures }))
     }
 
-    /// A problem with the value of a top-level key.
     pub fn key(&self, key: &str, words: String) -> anyhow::Error {
         let place = self.keys.iter().find(|(known, _)| known == key);
         Problem { at: place.map(|(_, at)| at.clone()), words }.located(self.text)

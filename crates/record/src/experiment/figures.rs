@@ -32,7 +32,6 @@ pub enum FigureKind {
 }
 
 impl FigureKind {
-    /// The expression that is read in every cell.
     pub fn expression(&self) -> Option<&Expression> {
         match self {
             FigureKind::Lines(lines) => Some(&lines.y),
@@ -53,7 +52,6 @@ impl FigureKind {
     }
 }
 
-/// Options of a figure of lines.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Lines {
@@ -93,7 +91,6 @@ impl Lines {
     }
 }
 
-/// Options of a figure of bars.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bars {
@@ -101,7 +98,6 @@ pub struct Bars {
     pub to: String,
 }
 
-/// Options of a figure of speed against error.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpeedError {
@@ -110,7 +106,6 @@ pub struct SpeedError {
     pub columns: String,
 }
 
-/// What answers are compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
@@ -122,7 +117,6 @@ pub enum Against {
     Stored,
 }
 
-/// The variables of a map.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MapAxes {

@@ -67,7 +67,6 @@ impl Known {
         self.ids.iter().filter_map(|id| id.axis(name)).collect()
     }
 
-    /// Fields and parameters.
     fn names(&self) -> BTreeSet<String> {
         self.ids.iter().flat_map(CellId::names).collect()
     }

@@ -73,7 +73,6 @@ pub struct Experiment {
     pub figures: Vec<Figure>,
     /// A table shown after the run and in the report, besides the usual ones.
     pub table: Option<Table>,
-    /// What the experiment plans; empty unless `plan` read the file.
     #[serde(skip)]
     pub planned: Planned,
     /// Keys of the file that only older programs computed anything for.
@@ -84,7 +83,6 @@ pub struct Experiment {
 /// Keys of older files: they are read, because records hold copies, and ask for nothing.
 pub const RETIRED: [&str; 3] = ["bound", "cost-model", "advice"];
 
-/// The keys that every file must have.
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
 impl Experiment {
@@ -133,8 +131,6 @@ impl Default for Experiment {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Table {
-    /// Case by case and arithmetic by arithmetic: which detectors are right, and what the others
-    /// are.
     Verdicts,
 }
 
@@ -142,7 +138,6 @@ pub enum Table {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExternalRunner {
-    /// The detector's name in records.
     pub name: String,
     /// Program and arguments; `{threads}` in an argument stands for the number of threads.
     pub command: Vec<String>,
@@ -150,7 +145,6 @@ pub struct ExternalRunner {
     /// be there.
     #[serde(default)]
     pub install: String,
-    /// A run without it is no failure.
     #[serde(default)]
     pub optional: bool,
 }
@@ -164,11 +158,9 @@ impl ExternalRunner {
 /// Blocks done before the budget can end a scene: the range of six values covers the median in
 /// 96.9% of samples.
 pub const FEWEST_BLOCKS: u32 = 6;
-/// Blocks of a quick run.
 const QUICK_BLOCKS: u32 = 3;
 
 impl Experiment {
-    /// The paired blocks of a scene.
     pub fn all_blocks(&self, quick: bool) -> u32 {
         if quick { self.blocks.min(QUICK_BLOCKS) } else { self.blocks }
     }
@@ -179,7 +171,6 @@ impl Experiment {
         if self.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks }
     }
 
-    /// Checks the values. The error has the place of the first that cannot be meant.
     pub fn check(&self, document: &Document<'_>) -> anyhow::Result<()> {
         if let Some((key, words)) = self.problem() {
             return Err(document.key(key, words));

@@ -27,12 +27,10 @@ pub fn plain(message: &str) -> String {
     message.to_string()
 }
 
-/// The names between backticks.
 fn names(list: &str) -> Vec<&str> {
     list.split('`').skip(1).step_by(2).collect()
 }
 
-/// What stands there.
 fn value(found: &str) -> String {
     let bare = |text: &str| text.trim_matches('`').to_string();
     match found.split_once(' ') {
@@ -46,7 +44,6 @@ fn value(found: &str) -> String {
     }
 }
 
-/// What is to stand there.
 fn wanted(expected: &str) -> String {
     match expected {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number of at least 0".into(),

@@ -31,7 +31,6 @@ impl Planned {
 /// A program with a number of threads, which is to look at every scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entrant {
-    /// Its name in the experiment, with parameters.
     pub name: String,
     /// What it is there for; a runner is [`Role::Runner`].
     pub role: Role,

@@ -30,7 +30,6 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// As part of a file's name.
     pub fn file_name(self) -> String {
         format!("{}-of-{}", self.k, self.n)
     }

@@ -6,7 +6,6 @@ use serde::Deserialize;
 
 use crate::experiment::List;
 
-/// Parameters of a generator, by name.
 pub type Params = BTreeMap<String, List<toml::Value>>;
 
 /// A generator and the values of its parameters; any of them may be a list.
@@ -46,7 +45,6 @@ impl Default for SceneSweep {
     }
 }
 
-/// Values that replace those of a sweep in a quick run.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Quick {

@@ -29,9 +29,7 @@ pub struct Motion {
     /// From one frame to the next, in the mean.
     pub mean_way: Option<f64>,
     pub longest_way: Option<f64>,
-    /// In a frame, in the mean.
     pub contacts: Option<f64>,
-    /// New in a frame, in the mean.
     pub born: Option<f64>,
     /// That touch between two frames alone, in the mean.
     pub tunnelled: Option<f64>,
@@ -39,24 +37,18 @@ pub struct Motion {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Done {
-    /// Frames in which it built its list.
     pub builds: f64,
     pub missed: f64,
     /// Those among all that there were.
     pub share: f64,
-    /// The first frame with one.
     pub first: Option<f64>,
-    /// Contacts that were never reported.
     pub never: f64,
     /// Frames until the latest was.
     pub latest: f64,
     /// The largest overlap of a missed contact, in mean radii.
     pub deepest: f64,
-    /// Builds that LAMMPS would call dangerous.
     pub dangerous: f64,
-    /// Of those, after a missed contact.
     pub rightly: f64,
-    /// Builds after a missed contact.
     pub missing: f64,
 }
 

@@ -12,13 +12,10 @@ use crate::cells::{AxisValue, Cell, CellId};
 /// The most scenes that an answer shows, unless the first and last of each sweep are more.
 pub const ROWS: usize = 30;
 
-/// The cells of one set of particles.
 pub struct Scene<'a> {
-    /// `packed, 3D, N = 1000`.
     pub title: String,
     pub n: u64,
     pub cells: Vec<&'a Cell>,
-    /// Is it among the scenes that an answer shows?
     pub shown: bool,
 }
 
@@ -47,18 +44,15 @@ impl Place {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Key(String, u32, [Option<String>; 2], Place);
 
-/// The identity of the scene of a cell.
 pub fn key(id: &CellId) -> Key {
     let (scene, dim, rest) = family(id);
     Key(scene.into(), dim, rest, Place::new(id))
 }
 
-/// The number of scenes among these cells.
 pub fn count<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> usize {
     cells.into_iter().map(|cell| key(&cell.id)).collect::<HashSet<_>>().len()
 }
 
-/// All scenes, in the order of their sweeps.
 pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     let mut families: BTreeMap<_, BTreeMap<Place, Vec<&'a Cell>>> = BTreeMap::new();
     for &cell in cells {

@@ -8,7 +8,6 @@ use crate::cells::{Cell, CellId, label, series};
 use crate::experiment::Experiment;
 use crate::record::row::Outcome;
 
-/// What a detector failed to do on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
     pub name: String,
@@ -25,9 +24,7 @@ pub struct Failure {
 pub struct Culprit {
     pub name: String,
     pub outcome: Outcome,
-    /// The first of its cells.
     pub id: CellId,
-    /// Its cells that ended so.
     pub cells: usize,
     pub of: usize,
     /// Wrong pairs in the worst of them, 0 if they were not counted.
@@ -42,7 +39,6 @@ pub struct Culprit {
 #[derive(Debug, Default)]
 pub struct Culprits {
     pub all: Vec<Culprit>,
-    /// Runners that could not be started, and are optional.
     pub absent: Vec<Culprit>,
 }
 

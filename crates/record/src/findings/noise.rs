@@ -33,9 +33,7 @@ pub struct Noise {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twin {
     pub name: String,
-    /// The detector whose code it is.
     pub original: String,
-    /// How many cells both were timed in.
     pub cells: usize,
     /// Its time over the original's: of each block the median over all cells.
     pub overall: Interval,
@@ -53,7 +51,6 @@ pub struct Twin {
 }
 
 impl Noise {
-    /// From all cells of an experiment, or of one machine.
     pub fn new(cells: &[&Cell]) -> Noise {
         let by_id: BTreeMap<&CellId, &Cell> = cells.iter().map(|cell| (&cell.id, *cell)).collect();
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();

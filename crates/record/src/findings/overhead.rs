@@ -25,7 +25,6 @@ pub struct Overhead {
 }
 
 impl Overhead {
-    /// None without the control, or without times.
     pub fn new(cells: &[&Cell]) -> Option<Overhead> {
         let mut idle: BTreeMap<Projection, f64> = BTreeMap::new();
         for cell in cells.iter().filter(|cell| cell.role == Role::Nothing) {

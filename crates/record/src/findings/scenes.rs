@@ -10,7 +10,6 @@ use crate::stats::interval::Interval;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneResults {
-    /// `packed, 3D, N = 1000`.
     pub title: String,
     pub results: Vec<Contender>,
 }

@@ -13,12 +13,9 @@ use crate::cells::{Cell, series};
 use crate::record::row::Outcome;
 use crate::stats::interval::{Interval, median};
 
-/// What threads gain, wherever a detector was timed with one and with several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threads {
-    /// Per detector and number of threads, over all scenes and N.
     pub typical: Vec<Typical>,
-    /// Per scene, N, detector and number of threads.
     pub gains: Vec<Gain>,
 }
 
@@ -32,7 +29,6 @@ pub struct Typical {
     pub speedup: f64,
     pub least: f64,
     pub most: f64,
-    /// Median of the fractions of the ceiling; none where no copies were timed.
     pub fraction: Option<f64>,
 }
 
@@ -56,7 +52,6 @@ pub struct Gain {
 }
 
 impl Threads {
-    /// Finds the gains; none where no detector was timed with one thread and with several.
     pub fn new(cells: &[&Cell]) -> Option<Threads> {
         let (label, mut gains) = (series::labels(cells), Vec::new());
         for group in series::groups(cells) {

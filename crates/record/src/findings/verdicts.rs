@@ -30,7 +30,6 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// What became of a cell.
     pub fn new(cell: &Cell) -> Answer {
         let (outcome, reason) = cell.overall();
         match (outcome, cell.errors) {
@@ -43,7 +42,6 @@ impl Answer {
         }
     }
 
-    /// One of `WORDS`.
     pub fn word(&self) -> &'static str {
         match self {
             Answer::Right => "right",
@@ -112,7 +110,6 @@ pub type Case = (String, Vec<(String, AxisValue)>);
 /// The answers of all detectors in one arithmetic.
 type Answers<'a> = BTreeMap<&'a str, Answer>;
 
-/// The answers of one experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
     /// Those that were asked, in their usual order.
@@ -121,7 +118,6 @@ pub struct Matrix {
     pub totals: Vec<(&'static str, Vec<u64>)>,
     /// Cases in which some answer is not right.
     pub lines: Vec<CaseLine>,
-    /// Cases with nothing but right answers.
     pub right: Vec<String>,
     /// Why there is no answer, one example of each kind; lines refer to them by number, from 1.
     pub reasons: Vec<String>,
@@ -138,7 +134,6 @@ pub struct CaseLine {
 }
 
 impl Matrix {
-    /// Puts the answers together; none without any.
     pub fn new(cells: &[&Cell]) -> Option<Matrix> {
         let cells = judged(cells);
         let swept = label::swept(&cells);
@@ -196,7 +191,6 @@ impl CaseLine {
     }
 }
 
-/// The lines of a case: dimensions with the same answers together.
 fn case_lines(
     case: &str,
     dims: &BTreeMap<u32, BTreeMap<&str, Answers>>,

@@ -28,21 +28,16 @@ use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Winners {
-    /// All scenes, also those in which no detector has a time.
     pub scenes: usize,
-    /// The scenes in which some detector has a time.
     pub contests: Vec<Contest>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contest {
-    /// `packed, 3D, N = 1000`.
     pub title: String,
-    /// Is it among the scenes that an answer shows?
     pub shown: bool,
     /// The fastest, with ratio 1.
     pub first: Contender,
-    /// The others, the next first.
     pub others: Vec<Contender>,
     /// Detectors that take no part, and why: wrong, refused, too slow.
     pub without: Vec<(String, Outcome)>,
@@ -52,19 +47,16 @@ pub struct Contest {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     pub line: Line,
-    /// The same as it is called among the others.
     pub name: String,
     /// Nanoseconds per particle.
     pub per_particle: f64,
     /// Its time over that of the fastest; none of the fastest, and without a common block.
     pub ratio: Option<Interval>,
-    /// The same ratio of first detections in new processes.
     pub cold: Option<Interval>,
     /// Is it slower than the fastest by more than the noise?
     pub slower: bool,
 }
 
-/// How often each is the fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     pub scenes: usize,
@@ -80,7 +72,6 @@ pub struct Tally {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alone {
     pub name: String,
-    /// The other detectors, and the outcome of each.
     pub others: BTreeMap<String, Outcome>,
 }
 
@@ -118,7 +109,6 @@ fn able<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
     cells.iter().filter(|cell| is_able(cell)).copied().collect()
 }
 
-/// Median nanoseconds.
 pub fn time(cell: &Cell) -> f64 {
     cell.time().map_or(f64::INFINITY, |time| time.median)
 }
@@ -209,7 +199,6 @@ fn worse(a: Outcome, b: Outcome) -> Outcome {
 }
 
 impl Contest {
-    /// Is the fastest faster than all others by more than the noise?
     pub fn decided(&self) -> bool {
         !self.others.is_empty() && self.others.iter().all(|other| other.slower)
     }

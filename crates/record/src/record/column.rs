@@ -12,9 +12,7 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 use contactbench_terms::op::Op;
 
-/// A number that rows have.
 pub struct Column {
-    /// What expressions call it.
     pub name: Cow<'static, str>,
     /// The pass that measures it; none where every pass knows it.
     pub pass: Option<Pass>,
@@ -26,20 +24,13 @@ pub struct Column {
 /// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
-/// The time of a detection.
 pub const TIME: &str = "time_ns";
-/// The time of the first detection of a process.
 pub const FIRST: &str = "first_ns";
-/// Of a scene in motion: of the time, what building lists took.
 pub const BUILDING: &str = "building_ns";
-/// The time of the frame in the middle of all.
 pub const MEDIAN_STEP: &str = "median_step_ns";
-/// The time of the slowest frame.
 pub const WORST_STEP: &str = "worst_step_ns";
 
-/// The errors of one cause.
 type Whose = fn(&Causes) -> &Errors;
-/// One of the numbers of errors.
 type Which = fn(&Errors) -> f64;
 
 /// The causes of error: the prefix of their columns, and the prefix that these had before.
@@ -59,7 +50,6 @@ const ERRORS: [(&str, &str, Which); 7] = [
     ("wrong", "pairs", |errors| errors.wrong() as f64),
 ];
 
-/// How a scene moves.
 const MOVED: [(&str, &str, fn(&Moved) -> Option<f64>); 6] = [
     ("mean_way", "diameters", |it| Some(it.mean_way())),
     ("longest_way", "diameters", |it| Some(it.way.longest)),
@@ -128,7 +118,6 @@ impl Column {
         COLUMNS.iter().find(|column| column.name == name)
     }
 
-    /// The number in a row, if it is there.
     pub fn read(&self, row: &Row) -> Option<f64> {
         (self.read)(row)
     }
@@ -144,7 +133,6 @@ impl Column {
         self.pass.is_some() || !matches!(self.unit, "" | "mean radii" | "diameters")
     }
 
-    /// The columns that this pass measures.
     pub fn measured_by(pass: Pass) -> impl Iterator<Item = &'static Column> {
         COLUMNS.iter().filter(move |column| column.pass == Some(pass))
     }

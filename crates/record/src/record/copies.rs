@@ -15,7 +15,6 @@ use crate::record::{folder, provenance};
 /// The field of a provenance with the SHA-256 of each copy, by name.
 pub const FIELD: &str = "experiments_sha256";
 
-/// The SHA-256 of a text, as `sha256sum` prints it.
 fn sha256(text: &[u8]) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -10,7 +10,6 @@ use crate::record::row::{Measurement, Row};
 /// The scene that is read from a file.
 pub const FILE: &str = "file";
 
-/// What the record holds already.
 pub struct Index {
     measured: HashSet<Measurement>,
     /// Cells that ended badly, with the first row that says so: nothing more is to be measured
@@ -90,14 +89,12 @@ impl Index {
 pub struct TooSlow(HashMap<(Projection, bool), u64>);
 
 impl TooSlow {
-    /// From the time limits met in a record.
     pub fn new(rows: &[Row]) -> TooSlow {
         let mut slow = TooSlow::default();
         rows.iter().filter(|row| row.outcome == Outcome::Timeout).for_each(|row| slow.note(row));
         slow
     }
 
-    /// Notes that the detector of this row met the time limit.
     pub fn note(&mut self, row: &Row) {
         let n = self.0.entry(series(row)).or_insert(row.id.n);
         *n = row.id.n.min(*n);
@@ -109,7 +106,6 @@ impl TooSlow {
     }
 }
 
-/// What a sweep over N keeps.
 fn series(row: &Row) -> (Projection, bool) {
     let (id, copies) = tried(row);
     (id.without(&["n"]), copies)

@@ -19,7 +19,6 @@ pub const MOST_THREADS: usize = 1024;
 /// Faults listed one by one, at most.
 const SHOWN: usize = 20;
 
-/// Something in a result folder that cannot be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// The file, with the line if it has lines: `result/samples.jsonl:7`.
@@ -52,7 +51,6 @@ impl fmt::Display for Damaged {
     }
 }
 
-/// An error if there are faults.
 pub fn sound(faults: Vec<Fault>) -> Result<(), Damaged> {
     if faults.is_empty() { Ok(()) } else { Err(Damaged(faults)) }
 }
@@ -299,7 +297,6 @@ fn twice(rows: &[Row]) -> Vec<(usize, String)> {
     found
 }
 
-/// The rows that differ from most others.
 fn differ<T: fmt::Display + Ord>(votes: &Votes<T>, what: &str, found: &mut Vec<(usize, String)>) {
     let Some(most) = votes.values().map(Vec::len).max().filter(|_| votes.len() > 1) else { return };
     // Of two as frequent the one that was said first.

@@ -9,9 +9,7 @@ use crate::record::file::SEALED;
 use crate::record::seal::{self, Flaw};
 use crate::record::{copies, ledger, provenance};
 
-/// The folder of the copies of the experiments.
 pub const EXPERIMENTS: &str = "experiments";
-/// Folders in a result folder.
 const FOLDERS: [&str; 2] = [EXPERIMENTS, "figures"];
 
 /// An error that names all that is wrong in the folder beside its record: links that lead out of
@@ -39,7 +37,6 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
     faults::sound(if found.is_empty() { copies::faults(folder) } else { found })
 }
 
-/// What is in a folder, in the order of names; nothing if it cannot be read.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten();
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -66,7 +63,6 @@ fn is_provenance(path: &Path) -> bool {
     name == provenance::FILE || name.starts_with("provenance-") && name.ends_with(".json")
 }
 
-/// What is wrong with a provenance.
 fn damage(path: &Path) -> Option<String> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,

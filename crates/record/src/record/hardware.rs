@@ -19,7 +19,6 @@ pub struct Hardware {
     pub cpu_stepping: Option<u64>,
     /// Instructions that detectors and compilers make use of, as the compiler calls them.
     pub cpu_features: Option<Vec<String>>,
-    /// Cores that this program may use.
     pub cores: Option<u64>,
     /// Level and kind (`L1d`, `L1i`, `L2`, `L3`) to size (`32K`).
     pub caches: BTreeMap<String, String>,
@@ -27,7 +26,6 @@ pub struct Hardware {
 }
 
 impl Hardware {
-    /// The hardware of this machine.
     pub fn here() -> Hardware {
         let cores = std::thread::available_parallelism().ok().map(|cores| cores.get() as u64);
         Hardware { cores, cpu_features: features(), ..system() }

@@ -22,7 +22,6 @@ pub struct CellId {
     /// The machine that measured. None where it does not matter: in records of one machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub machine: Option<String>,
-    /// The generator's parameters, as used.
     pub params: BTreeMap<String, AxisValue>,
     /// Order of the particles: shuffled, generated or morton.
     pub order: String,
@@ -38,7 +37,6 @@ pub struct CellId {
     pub detector_params: BTreeMap<String, AxisValue>,
 }
 
-/// What the detector was given.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Resources {
@@ -56,7 +54,6 @@ pub const FIELDS: [&str; 9] =
     ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
 /// The axis of records of several machines.
 pub const MACHINE: &str = "machine";
-/// The axis of what every detector is given.
 pub const THREADS: &str = "threads";
 
 /// A parameter's name in filters and expressions.
@@ -130,7 +127,6 @@ impl CellId {
         }
     }
 
-    /// The value on an axis, if there is one.
     pub fn axis(&self, name: &str) -> Option<AxisValue> {
         self.of_scene(name)
             .or_else(|| self.of_detector(name))
@@ -144,7 +140,6 @@ impl CellId {
         machine.chain(params).collect()
     }
 
-    /// The detector's parameters, by axis.
     pub fn detector_parameters(&self) -> impl Iterator<Item = (String, &AxisValue)> {
         self.detector_params.iter().map(|(name, value)| {
             let plain = variable(name);
@@ -153,7 +148,6 @@ impl CellId {
         })
     }
 
-    /// The names of all axes.
     pub fn names(&self) -> impl Iterator<Item = String> {
         let detector = self.detector_parameters().map(|(name, _)| name).collect::<Vec<_>>();
         FIELDS
@@ -234,12 +228,10 @@ impl Projection {
         self
     }
 
-    /// The value on an axis, if there is one.
     pub fn axis(&self, name: &str) -> Option<AxisValue> {
         self.0.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone())
     }
 
-    /// The axes besides [`FIELDS`].
     pub fn parameters(&self) -> impl Iterator<Item = &(String, AxisValue)> {
         self.0.iter().filter(|(name, _)| !FIELDS.contains(&name.as_str()))
     }

@@ -13,10 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::seal;
 
-/// The name of the file in a result folder.
 pub const FILE: &str = "provenance.jsonl";
 
-/// A line of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "entry", rename_all = "lowercase")]
 pub enum Entry {
@@ -41,7 +39,6 @@ pub struct Process {
     pub build: BTreeMap<String, String>,
 }
 
-/// A file that was executed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Executed {
     /// Without its folder.
@@ -57,13 +54,10 @@ pub struct Span {
     pub id: String,
     /// The scene, for people.
     pub scene: String,
-    /// How long it took.
     pub seconds: f64,
-    /// Cores of the machine.
     pub cores: u64,
     /// Processor time of the harness and its runners, in seconds.
     pub own_s: f64,
-    /// Processor time of everything else.
     pub others_s: f64,
     /// Time in which a core was ready and the host gave it to another machine.
     pub stolen_s: f64,
@@ -73,12 +67,9 @@ pub struct Span {
     pub load_after: Option<f64>,
 }
 
-/// The entries of a result folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// By what rows say.
     pub processes: BTreeMap<String, Process>,
-    /// By what rows say.
     pub spans: BTreeMap<String, Span>,
 }
 
@@ -92,13 +83,11 @@ impl Ledger {
         ledger
     }
 
-    /// The entries of both.
     pub fn join(&mut self, other: Ledger) {
         self.processes.extend(other.processes);
         self.spans.extend(other.spans);
     }
 
-    /// Its lines.
     pub fn text(&self) -> String {
         let processes = self.processes.values().cloned().map(Entry::Process);
         let entries = processes.chain(self.spans.values().cloned().map(Entry::Span));
@@ -141,7 +130,6 @@ pub fn faults(folder: &Path) -> Vec<(usize, String)> {
     lines(&text).filter_map(|(k, entry)| Some((k, entry.err()?))).collect()
 }
 
-/// Appends entries.
 pub struct Writer {
     file: File,
     known: BTreeSet<String>,

@@ -19,7 +19,6 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// See [`Hardware::may_be`].
     pub fn may_be(&self, other: &Machine) -> bool {
         self.name == other.name && self.hardware.may_be(&other.hardware)
     }

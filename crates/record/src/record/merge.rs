@@ -16,7 +16,6 @@ use crate::record::outcome::Pass;
 use crate::record::row::{Measurement, Row};
 use crate::record::{copies, done, file, folder, provenance};
 
-/// A result folder as read.
 pub struct Part {
     pub folder: PathBuf,
     pub rows: Vec<Row>,

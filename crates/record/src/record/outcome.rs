@@ -56,7 +56,6 @@ impl Pass {
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// The answer was right.
     #[default]
     Ok,
     /// Contacts were lost, as textbook filters and careless trackers may: the answer is what was
@@ -66,9 +65,7 @@ pub enum Outcome {
     Wrong,
     /// A control that reports nothing on purpose.
     Control,
-    /// It took longer than the limit.
     Timeout,
-    /// It hit the memory limit.
     OutOfMemory,
     /// The detector will not work on this scene, and says why.
     Refused,

@@ -10,7 +10,6 @@ use crate::record::hardware::Hardware;
 use crate::record::row::SCHEMA;
 use crate::record::seal;
 
-/// The name of the provenance file in a result folder.
 pub const FILE: &str = "provenance.json";
 
 /// What there is to know about this run, as a JSON object; the rows call the machine by the
@@ -123,7 +122,6 @@ pub fn others(folder: &Path) -> Vec<Value> {
         .collect()
 }
 
-/// All of a folder.
 pub fn all(folder: &Path) -> Vec<Value> {
     of_folder(folder).into_iter().chain(others(folder)).collect()
 }

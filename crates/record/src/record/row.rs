@@ -62,13 +62,11 @@ macro_rules! table {
         }
 
         impl $name {
-            /// The columns among the fields.
             pub(super) const COLUMNS: &[Field<$name>] = &[
                 $($((stringify!($field), $pass, $unit, |it| it.$field.number()),)?)*
                 $($($((stringify!($some), $by, $in, |it| it.$some.number()),)?)*)?
             ];
 
-            /// The names of all fields.
             #[cfg(test)]
             const FIELDS: &[&str] = &[$(stringify!($field),)* $($(stringify!($some),)*)?];
         }
@@ -79,74 +77,42 @@ const TIME: Option<Pass> = Some(Pass::Time);
 const MEMORY: Option<Pass> = Some(Pass::Memory);
 
 table! {
-    /// One measurement.
     Row {
         #[serde(flatten)]
         id: CellId;
         role: Role;
         pass: Pass;
-        /// Number of the paired block; 0 for counts and memory, and for copies that did not start.
         block: u32;
-        /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several
-        /// copies the harmonic mean.
         time_ns: Option<u64> = TIME, "ns";
-        /// The first detection of the process, which is not in the sample: cold caches, fresh memory.
         first_ns: Option<u64> = TIME, "ns";
-        /// Detections in this sample.
         calls: Option<u64>;
-        /// Nanoseconds of the whole sample.
         elapsed_ns: Option<u64>;
-        /// Where builds are timed side by side: nanoseconds per detection of each round.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         rounds_ns: Vec<u64>;
         outcome: Outcome;
-        /// Why, when the outcome is not `ok`.
         reason: String;
-        /// Pairs reported.
         contacts: Option<u64> = None, "pairs";
-        /// Order-free fingerprint of the pairs reported.
         digest: Option<String>;
-        /// Operation counts; empty except in counting passes.
         counts: BTreeMap<String, u64>;
-        /// Most heap bytes held at one time above the input.
         peak_bytes: Option<u64> = MEMORY, "bytes";
-        /// Heap bytes held after the detection.
         live_bytes: Option<u64> = MEMORY, "bytes";
-        /// Heap allocations of the first detection.
         allocations: Option<u64> = MEMORY, "";
-        /// Heap allocations of a second detection of the same scene.
         warm_allocations: Option<u64> = MEMORY, "";
-        /// Bytes by the detector's declared formula.
         formula_bytes: Option<u64> = MEMORY, "bytes";
-        /// Against exact decisions on the scene as given, where that was compared.
         errors: Option<Errors>;
-        /// The same by cause.
         causes: Option<Causes>;
-        /// The scene as realised.
         stats: Stats;
         @known
-        /// Of a scene in motion: the part of `time_ns` that building lists took.
         building_ns: u64 = TIME, "ns";
-        /// `time_ns` of the frame in the middle of all.
         median_step_ns: u64 = TIME, "ns";
-        /// `time_ns` of the slowest frame.
         worst_step_ns: u64 = TIME, "ns";
-        /// Nanoseconds of a fixed loop, bound by caches and memory, before the sample's process began
-        /// or after the sample, whichever took longer.
         pulse_ns: u64 = TIME, "ns";
-        /// Of copies: `time_ns` of each of them alone.
         alone_ns: u64;
-        /// The processor that the process was kept on.
         processor: u32;
-        /// Milliseconds since 1970 when the sample began.
         began_ms: u64;
-        /// Of a scene in motion: what became of its frames.
         course: Course;
-        /// How the scene moves.
         moved: Moved;
-        /// What answered: an entry of the ledger.
         process: String;
-        /// When it was timed: an entry of the ledger.
         span: String;
     }
 }
@@ -156,27 +122,16 @@ table! {
     /// `Late` of the crate that runs trackers.
     #[derive(Copy)]
     Course {
-        /// Frames in which the detector was called, or all was made anew.
         builds: u64 = None, "frames";
-        /// Builds that LAMMPS would call dangerous.
         dangerous: u64 = None, "frames";
-        /// Dangerous builds after a missed contact.
         dangerous_rightly: u64 = None, "frames";
-        /// Builds after a missed contact, dangerous or not.
         missing_builds: u64 = None, "frames";
-        /// Pairs tested, in all frames.
         listed: u64 = None, "pairs";
-        /// Frames with a missed contact.
         wrong_frames: u64 = None, "frames";
-        /// The most missed contacts in one frame.
         worst_missed: u64 = None, "pairs";
-        /// Contacts that were never reported.
         never: u64 = None, "pairs";
-        /// Of the contacts that were reported too late, the most frames.
         latest: u64 = None, "frames";
-        /// Their largest overlap when they were first reported, in mean radii of the pair.
         deepest_late: f64 = None, "mean radii";
-        /// The first frame with a missed contact.
         first_wrong: Option<u64> = None, "frame";
     }
 }
@@ -198,7 +153,6 @@ impl Row {
         }
     }
 
-    /// What this row measures.
     pub fn measurement(&self) -> Measurement {
         Measurement { id: self.id.clone(), pass: self.pass, block: self.block }
     }

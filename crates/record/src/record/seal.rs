@@ -1,21 +1,15 @@
 //! The check of a line: its last field, a fingerprint of all bytes before. It tells a line that was
 //! edited, or damaged on its way, from one that was written by a run; it is no signature.
 
-/// The name of the field.
 pub const NAME: &str = "check";
-/// What stands before the digits.
 const KEY: &str = ",\"check\":\"0x";
-/// What stands after the digits.
 const END: &str = "\"}";
 const DIGITS: usize = 16;
 
-/// What is wrong with the check of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Flaw {
-    /// It has none at its end.
     #[error("it has no check at its end: it was edited")]
     Absent,
-    /// It is of another line.
     #[error("its check is that of another text: it was edited")]
     Wrong,
 }

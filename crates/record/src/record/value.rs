@@ -10,13 +10,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// written (2 and 2.0); numbers come before words.
 #[derive(Clone, Debug)]
 pub enum AxisValue {
-    /// True or false.
     Bool(bool),
     /// A whole number, exact.
     Integer(i128),
-    /// Any other number.
     Real(f64),
-    /// A word.
     Text(String),
 }
 

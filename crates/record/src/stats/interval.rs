@@ -15,7 +15,6 @@ pub use contactbench_terms::interval::Interval;
 /// and says what it covers.
 pub const COVERAGE: f64 = 0.95;
 
-/// The finite values, sorted.
 fn sorted(values: &[f64]) -> Vec<f64> {
     let mut values: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);

@@ -3,9 +3,7 @@
 /// y = `intercept` + `slope` x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightLine {
-    /// y at x = 0.
     pub intercept: f64,
-    /// What y gains with x.
     pub slope: f64,
     /// Standard error of the slope; none with two points, which any line fits.
     pub error: Option<f64>,

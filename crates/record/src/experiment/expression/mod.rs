@@ -20,7 +20,6 @@ const DEEPEST: u32 = 64;
 type Unary = fn(f64) -> f64;
 type Binary = fn(f64, f64) -> f64;
 
-/// Functions of one number.
 const UNARY: [(&str, Unary); 6] = [
     ("abs", f64::abs),
     ("sqrt", f64::sqrt),
@@ -41,7 +40,6 @@ enum Step {
     Binary(Binary),
 }
 
-/// An expression over variables.
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
@@ -51,7 +49,6 @@ pub struct Expression {
     steps: Vec<Step>,
 }
 
-/// Why a text is not an expression.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cannot read the expression '{text}': at column {column}, {problem}")]
 pub struct NotAnExpression {

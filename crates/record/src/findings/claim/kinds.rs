@@ -12,12 +12,9 @@ use crate::stats::growth::{self, Choice, LIMIT, Model, Tail};
 use crate::stats::interval::Interval;
 use contactbench_terms::number::{number, percent, plural, times, with_interval};
 
-/// Relative difference that rounding of an expression may cause.
 const ROUNDING: f64 = 1e-12;
-/// Series that do not grow as claimed, listed one by one.
 const SERIES: usize = 3;
 
-/// What the values of cells say of a claim.
 pub(super) struct Finding {
     pub status: Status,
     pub words: String,
@@ -25,7 +22,6 @@ pub(super) struct Finding {
     pub nothing: bool,
     /// True where more cells may turn a failure round.
     pub open: bool,
-    /// The cells that it is about.
     pub used: BTreeSet<CellId>,
 }
 
@@ -43,7 +39,6 @@ impl Finding {
     }
 }
 
-/// A cell and its value.
 #[derive(Clone, Copy)]
 pub(super) struct Valued<'a> {
     pub cell: &'a Cell,

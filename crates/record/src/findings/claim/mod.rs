@@ -19,7 +19,6 @@ use crate::findings::coverage::{Coverage, Uncovered};
 use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 
-/// What came of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// True in every cell planned.
@@ -43,12 +42,10 @@ impl Status {
     }
 }
 
-/// A claim and what came of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     pub experiment: String,
     pub claim: String,
-    /// Where the claim comes from.
     pub source: String,
     /// What it answers to the experiment's question if it holds; may be empty.
     pub answers: String,
@@ -65,7 +62,6 @@ pub struct Evidence {
     pub found: String,
     /// True where there was nothing to check.
     pub nothing: bool,
-    /// True where the numbers are of one machine.
     pub of_machine: bool,
     /// The cells that the claim is about and that could not enter.
     pub without: Option<Without>,
@@ -76,7 +72,6 @@ pub struct Evidence {
     pub time: Option<[f64; 2]>,
 }
 
-/// Cells that could not enter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Without {
     /// This many, by outcome; no outcome for those that ended well and have no value.

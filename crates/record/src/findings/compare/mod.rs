@@ -51,7 +51,6 @@ pub struct Against {
     pub drift: Option<f64>,
 }
 
-/// One of the two records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     A,
@@ -82,7 +81,6 @@ pub struct Change {
     pub b: String,
 }
 
-/// A cell of either record.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// `nbs, packed, 3D, n = 1000, ...`: all that tells it from other cells.
@@ -90,7 +88,6 @@ pub struct Compared {
     pub id: CellId,
     /// What must be the same and is not.
     pub changes: Vec<Change>,
-    /// Why there is nothing to compare, if so.
     pub absent: Option<Absent>,
     /// What cannot be compared though the cell is in both: a run was cut short.
     pub lacks: Vec<Lack>,
@@ -98,10 +95,8 @@ pub struct Compared {
     pub timing: Option<Timing>,
 }
 
-/// Why a cell cannot be compared.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Absent {
-    /// It stands in one record only.
     OnlyIn(Side),
     /// The contender was not available in one: why.
     UnavailableIn(Side, String),
@@ -143,7 +138,6 @@ pub fn floors(cells: &[Cell]) -> BTreeMap<String, Noise> {
     experiments.into_iter().map(|(name, cells)| (name, Noise::new(&cells))).collect()
 }
 
-/// The cells of a record.
 struct Record {
     cells: BTreeMap<CellId, Cell>,
     /// Numbers of pairs and their fingerprints: one, unless answers differ.
@@ -221,7 +215,6 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
     found
 }
 
-/// Compares a cell that both records have.
 fn fill(
     cell: &mut Compared,
     (a, in_a): (&Record, &Cell),

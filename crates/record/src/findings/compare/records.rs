@@ -9,7 +9,6 @@ use crate::record::machines::Machine;
 use crate::record::merge::Part;
 use crate::record::row::Row;
 
-/// The names of the machines that measured a record.
 pub fn machines(part: &Part) -> BTreeSet<String> {
     part.rows.iter().map(|row| row.id.machine.clone().unwrap_or_default()).collect()
 }
@@ -59,7 +58,6 @@ pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
     }
 }
 
-/// The kinds of builds of the two, if they differ.
 pub fn two_builds(parts: [&Part; 2]) -> Option<[String; 2]> {
     let profile = |part: &Part| field(part, "profile").as_str().map(String::from);
     let [a, b] = parts.map(profile);

@@ -5,17 +5,14 @@ use std::collections::BTreeMap;
 use super::{Compared, Judgement, Note, SEEN, Timing};
 use crate::stats::interval::{at_least, median};
 
-/// How many cells came out how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub cells: usize,
     /// Those in which something differs that must be the same.
     pub changed: usize,
-    /// Those that cannot be compared.
     pub absent: usize,
     /// Those of which a part cannot be compared.
     pub lacking: usize,
-    /// Those with times in both, by verdict.
     pub judged: BTreeMap<Judgement, usize>,
     /// Of equal code so many would be slower by chance, at most.
     pub by_chance: f64,

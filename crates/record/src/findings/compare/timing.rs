@@ -5,7 +5,6 @@ use crate::cells::Cell;
 use crate::stats::interval::{Blocks, COVERAGE, Interval, median};
 use crate::stats::unpaired;
 
-/// What came of the times of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judgement {
@@ -44,20 +43,15 @@ pub struct Timing {
     /// B over A; with a reference, each first divided by the reference's time in the same block.
     pub ratio: Interval,
     pub judgement: Judgement,
-    /// Why nothing else can be said, if so.
     pub note: Option<Note>,
     /// A slowdown by this factor would have been found here, nearly always.
     pub least: f64,
 }
 
-/// Why times are not judged, or undecided.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
-    /// They are of two kinds of builds.
     Builds,
-    /// They are of two machines.
     Machines,
-    /// The cell is of the reference itself.
     Reference,
     /// The reference of this name has no times on this scene in both.
     NoReference(String),
@@ -86,7 +80,6 @@ impl Timing {
     }
 }
 
-/// The verdict on a cell; none without times in both.
 pub(super) fn timing(
     (a, in_a): (&Record, &Cell),
     (b, in_b): (&Record, &Cell),

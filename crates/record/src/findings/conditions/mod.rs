@@ -54,7 +54,6 @@ pub enum Load {
     },
 }
 
-/// A reason to doubt times.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Doubt {
     /// Other processes used so many cores, on average; and in one scene, named, where that says
@@ -62,7 +61,6 @@ pub enum Doubt {
     Others(f64, Option<(String, f64)>),
     /// The host took so many cores away; likewise.
     Stolen(f64, Option<(String, f64)>),
-    /// The load average of the minute before the run.
     Before(f64),
     /// Of so many timed rows, of so many in all, the load is not known.
     Unwatched(usize, usize),

@@ -25,15 +25,12 @@ use crate::record::row::{Outcome, Pass};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Why {
     Stopped,
-    /// A quick run has fewer scenes and blocks.
     Quick,
     /// It belongs to another shard.
     Shard,
     /// It is in none of the folders that were merged.
     NotMerged,
-    /// The block budget was over.
     Budget,
-    /// The program could not be started.
     Unavailable,
 }
 
@@ -98,20 +95,17 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// A planned cell, and what there is of it.
 struct Planned<'a> {
     /// Its axes, those of the measured cell where there is one.
     id: CellId,
     /// The entrant is there to measure by.
     control: bool,
-    /// The number of its scene among those planned.
     scene: usize,
     cell: Option<&'a Cell>,
     /// Why it would not be there.
     why: Why,
 }
 
-/// What an experiment plans, held to a record.
 pub struct Coverage<'a> {
     experiment: &'a Experiment,
     planned: Vec<Planned<'a>>,
@@ -124,7 +118,6 @@ pub struct Coverage<'a> {
     unavailable: BTreeMap<String, String>,
 }
 
-/// The plan of an experiment in numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub experiment: String,
@@ -132,7 +125,6 @@ pub struct Summary {
     pub scenes: [usize; 2],
     /// Planned cells that are there, and all.
     pub cells: [usize; 2],
-    /// Cells that are not there.
     pub missing: BTreeMap<Why, usize>,
     /// Cells with fewer blocks than are planned.
     pub short: BTreeMap<Why, Short>,
@@ -145,7 +137,6 @@ pub struct Summary {
     pub unavailable: BTreeMap<String, String>,
 }
 
-/// Cells with fewer blocks than are planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Short {
     pub cells: usize,
@@ -162,7 +153,6 @@ pub struct Uncovered {
     /// The axes that tell them from the others.
     pub gaps: Vec<Gap>,
     pub why: BTreeMap<Why, usize>,
-    /// The contenders that could not be started.
     pub unavailable: BTreeSet<String>,
 }
 
@@ -177,7 +167,6 @@ pub struct Gap {
 }
 
 impl<'a> Coverage<'a> {
-    /// Of an experiment, with its cells.
     pub fn new(experiment: &'a Experiment, own: &[&'a Cell], scope: &Scope<'_>) -> Coverage<'a> {
         let plan = &experiment.planned;
         let mut known: HashMap<CellId, Vec<&Cell>> = HashMap::new();
@@ -306,7 +295,6 @@ impl<'a> Coverage<'a> {
         Some(Uncovered { cells: gone.len(), of: all.len(), gaps, why, unavailable })
     }
 
-    /// The planned cells that a claim is about.
     fn about(&self, claim: &Claim) -> Vec<&Planned<'a>> {
         let named = claim.filter.contains_key("detector");
         let meant = |planned: &&Planned<'_>| {
@@ -351,7 +339,6 @@ impl<'a> Coverage<'a> {
     }
 }
 
-/// The contenders all of whose cells are unavailable, and the reason of the first.
 fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
     let started = |cell: &&&Cell| cell.overall().0 != Outcome::Unavailable;
     let known: BTreeSet<String> = own.iter().filter(started).map(|it| it.id.contender()).collect();
@@ -362,7 +349,6 @@ fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
     found
 }
 
-/// The passes that a claim needs.
 fn passes(claim: &Claim) -> Vec<Pass> {
     match &claim.kind {
         ClaimKind::Faster { .. } => vec![Pass::Time],

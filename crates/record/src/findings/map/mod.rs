@@ -46,7 +46,6 @@ pub struct Map {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Its name as in expressions.
     pub name: String,
     /// Its values, ascending, as they are shown; numbers before words.
     pub values: Vec<String>,
@@ -55,7 +54,6 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     pub experiment: String,
-    /// `loose, 3D, order = morton`.
     pub title: String,
     /// The places in which something was measured, by row, then column.
     pub spots: Vec<Spot>,
@@ -66,7 +64,6 @@ pub struct Spot {
     /// Which of the values across and upwards.
     pub at: [usize; 2],
     pub n: u64,
-    /// Who is the fastest; none if nobody has a time.
     pub contest: Option<Contest>,
     /// How it ended for those who have none: the first of them.
     pub outcome: Outcome,
@@ -115,7 +112,6 @@ impl Panel {
         used.into_iter().collect()
     }
 
-    /// The place of these values.
     pub fn at(&self, at: [usize; 2]) -> Option<&Spot> {
         self.spots.iter().find(|spot| spot.at == at)
     }

@@ -34,7 +34,6 @@ pub fn map(lab: &Lab, x: &str, y: &str, text: &str) -> anyhow::Result<Map> {
     Map::new(&MapAxes::new(x, y), &filter(text), &cells::cells(&lab.rows()))
 }
 
-/// The map of them.
 pub fn made_up() -> Map {
     map(&lab(), "n", "fraction", "").unwrap()
 }

@@ -25,7 +25,6 @@ const OF_SCENES: [&str; 8] = [
     "ended",
     "at_rest",
 ];
-/// A variable of the cells, with its values in order.
 pub(super) struct Variable {
     pub name: String,
     values: Values,
@@ -102,7 +101,6 @@ impl Variable {
     }
 }
 
-/// What was measured of a cell's scene.
 fn of_scene(cell: &Cell, name: &str) -> Option<f64> {
     OF_SCENES.contains(&name).then(|| cell.variable(name, None)).flatten()
 }

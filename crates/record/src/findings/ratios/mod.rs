@@ -21,7 +21,6 @@ pub struct Ratios {
     pub scenes: Vec<SceneRatios>,
     /// The fastest library of each scene and N, where the reference has a time, too.
     pub libraries: Vec<Library>,
-    /// Who has no right answer, and why.
     pub missing: Vec<Missing>,
 }
 
@@ -32,7 +31,6 @@ pub struct Library {
     /// Scenes of that many particles: one for each seed.
     pub scenes: usize,
     pub name: String,
-    /// Its time over that of the reference.
     pub ratio: Interval,
     /// The same of first detections: a library that asks for new memory at each call loses less.
     pub cold: Option<Interval>,
@@ -59,7 +57,6 @@ pub struct Fastest {
     pub name: String,
     /// Its median time per detection, in nanoseconds.
     pub time_ns: f64,
-    /// How the reference stands to it.
     pub near: Near,
     /// Those for whom that is undecided.
     pub open: Vec<String>,
@@ -91,7 +88,6 @@ impl Near {
         }
     }
 
-    /// The time of the reference over that of the fastest.
     pub fn ratio(&self) -> Option<Interval> {
         match self {
             Near::Within(ratio) | Near::Beyond(ratio) => Some(*ratio),

@@ -13,10 +13,8 @@ use crate::record::provenance;
 use crate::record::row::Row;
 use crate::record::seal::{self, Flaw};
 
-/// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
 
-/// What the name of a compressed record ends with.
 const PACKED: &str = ".gz";
 /// No row has a line of so many bytes.
 const LONGEST: u64 = 1 << 24;
@@ -123,10 +121,8 @@ fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
     }
 }
 
-/// A record as read, with what was wrong with it.
 #[derive(Default)]
 pub struct Record {
-    /// The rows, in the order written.
     pub rows: Vec<Row>,
     /// Sentences about lines that were left out.
     pub warnings: Vec<String>,
@@ -141,7 +137,6 @@ struct Version {
     schema: u32,
 }
 
-/// The file of a compressed record: `samples.jsonl.gz`.
 fn packed(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(PACKED);

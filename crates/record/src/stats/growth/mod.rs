@@ -52,7 +52,6 @@ impl Model {
     /// All models, slowest growth first.
     pub const ALL: [Model; 3] = [Model::Linear, Model::Linearithmic, Model::Quadratic];
 
-    /// The name in claims and reports.
     pub fn name(self) -> &'static str {
         match self {
             Model::Linear => "N",
@@ -76,7 +75,6 @@ impl Model {
         }
     }
 
-    /// f(N), up to its scale.
     pub fn at(self, n: f64) -> f64 {
         match self {
             Model::Linear => n,
@@ -91,9 +89,7 @@ impl Model {
 pub struct Slope {
     pub exponent: f64,
     pub error: f64,
-    /// Lower end of the 95% interval.
     pub low: f64,
-    /// Upper end of the 95% interval.
     pub high: f64,
 }
 
@@ -107,7 +103,6 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// How much worse the runner-up is, in AICc.
     pub fn delta(&self) -> Option<f64> {
         Some(self.scores.get(1)?.1 - self.scores.first()?.1)
     }
@@ -194,7 +189,6 @@ impl Tail {
     }
 }
 
-/// Chooses among the models, or says why it cannot.
 pub fn choose(points: &[(f64, f64)]) -> Choice {
     let kept = logs(points);
     let scores = scores(&kept);
