@@ -12,8 +12,8 @@ use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
 use contactbench_record::cells::cells;
 use contactbench_record::findings::compare::{
-    Absent, Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell,
-    control, floors, pooled, records,
+    Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell, control,
+    floors, pooled, records,
 };
 use contactbench_record::findings::conditions::Conditions;
 use contactbench_record::record::merge::Part;
@@ -150,7 +150,7 @@ fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<
     };
     let cells = cell_by_cell(&a, &b, &how);
     ensure!(
-        cells.iter().any(|cell| !matches!(cell.absent, Some(Absent::OnlyIn(_)))),
+        cells.iter().any(|cell| cell.in_both),
         "{} and {} have no cell in common: they are results of different experiments or scenes",
         both[0].folder.display(),
         both[1].folder.display()
@@ -172,9 +172,9 @@ fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
         let changes: Vec<String> = cell.changes.iter().map(words::change).collect();
         Outcome::Failed(format!("changed: {}", changes.join("; ")))
     } else if let Some(absent) = &cell.absent {
-        gated(options.strict, words::absent(absent), Outcome::Skipped)
+        gated(options.strict, absent.clone(), Outcome::Skipped)
     } else if !cell.lacks.is_empty() {
-        gated(options.strict, lacks(cell), Outcome::Noted)
+        gated(options.strict, cell.lacks.join("; "), Outcome::Noted)
     } else if let Some(timing) = slower {
         let why = format!("{}: B / A = {}", timing.judgement.name(), words::ratio(timing));
         gated(gated_time, why, Outcome::Noted)
@@ -183,10 +183,6 @@ fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     };
     let class = format!("{}.{}", cell.id.experiment, cell.id.scene);
     Case { class, name: cell.place.clone(), result }
-}
-
-fn lacks(cell: &Compared) -> String {
-    cell.lacks.iter().map(words::lack).collect::<Vec<_>>().join("; ")
 }
 
 impl Comparison<'_> {
@@ -221,10 +217,10 @@ impl Comparison<'_> {
         }
         for cell in cells {
             if let Some(absent) = cell.absent.as_ref().filter(|_| options.all || options.strict) {
-                writeln!(out, "absent   {}: {}", cell.place, words::absent(absent))?;
+                writeln!(out, "absent   {}: {}", cell.place, absent)?;
             }
             if !cell.lacks.is_empty() {
-                writeln!(out, "lacking  {}: {}", cell.place, lacks(cell))?;
+                writeln!(out, "lacking  {}: {}", cell.place, cell.lacks.join("; "))?;
             }
         }
         let times = words::times(cells, how, options.all);
@@ -306,7 +302,7 @@ fn side(part: &Part) -> Value {
         "processors": processors(part),
         "revision": records::field(part, "revision"),
         "profile": records::field(part, "profile"),
-        "doubts": doubtful::doubts(&conditions(part)),
+        "doubts": conditions(part).doubts,
     })
 }
 
@@ -334,13 +330,13 @@ fn as_json(cell: &Compared, how: &How) -> Value {
         })
     });
     let names = cell.id.names().filter_map(|name| cell.id.axis(&name).map(|v| (name, v)));
-    let key: Map<String, Value> = names.map(|(name, value)| (name, Value::from(&value))).collect();
+    let key: Map<String, Value> = names.map(|(name, value)| (name, Value::from(value))).collect();
     json!({
         "cell": cell.place,
         "key": key,
         "changes": cell.changes,
-        "absent": cell.absent.as_ref().map(words::absent),
-        "lacks": cell.lacks.iter().map(words::lack).collect::<Vec<_>>(),
+        "absent": cell.absent,
+        "lacks": cell.lacks,
         "time": time,
     })
 }

@@ -45,31 +45,42 @@ impl Arithmetic {
     pub const SAFE: [Arithmetic; 4] =
         [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64, Arithmetic::Exact];
 
-    /// The name used in records and on the command line.
-    pub fn name(self) -> &'static str {
+    /// Its name, what it means, and how scenes are stored and tested.
+    const fn entry(self) -> (&'static str, &'static str, Storage, Test) {
         match self {
-            Arithmetic::F32 => "f32",
-            Arithmetic::F32Cell => "f32-cell",
-            Arithmetic::Textbook => "textbook",
-            Arithmetic::F64 => "f64",
-            Arithmetic::Exact => "exact",
+            Arithmetic::F32 => {
+                let words = "scene stored in f32, contacts decided in f32";
+                ("f32", words, Storage::F32, Test::Rounded)
+            }
+            Arithmetic::F32Cell => {
+                let words = "coordinates as cell number and f32 offset from the cell's origin, \
+                             contacts decided in f32";
+                ("f32-cell", words, Storage::Cell, Test::Rounded)
+            }
+            Arithmetic::Textbook => {
+                let words =
+                    "f64, with the book's filters as printed: may lose contacts to rounding";
+                ("textbook", words, Storage::F64, Test::Textbook)
+            }
+            Arithmetic::F64 => {
+                let words = "scene stored and contacts decided in f64";
+                ("f64", words, Storage::F64, Test::Rounded)
+            }
+            Arithmetic::Exact => {
+                let words = "scene stored in f64, contacts decided exactly (the default)";
+                ("exact", words, Storage::F64, Test::Exact)
+            }
         }
+    }
+
+    /// The name used in records and on the command line.
+    pub const fn name(self) -> &'static str {
+        self.entry().0
     }
 
     /// What it means, in a phrase.
     pub fn summary(self) -> &'static str {
-        match self {
-            Arithmetic::F32 => "scene stored in f32, contacts decided in f32",
-            Arithmetic::F32Cell => {
-                "coordinates as cell number and f32 offset from the cell's origin, contacts \
-                 decided in f32"
-            }
-            Arithmetic::Textbook => {
-                "f64, with the book's filters as printed: may lose contacts to rounding"
-            }
-            Arithmetic::F64 => "scene stored and contacts decided in f64",
-            Arithmetic::Exact => "scene stored in f64, contacts decided exactly (the default)",
-        }
+        self.entry().1
     }
 
     /// All names, for messages.
@@ -78,21 +89,13 @@ impl Arithmetic {
     }
 
     /// How a scene that is stored for this arithmetic is tested.
-    pub fn test(self) -> Test {
-        match self {
-            Arithmetic::F32 | Arithmetic::F32Cell | Arithmetic::F64 => Test::Rounded,
-            Arithmetic::Textbook => Test::Textbook,
-            Arithmetic::Exact => Test::Exact,
-        }
+    pub const fn test(self) -> Test {
+        self.entry().3
     }
 
     /// In which number format it stores a scene.
-    pub fn storage(self) -> Storage {
-        match self {
-            Arithmetic::F32 => Storage::F32,
-            Arithmetic::F32Cell => Storage::Cell,
-            Arithmetic::Textbook | Arithmetic::F64 | Arithmetic::Exact => Storage::F64,
-        }
+    pub const fn storage(self) -> Storage {
+        self.entry().2
     }
 
     /// One of [`Arithmetic::SAFE`]?

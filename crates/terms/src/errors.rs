@@ -46,10 +46,10 @@ impl std::fmt::Display for Errors {
 impl Errors {
     /// Those of another answer as well: sums, and the deepest and widest of both.
     pub fn add(&mut self, other: &Errors) {
-        self.missed += other.missed;
-        self.spurious += other.spurious;
-        self.duplicate += other.duplicate;
-        self.self_pairs += other.self_pairs;
+        self.missed = self.missed.saturating_add(other.missed);
+        self.spurious = self.spurious.saturating_add(other.spurious);
+        self.duplicate = self.duplicate.saturating_add(other.duplicate);
+        self.self_pairs = self.self_pairs.saturating_add(other.self_pairs);
         self.deepest_miss = self.deepest_miss.max(other.deepest_miss);
         self.widest_false = self.widest_false.max(other.widest_false);
     }

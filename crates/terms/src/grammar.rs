@@ -21,53 +21,12 @@ pub struct Spec<'a> {
     pub stray: Option<&'a str>,
 }
 
-/// What is wrong with a text.
+/// What is wrong with a text: the text, the piece of it, and what may stand there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// A piece without `=`.
-    #[error("'{text}': '{piece}' is not of the form key=value; {takes}")]
-    Form {
-        /// The whole text.
-        text: String,
-        /// The piece of it.
-        piece: String,
-        /// What may stand there.
-        takes: String,
-    },
-    /// A key with two values.
-    #[error("'{text}': {key} is given twice; leave one out")]
-    Twice {
-        /// The whole text.
-        text: String,
-        /// The key.
-        key: String,
-    },
-    /// A key that is not known.
-    #[error("'{text}': there is no parameter '{key}'{hint}; {takes}")]
-    Key {
-        /// The whole text.
-        text: String,
-        /// The key.
-        key: String,
-        /// A suggestion such as `; did you mean skin?`, or empty.
-        hint: String,
-        /// The known keys.
-        takes: String,
-    },
-    /// A value that the key does not take.
-    #[error("'{text}': {key} cannot be '{value}'{hint}; it is {allowed}")]
-    Value {
-        /// The whole text.
-        text: String,
-        /// The key.
-        key: String,
-        /// The value.
-        value: String,
-        /// A suggestion such as `; did you mean morton?`, or empty.
-        hint: String,
-        /// The allowed values.
-        allowed: String,
-    },
+#[error("'{text}': {what}")]
+pub struct Error {
+    text: String,
+    what: String,
 }
 
 impl<'a> Spec<'a> {
@@ -114,15 +73,18 @@ impl<'a> Spec<'a> {
     /// # Errors
     /// The first piece or key of which this does not hold.
     pub fn form(&self, takes: &str) -> Result<(), Error> {
-        let text = || self.text.to_string();
         if let Some(piece) = self.stray {
-            return Err(Error::Form { text: text(), piece: piece.into(), takes: takes.into() });
+            return Err(self.error(format!("'{piece}' is not of the form key=value; {takes}")));
         }
         let mut keys = self.params.iter().map(|(key, _)| *key).enumerate();
         match keys.find(|(k, key)| self.params[..*k].iter().any(|(other, _)| other == key)) {
-            Some((_, key)) => Err(Error::Twice { text: text(), key: key.into() }),
+            Some((_, key)) => Err(self.error(format!("{key} is given twice; leave one out"))),
             None => Ok(()),
         }
+    }
+
+    fn error(&self, what: String) -> Error {
+        Error { text: self.text.into(), what }
     }
 
     /// As [`Spec::form`]; all keys must be among these, too.
@@ -132,12 +94,10 @@ impl<'a> Spec<'a> {
     pub fn keys(&self, known: &[&str], takes: &str) -> Result<(), Error> {
         self.form(takes)?;
         match self.params.iter().find(|(key, _)| !known.contains(key)) {
-            Some((key, _)) => Err(Error::Key {
-                text: self.text.into(),
-                key: key.to_string(),
-                hint: hint(key, known.iter().copied()),
-                takes: takes.into(),
-            }),
+            Some((key, _)) => {
+                let hint = hint(key, known.iter().copied());
+                Err(self.error(format!("there is no parameter '{key}'{hint}; {takes}")))
+            }
             None => Ok(()),
         }
     }
@@ -145,13 +105,8 @@ impl<'a> Spec<'a> {
     /// Builds the error for a value that `key` does not take. `allowed` describes the allowed
     /// values; `words` lists those that are names, for the suggestion.
     pub fn wrong(&self, key: &str, value: &str, words: &[&str], allowed: &str) -> Error {
-        Error::Value {
-            text: self.text.into(),
-            key: key.into(),
-            value: value.into(),
-            hint: hint(value, words.iter().copied()),
-            allowed: allowed.into(),
-        }
+        let hint = hint(value, words.iter().copied());
+        self.error(format!("{key} cannot be '{value}'{hint}; it is {allowed}"))
     }
 }
 

@@ -82,7 +82,7 @@ impl Lab {
         self
     }
     pub fn param(&mut self, name: &str, value: impl Into<serde_json::Value>) -> &mut Lab {
-        self.base.id.params.insert(name.into(), (&value.into()).into());
+        self.base.id.params.insert(name.into(), AxisValue::from(value.into()));
         self
     }
     /// The fraction of the scene that bodies fill.

@@ -6,21 +6,21 @@ use crate::cells::label::{brief, swept, title};
 use crate::cells::{Cell, CellId};
 use contactbench_terms::arithmetic::Arithmetic;
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Courses {
+#[derive(Clone, Debug)]
+pub struct Courses<'a> {
     pub trackers: Vec<String>,
     /// The arithmetic, where there are several.
     pub arithmetic: Option<String>,
-    pub courses: Vec<Course>,
+    pub courses: Vec<Course<'a>>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+#[derive(Clone, Debug)]
+pub struct Course<'a> {
     /// `packed, 3D, N = 1000, motion = drift`.
     pub title: String,
     pub motion: Motion,
     /// What each tracker did, in their order; none where one has no answer.
-    pub done: Vec<Option<Done>>,
+    pub done: Vec<Option<&'a Cell>>,
 }
 
 /// How a scene moves, in diameters of the largest body and pairs.
@@ -35,27 +35,10 @@ pub struct Motion {
     pub tunnelled: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Done {
-    pub builds: f64,
-    pub missed: f64,
-    /// Those among all that there were.
-    pub share: f64,
-    pub first: Option<f64>,
-    pub never: f64,
-    /// Frames until the latest was.
-    pub latest: f64,
-    /// The largest overlap of a missed contact, in mean radii.
-    pub deepest: f64,
-    pub dangerous: f64,
-    pub rightly: f64,
-    pub missing: f64,
-}
-
-impl Courses {
+impl<'a> Courses<'a> {
     /// From the cells of an experiment, in exact arithmetic if it is there; none if nothing moves.
-    pub fn new(cells: &[&Cell]) -> Option<Courses> {
-        let mut own: Vec<&Cell> = cells.to_vec();
+    pub fn new(cells: &[&'a Cell]) -> Option<Courses<'a>> {
+        let mut own: Vec<&'a Cell> = cells.to_vec();
         own.retain(|cell| !cell.role.is_control() && cell.values.contains_key("builds"));
         let arithmetics: BTreeSet<&str> =
             own.iter().map(|cell| cell.id.arithmetic.as_str()).collect();
@@ -69,12 +52,14 @@ impl Courses {
         let names: BTreeSet<String> = own.iter().map(|cell| cell.id.contender()).collect();
         let called = brief(names.iter().map(String::as_str));
         let swept = swept(&own);
-        let mut scenes: BTreeMap<_, (&CellId, BTreeMap<String, &Cell>)> = BTreeMap::new();
+        let mut scenes: BTreeMap<_, (&CellId, BTreeMap<String, &'a Cell>)> = BTreeMap::new();
         for &cell in &own {
             let (_, done) = scenes.entry(cell.id.scene_id()).or_insert((&cell.id, BTreeMap::new()));
             done.insert(cell.id.contender(), cell);
         }
-        let course = |(id, done): &(&CellId, BTreeMap<String, &Cell>)| {
+        // What was missed is known where answers were compared.
+        let judged = |cell: &&Cell| cell.values.contains_key("search_missed");
+        let course = |(id, done): &(&CellId, BTreeMap<String, &'a Cell>)| {
             let frames = done.values().next().map_or(1.0, |cell| cell.frames());
             let value = |name: &str| done.values().find_map(|cell| cell.variable(name, None));
             let steps = (frames - 1.0).max(1.0);
@@ -87,34 +72,13 @@ impl Courses {
                     born: value("born").map(|all| all / steps),
                     tunnelled: value("tunnelled").map(|all| all / steps),
                 },
-                done: names
-                    .iter()
-                    .map(|name| done.get(name).and_then(|cell| Done::new(cell)))
-                    .collect(),
+                done: names.iter().map(|name| done.get(name).copied().filter(judged)).collect(),
             }
         };
         Some(Courses {
             trackers: names.iter().map(|name| called(name)).collect(),
             arithmetic: several.then_some(arithmetic),
             courses: scenes.values().map(course).collect(),
-        })
-    }
-}
-
-impl Done {
-    fn new(cell: &Cell) -> Option<Done> {
-        let value = |name: &str| cell.variable(name, None);
-        Some(Done {
-            builds: value("builds")?,
-            missed: value("search_missed")?,
-            share: value("search_missed")? / value("true_contacts")?.max(1.0),
-            first: value("first_wrong"),
-            never: value("never")?,
-            latest: value("latest")?,
-            deepest: value("search_deepest_miss")?,
-            dangerous: value("dangerous")?,
-            rightly: value("dangerous_rightly")?,
-            missing: value("missing_builds")?,
         })
     }
 }

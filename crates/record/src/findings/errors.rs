@@ -36,15 +36,6 @@ pub struct Sum {
     pub outcomes: BTreeSet<Outcome>,
 }
 
-fn add(sum: &mut Errors, errors: &Errors) {
-    sum.missed = sum.missed.saturating_add(errors.missed);
-    sum.spurious = sum.spurious.saturating_add(errors.spurious);
-    sum.duplicate = sum.duplicate.saturating_add(errors.duplicate);
-    sum.self_pairs = sum.self_pairs.saturating_add(errors.self_pairs);
-    sum.deepest_miss = sum.deepest_miss.max(errors.deepest_miss);
-    sum.widest_false = sum.widest_false.max(errors.widest_false);
-}
-
 impl Sum {
     fn new(cells: &[&Cell]) -> Sum {
         let mut sum = Sum { causes: Some(Causes::default()), ..Sum::default() };
@@ -52,11 +43,9 @@ impl Sum {
             let Some(errors) = cell.errors else { continue };
             sum.cells += 1;
             sum.contacts += true_contacts(cell);
-            add(&mut sum.errors, &errors);
+            sum.errors.add(&errors);
             sum.causes = sum.causes.zip(cell.causes).map(|(mut all, one)| {
-                add(&mut all.representation, &one.representation);
-                add(&mut all.predicate, &one.predicate);
-                add(&mut all.search, &one.search);
+                all.add(&one);
                 all
             });
             sum.outcomes.insert(cell.overall().0);

@@ -4,11 +4,12 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// The value of an axis, such as a parameter of a scene. Equal numbers are equal however they are
 /// written (2 and 2.0); numbers come before words.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "serde_json::Value", into = "serde_json::Value")]
 pub enum AxisValue {
     Bool(bool),
     /// A whole number, exact.
@@ -125,11 +126,11 @@ impl From<&str> for AxisValue {
     }
 }
 
-impl From<&serde_json::Value> for AxisValue {
-    fn from(value: &serde_json::Value) -> AxisValue {
+impl From<serde_json::Value> for AxisValue {
+    fn from(value: serde_json::Value) -> AxisValue {
         match value {
-            serde_json::Value::Bool(value) => AxisValue::Bool(*value),
-            serde_json::Value::String(value) => AxisValue::Text(value.clone()),
+            serde_json::Value::Bool(value) => AxisValue::Bool(value),
+            serde_json::Value::String(value) => AxisValue::Text(value),
             serde_json::Value::Number(number) => number
                 .as_i128()
                 .map(AxisValue::Integer)
@@ -140,30 +141,18 @@ impl From<&serde_json::Value> for AxisValue {
     }
 }
 
-impl From<&AxisValue> for serde_json::Value {
-    fn from(value: &AxisValue) -> serde_json::Value {
+impl From<AxisValue> for serde_json::Value {
+    fn from(value: AxisValue) -> serde_json::Value {
         match value {
-            AxisValue::Bool(value) => (*value).into(),
-            AxisValue::Integer(value) => match (u64::try_from(*value), i64::try_from(*value)) {
+            AxisValue::Bool(value) => value.into(),
+            AxisValue::Integer(value) => match (u64::try_from(value), i64::try_from(value)) {
                 (Ok(value), _) => value.into(),
                 (_, Ok(value)) => value.into(),
-                _ => (*value as f64).into(),
+                _ => (value as f64).into(),
             },
-            AxisValue::Real(value) => (*value).into(),
-            AxisValue::Text(value) => value.as_str().into(),
+            AxisValue::Real(value) => value.into(),
+            AxisValue::Text(value) => value.into(),
         }
-    }
-}
-
-impl Serialize for AxisValue {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serde_json::Value::from(self).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for AxisValue {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<AxisValue, D::Error> {
-        Ok(AxisValue::from(&serde_json::Value::deserialize(deserializer)?))
     }
 }
 
@@ -173,8 +162,7 @@ mod tests {
 
     #[test]
     fn equal_numbers_are_equal_and_large_ones_exact() {
-        let read =
-            |text: &str| AxisValue::from(&serde_json::from_str::<serde_json::Value>(text).unwrap());
+        let read = |text: &str| serde_json::from_str::<AxisValue>(text).unwrap();
         assert_eq!(read("2"), read("2.0"));
         assert_eq!(read("0"), read("-0.0"));
         assert_ne!(read("2"), read("\"2\""));

@@ -2,7 +2,7 @@
 
 use crate::table::Table;
 use contactbench_record::findings::compare::{
-    Absent, Against, Change, Compared, Judgement, Lack, Note, Options, PLACEMENT, Summary, Timing,
+    Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
 };
 use contactbench_record::findings::noise::{Noise, Twin};
 use contactbench_record::record::hardware::size_of;
@@ -13,23 +13,6 @@ use contactbench_terms::number::{number, percent, plural};
 /// `digest 0x01 -> 0x02`.
 pub fn change(Change { what, a, b }: &Change) -> String {
     format!("{what} {a} -> {b}")
-}
-
-/// Why a cell cannot be compared.
-pub fn absent(absent: &Absent) -> String {
-    match absent {
-        Absent::OnlyIn(side) => format!("only in {}", side.name()),
-        Absent::UnavailableIn(side, reason) => format!("unavailable in {}: {reason}", side.name()),
-    }
-}
-
-/// What cannot be compared of a cell.
-pub fn lack(lack: &Lack) -> String {
-    match lack {
-        Lack::Pass(pass, side) => format!("the {} pass only in {}", pass.name(), side.name()),
-        Lack::Value(what, side) => format!("{what} only in {}", side.name()),
-        Lack::Blocks => "no times in blocks of both".into(),
-    }
 }
 
 /// Why times are not judged; empty where nothing need be said.
@@ -67,7 +50,7 @@ pub fn machine(Machine { name, hardware }: &Machine) -> String {
 /// The sentence about two machines.
 pub fn machines(machines: &[Machine; 2]) -> String {
     let [a, b] = machines.each_ref().map(machine);
-    let same = if a == b { ", which differ in family, stepping, flags or memory" } else { "" };
+    let same = if a == b { ", which differ in family, stepping, features or memory" } else { "" };
     format!("two machines: {a} and {b}{same}")
 }
 

@@ -1,45 +1,15 @@
 //! Under which conditions a record was made, in words.
 
 use contactbench_record::cells::state::SLOW;
-use contactbench_record::findings::conditions::{Conditions, Doubt, Load};
+use contactbench_record::findings::conditions::{Conditions, Load, percent};
 use contactbench_record::record::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, plural};
 
-/// Why the times of a record are doubtful, one reason each.
-pub fn doubts(conditions: &Conditions) -> Vec<String> {
-    conditions.doubts.iter().map(doubt).collect()
-}
-
-/// The same in one sentence; none where there is no reason.
+/// Why the times of a record are doubtful, in one sentence; none where there is no reason.
 pub fn sentence(conditions: &Conditions) -> Option<String> {
-    let doubts = doubts(conditions);
+    let doubts = &conditions.doubts;
     let said = || format!("do not quote the times of this record: {}", doubts.join("; "));
     (!doubts.is_empty()).then(said)
-}
-
-fn doubt(doubt: &Doubt) -> String {
-    let in_a_scene = |worst: &Option<(String, f64)>| match worst {
-        Some((scene, share)) => format!(" ({} during {scene})", percent(*share)),
-        None => String::new(),
-    };
-    match doubt {
-        Doubt::Others(mean, worst) => {
-            format!("other processes used {} of a core{}", percent(*mean), in_a_scene(worst))
-        }
-        Doubt::Stolen(mean, worst) => {
-            format!("the host took away {} of a core{}", percent(*mean), in_a_scene(worst))
-        }
-        Doubt::Before(load) => format!("the machine was busy before the run (load {load})"),
-        Doubt::Unwatched(rows, all) => {
-            let rows = plural(*rows, "row");
-            format!("what else the machine did is not known of {rows} of {all} timed")
-        }
-        Doubt::Dirty => "the program was built from sources that were not committed".into(),
-        Doubt::Profile(profile) => format!("the program is a {profile} build"),
-        Doubt::Programs(name, count) => {
-            format!("{count} different programs of the name {name} were at work")
-        }
-    }
 }
 
 /// What is known of the machine while it was timed: what else it did, and how often it was slow.
@@ -93,28 +63,20 @@ fn program(process: &Process) -> String {
     format!("{}: {}", process.id, said.join(", "))
 }
 
-/// `0.4%`, `35%`.
-fn percent(share: f64) -> String {
-    let percent = share * 100.0;
-    if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_is_doubtful_is_one_sentence() {
-        let said = |doubts: &[Doubt]| {
-            sentence(&Conditions { doubts: doubts.to_vec(), ..Conditions::default() })
+        let said = |doubts: &[&str]| {
+            let doubts = doubts.iter().map(|it| it.to_string()).collect();
+            sentence(&Conditions { doubts, ..Conditions::default() })
         };
         assert_eq!(said(&[]), None);
-        let worst = Some(("scaling: packed 3D".to_string(), 0.9));
         assert_eq!(
-            said(&[Doubt::Others(0.351, worst), Doubt::Stolen(0.03, None), Doubt::Dirty]).unwrap(),
-            "do not quote the times of this record: other processes used 35% of a core (90% during \
-             scaling: packed 3D); the host took away 3.0% of a core; the program was built from \
-             sources that were not committed"
+            said(&["the host took away 3.0% of a core", "it rained"]).unwrap(),
+            "do not quote the times of this record: the host took away 3.0% of a core; it rained"
         );
     }
 }

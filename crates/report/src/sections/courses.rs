@@ -3,7 +3,8 @@
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Table};
-use contactbench_record::findings::courses::{Course, Courses, Done};
+use contactbench_record::cells::Cell as Measured;
+use contactbench_record::findings::courses::{Course, Courses};
 
 /// The sections of a report, if scenes move: motions, builds, and what was missed.
 pub fn sections(about: &About<'_>) -> Vec<Section> {
@@ -35,32 +36,46 @@ fn misses(found: &Courses) -> Vec<Block> {
          after a missed contact. Of: all builds after a missed contact. Trackers that are not \
          listed missed nothing and had no dangerous build.",
     );
+    let whole = |name| move |(.., cell): &Missed<'_>| value(cell, name) as u64;
     let table = Table::of("", missed)
         .left("scene", |(course, ..)| &*course.title)
         .left("tracker", |(_, tracker, _)| tracker.as_str())
-        .right("missed", |(.., done)| done.missed as u64)
-        .right("share", |(.., done)| Cell::Share(done.share))
-        .right("since", |(.., done)| done.first.map(|frame| frame as u64))
-        .right("never", |(.., done)| done.never as u64)
-        .unit("late", "frames", |(.., done)| (done.latest > 0.0).then_some(done.latest as u64))
-        .unit("deepest", "mean radii", |(.., done)| (done.missed > 0.0).then_some(done.deepest))
-        .right("dangerous", |(.., done)| done.dangerous as u64)
-        .right("rightly", |(.., done)| done.rightly as u64)
-        .right("of", |(.., done)| done.missing as u64);
+        .right("missed", whole("search_missed"))
+        .right("share", |(.., cell)| {
+            Cell::Share(value(cell, "search_missed") / value(cell, "true_contacts").max(1.0))
+        })
+        .right("since", |(.., cell)| cell.variable("first_wrong", None).map(|frame| frame as u64))
+        .right("never", whole("never"))
+        .unit("late", "frames", |(.., cell)| {
+            Some(value(cell, "latest") as u64).filter(|frames| *frames > 0)
+        })
+        .unit("deepest", "mean radii", |(.., cell)| {
+            (value(cell, "search_missed") > 0.0).then(|| value(cell, "search_deepest_miss"))
+        })
+        .right("dangerous", whole("dangerous"))
+        .right("rightly", whole("dangerous_rightly"))
+        .right("of", whole("missing_builds"));
     vec![how, Block::table(table)]
 }
 
 /// The rows of trackers that missed contacts, or whose builds were called dangerous: the flag is
 /// judged by the builds that came without a miss as well.
-fn missed(found: &Courses) -> Vec<(&Course, &String, &Done)> {
+fn missed<'a>(found: &'a Courses<'_>) -> Vec<Missed<'a>> {
     let mut all = Vec::new();
     for course in &found.courses {
         for (name, done) in found.trackers.iter().zip(&course.done) {
-            all.extend(done.iter().map(|done| (course, name, done)));
+            all.extend(done.iter().map(|cell| (course, name, *cell)));
         }
     }
-    all.retain(|(.., done)| done.missed > 0.0 || done.dangerous > 0.0);
+    all.retain(|(.., cell)| value(cell, "search_missed") > 0.0 || value(cell, "dangerous") > 0.0);
     all
+}
+
+/// A course, and a tracker with its cell there.
+type Missed<'a> = (&'a Course<'a>, &'a String, &'a Measured);
+
+fn value(cell: &Measured, name: &str) -> f64 {
+    cell.variable(name, None).unwrap_or(0.0)
 }
 
 fn motions(found: &Courses) -> Block {
@@ -77,6 +92,6 @@ fn motions(found: &Courses) -> Block {
 fn builds(found: &Courses) -> Block {
     let table = Table::of("", &found.courses).left("scene", |course| &*course.title);
     Block::table(table.each(found.trackers.iter().enumerate(), |table, (k, name)| {
-        table.right(name, |course| course.done[k].map(|done| done.builds as u64))
+        table.right(name, |course| course.done[k].map(|cell| value(cell, "builds") as u64))
     }))
 }

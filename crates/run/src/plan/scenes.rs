@@ -67,7 +67,7 @@ pub(super) fn defaults(
 ) -> BTreeMap<(String, u32), BTreeMap<String, AxisValue>> {
     let of = |generator: &Generator, dim| {
         let known = generator.defaults(dim).into_iter();
-        ((generator.name.into(), dim), known.map(|(name, value)| (name, (&value).into())).collect())
+        ((generator.name.into(), dim), known.map(|(name, value)| (name, value.into())).collect())
     };
     generators(experiment).flat_map(|generator| [2, 3].map(|dim| of(generator, dim))).collect()
 }

@@ -51,25 +51,9 @@ pub struct Against {
     pub drift: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    A,
-    B,
-}
-
-impl Side {
-    /// `A` or `B`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Side::A => "A",
-            Side::B => "B",
-        }
-    }
-
-    /// The one of two that has it; none if both have it, or neither.
-    fn only(a: bool, b: bool) -> Option<Side> {
-        (a != b).then_some(if a { Side::A } else { Side::B })
-    }
+/// The name of the one of two that has it; none if both have it, or neither.
+fn only(a: bool, b: bool) -> Option<&'static str> {
+    (a != b).then_some(if a { "A" } else { "B" })
 }
 
 /// Something that must be the same and is not.
@@ -88,29 +72,13 @@ pub struct Compared {
     pub id: CellId,
     /// What must be the same and is not.
     pub changes: Vec<Change>,
-    pub absent: Option<Absent>,
-    /// What cannot be compared though the cell is in both: a run was cut short.
-    pub lacks: Vec<Lack>,
+    pub absent: Option<String>,
+    /// Whether it is in both records.
+    pub in_both: bool,
+    /// What cannot be compared though the cell is in both, a line each: a run was cut short.
+    pub lacks: Vec<String>,
     /// The times, where both have some.
     pub timing: Option<Timing>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub enum Absent {
-    OnlyIn(Side),
-    /// The contender was not available in one: why.
-    UnavailableIn(Side, String),
-}
-
-/// What cannot be compared of a cell that is in both records.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Lack {
-    /// Only one has made this pass.
-    Pass(Pass, Side),
-    /// Only one has this: `times`, `counts`, or the name of a column.
-    Value(&'static str, Side),
-    /// Both have times, but no ratio of them.
-    Blocks,
 }
 
 /// A control that both records have, if there is one, and how far its own times are apart: the
@@ -197,13 +165,15 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
             id: key.clone(),
             changes: Vec::new(),
             absent: None,
+            in_both: a.cells.contains_key(key) && b.cells.contains_key(key),
             lacks: Vec::new(),
             timing: None,
         };
         match (a.cells.get(key), b.cells.get(key)) {
             (Some(in_a), Some(in_b)) => fill(&mut cell, (&a, in_a), (&b, in_b), options),
             (in_a, in_b) => {
-                cell.absent = Side::only(in_a.is_some(), in_b.is_some()).map(Absent::OnlyIn);
+                let side = only(in_a.is_some(), in_b.is_some());
+                cell.absent = side.map(|side| format!("only in {side}"));
             }
         }
         cell
@@ -223,9 +193,9 @@ fn fill(
 ) {
     let gone = |cell: &Cell| cell.overall().0 == Outcome::Unavailable;
     // Of what was available in neither, nothing is missing.
-    if let Some(side) = Side::only(gone(in_a), gone(in_b)) {
-        let reason = if side == Side::A { in_a.overall().1 } else { in_b.overall().1 };
-        cell.absent = Some(Absent::UnavailableIn(side, reason.to_string()));
+    if let Some(side) = only(gone(in_a), gone(in_b)) {
+        let (_, reason) = if gone(in_a) { in_a.overall() } else { in_b.overall() };
+        cell.absent = Some(format!("unavailable in {side}: {reason}"));
         return;
     }
     let mut note = |what: &str, a: &str, b: &str| {
@@ -309,23 +279,22 @@ fn exact() -> impl Iterator<Item = &'static str> {
 }
 
 /// What one side has measured and the other has not.
-fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<Lack> {
+fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<String> {
     let mut found = Vec::new();
-    for pass in Pass::ALL {
-        let only = Side::only(a.passes.contains_key(&pass), b.passes.contains_key(&pass));
-        found.extend(only.map(|side| Lack::Pass(pass, side)));
-    }
-    let mut see = |what: &'static str, a: bool, b: bool| {
-        found.extend(Side::only(a, b).map(|side| Lack::Value(what, side)));
+    let mut see = |what: &str, has: &dyn Fn(&Cell) -> bool| {
+        found.extend(only(has(a), has(b)).map(|side| format!("{what} only in {side}")));
     };
-    see("times", a.time().is_some(), b.time().is_some());
-    see("counts", a.has(Pass::Count), b.has(Pass::Count));
+    for pass in Pass::ALL {
+        see(&format!("the {} pass", pass.name()), &|cell| cell.passes.contains_key(&pass));
+    }
+    see("times", &|cell| cell.time().is_some());
+    see("counts", &|cell| cell.has(Pass::Count));
     let bytes = Column::measured_by(Pass::Memory).map(|column| &*column.name);
     for name in ["contacts"].into_iter().chain(bytes) {
-        see(name, a.values.contains_key(name), b.values.contains_key(name));
+        see(name, &|cell| cell.values.contains_key(name));
     }
     if !timed && a.time().is_some() && b.time().is_some() {
-        found.push(Lack::Blocks);
+        found.push("no times in blocks of both".into());
     }
     found
 }

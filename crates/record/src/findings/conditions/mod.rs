@@ -10,6 +10,7 @@ use crate::cells::state::States;
 use crate::record::ledger::{Ledger, Span};
 use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
+use contactbench_terms::number::plural;
 
 /// Other processes may use so much of a core, on average over a run, or this share of all cores
 /// where that is more: what a system does by itself.
@@ -28,7 +29,8 @@ pub const LOAD: f64 = 1.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Conditions {
-    pub doubts: Vec<Doubt>,
+    /// Reasons to doubt its times.
+    pub doubts: Vec<String>,
     pub load: Load,
     /// Timed rows beside which the machine was slow, of those where somebody looked.
     pub slow: (usize, usize),
@@ -52,22 +54,6 @@ pub enum Load {
         /// Cores that the host took away.
         stolen: f64,
     },
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub enum Doubt {
-    /// Other processes used so many cores, on average; and in one scene, named, where that says
-    /// more.
-    Others(f64, Option<(String, f64)>),
-    /// The host took so many cores away; likewise.
-    Stolen(f64, Option<(String, f64)>),
-    Before(f64),
-    /// Of so many timed rows, of so many in all, the load is not known.
-    Unwatched(usize, usize),
-    Dirty,
-    Profile(String),
-    /// So many different programs of this name gave times on one machine.
-    Programs(String, usize),
 }
 
 impl Conditions {
@@ -114,10 +100,11 @@ impl Conditions {
             conditions.before(&provenances);
         }
         if dirty == Some(true) {
-            conditions.doubts.push(Doubt::Dirty);
+            let words = "the program was built from sources that were not committed";
+            conditions.doubts.push(words.into());
         }
         let slow = conditions.profiles.iter().filter(|profile| *profile != "release");
-        let slow: Vec<Doubt> = slow.cloned().map(Doubt::Profile).collect();
+        let slow = slow.map(|profile| format!("the program is a {profile} build"));
         conditions.doubts.extend(slow);
         conditions.doubts.extend(programs(&timed, ledger));
         conditions
@@ -135,39 +122,39 @@ impl Conditions {
                 None => unwatched += 1,
             }
         }
-        let loads = machines.values().map(|spans| {
-            let spans: Vec<&Span> = spans.values().copied().collect();
-            let sum = |part: fn(&Span) -> f64| spans.iter().map(|span| part(span)).sum::<f64>();
+        let mut busiest = f64::NEG_INFINITY;
+        for spans in machines.values() {
+            let sum = |part: fn(&Span) -> f64| spans.values().map(|it| part(it)).sum::<f64>();
             let seconds = sum(|span| span.seconds);
-            let per = |used: f64| if seconds > 0.0 { used / seconds } else { 0.0 };
-            let (others, stolen) = (per(sum(|span| span.others_s)), per(sum(|span| span.stolen_s)));
-            let cores = spans.iter().map(|span| span.cores).max().unwrap_or(0) as f64;
-            let limits = (OTHERS.max(OTHERS_OF_ALL * cores), STOLEN);
-            let others = (others, worst(&spans, |span| span.others_s, limits.0));
-            let stolen = (stolen, worst(&spans, |span| span.stolen_s, limits.1));
-            (seconds, others, stolen, limits)
-        });
-        let loads: Vec<_> = loads.collect();
-        for (seconds, others, stolen, limits) in &loads {
-            let long = *seconds >= SHORTEST_S;
-            if others.1.is_some() || long && others.0 > limits.0 {
-                self.doubts.push(Doubt::Others(others.0, others.1.clone()));
+            let cores = spans.values().map(|span| span.cores).max().unwrap_or(0) as f64;
+            let mut share = |part: fn(&Span) -> f64, limit: f64, words: &str| {
+                let mean = if seconds > 0.0 { sum(part) / seconds } else { 0.0 };
+                let worst = worst(spans.values().copied(), part, limit);
+                if worst.is_some() || seconds >= SHORTEST_S && mean > limit {
+                    let worst =
+                        worst.map(|(scene, it)| format!(" ({} during {scene})", percent(it)));
+                    let (mean, worst) = (percent(mean), worst.unwrap_or_default());
+                    self.doubts.push(format!("{words} {mean} of a core{worst}"));
+                }
+                mean
+            };
+            let limit = OTHERS.max(OTHERS_OF_ALL * cores);
+            let others = share(|span| span.others_s, limit, "other processes used");
+            let stolen = share(|span| span.stolen_s, STOLEN, "the host took away");
+            // Short ones say nothing: the load average is read instead.
+            if seconds >= SHORTEST_S && others >= busiest {
+                busiest = others;
+                self.load = Load::Watched { seconds, others, stolen };
             }
-            if stolen.1.is_some() || long && stolen.0 > limits.1 {
-                self.doubts.push(Doubt::Stolen(stolen.0, stolen.1.clone()));
-            }
-        }
-        // Short ones say nothing: the load average is asked instead.
-        let long = loads.iter().filter(|load| load.0 >= SHORTEST_S);
-        let busiest = long.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        if let Some((seconds, others, stolen, _)) = busiest {
-            let (others, stolen) = (others.0, stolen.0);
-            self.load = Load::Watched { seconds: *seconds, others, stolen };
         }
         // Older records have no spans at all. Where one that rows point to is not there, a run was
         // killed.
-        if unwatched > 0 && (!loads.is_empty() || timed.iter().any(|row| row.span.is_some())) {
-            self.doubts.push(Doubt::Unwatched(unwatched, timed.len()));
+        if unwatched > 0 && (!machines.is_empty() || timed.iter().any(|row| row.span.is_some())) {
+            self.doubts.push(format!(
+                "what else the machine did is not known of {} of {} timed",
+                plural(unwatched, "row"),
+                timed.len()
+            ));
         }
     }
 
@@ -179,22 +166,32 @@ impl Conditions {
         let Some(load) = provenances.iter().filter_map(load).max_by(f64::total_cmp) else { return };
         self.load = Load::Before(load);
         if load >= LOAD {
-            self.doubts.push(Doubt::Before(load));
+            self.doubts.push(format!("the machine was busy before the run (load {load})"));
         }
     }
 }
 
 /// The scene in which the share of a core was largest, if it was long enough and too much.
-fn worst(spans: &[&Span], part: fn(&Span) -> f64, limit: f64) -> Option<(String, f64)> {
-    let long = spans.iter().filter(|span| span.seconds >= SHORTEST_S);
-    let shares = long.map(|span| (span.scene.clone(), part(span) / span.seconds));
+fn worst<'a>(
+    spans: impl Iterator<Item = &'a Span>,
+    part: fn(&Span) -> f64,
+    limit: f64,
+) -> Option<(&'a str, f64)> {
+    let long = spans.filter(|span| span.seconds >= SHORTEST_S);
+    let shares = long.map(|span| (&*span.scene, part(span) / span.seconds));
     let much = shares.filter(|(_, share)| *share > IN_A_SCENE * limit);
     much.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// `0.4%`, `35%`.
+pub fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") }
+}
+
 /// Programs of one name that differ, behind one contender on one machine. (Where builds take turns,
 /// each is a contender.)
-fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<Doubt> {
+fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
     let mut sums: BTreeMap<_, BTreeSet<&str>> = BTreeMap::new();
     for row in timed {
         let process = row.process.as_ref().and_then(|id| ledger.processes.get(id));
@@ -208,7 +205,9 @@ fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<Doubt> {
         let most = several.entry(name).or_default();
         *most = sums.len().max(*most);
     }
-    several.into_iter().map(|(name, count)| Doubt::Programs(name.into(), count)).collect()
+    let words =
+        |(name, count)| format!("{count} different programs of the name {name} were at work");
+    several.into_iter().map(words).collect()
 }
 
 /// What the programs with our detectors say of their builds, by this name: another build may have
