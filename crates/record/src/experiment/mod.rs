@@ -193,72 +193,65 @@ impl Experiment {
 
     /// The first value that cannot be meant: its key, and what is wrong with it.
     fn problem(&self) -> Option<(&'static str, String)> {
-        if !is_word(&self.name) {
-            let words = format!(
-                "the name '{}' must be of letters, digits, '-', '_' and '.': files are named \
-                 after it",
-                self.name
-            );
-            return Some(("name", words));
+        /// Returns the key and the words if something does not hold.
+        macro_rules! must {
+            ($holds:expr, $key:literal, $($words:tt)*) => {
+                if !$holds {
+                    return Some(($key, format!($($words)*)));
+                }
+            };
         }
+        let name = &self.name;
+        must!(
+            is_word(name),
+            "name",
+            "the name '{name}' must be of letters, digits, '-', '_' and '.': files are named after it"
+        );
         let names = || self.detectors.iter().chain(self.runners.iter().map(|runner| &runner.name));
         for (k, name) in names().enumerate() {
-            if names().take(k).any(|other| other == name) {
-                return Some(("runner", twice(name)));
-            }
+            must!(names().take(k).all(|other| other != name), "runner", "{}", twice(name));
         }
-        if let Some(name) = self.ratios_to.as_ref().filter(|name| names().all(|n| n != *name)) {
-            let words = format!(
+        if let Some(name) = &self.ratios_to {
+            must!(
+                names().any(|known| known == name),
+                "ratios-to",
                 "ratios-to = \"{name}\": it must be one of the experiment's detectors or runners"
             );
-            return Some(("ratios-to", words));
         }
-        if names().next().is_none() {
-            let words = "detectors is empty, and there is no runner: nobody takes part; name one";
-            return Some(("detectors", words.into()));
-        }
-        if self.arithmetics.is_empty() {
-            return Some(("arithmetics", "arithmetics is empty; leave it out for exact".into()));
-        }
-        self.limit_problem().or_else(|| self.thread_problem())
-    }
-
-    fn limit_problem(&self) -> Option<(&'static str, String)> {
+        must!(
+            names().next().is_some(),
+            "detectors",
+            "detectors is empty, and there is no runner: nobody takes part; name one"
+        );
+        let some = !self.arithmetics.is_empty();
+        must!(some, "arithmetics", "arithmetics is empty; leave it out for exact");
         let limit = self.time_limit_s;
-        if !(limit > 0.0 && limit <= 1e6) {
-            let words =
-                format!("time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds");
-            return Some(("time-limit-s", words));
-        }
-        if self.block_budget_s.is_nan() {
-            let words = "block-budget-s is nan: leave it out for no budget";
-            return Some(("block-budget-s", words.into()));
-        }
-        if let Some(limit) = self.memory_limit_mib.filter(|&limit| limit > 1 << 30) {
-            let words = format!("memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
-            return Some(("memory-limit-mib", words));
-        }
-        None
-    }
-
-    fn thread_problem(&self) -> Option<(&'static str, String)> {
+        must!(
+            limit > 0.0 && limit <= 1e6,
+            "time-limit-s",
+            "time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds"
+        );
+        let number = !self.block_budget_s.is_nan();
+        must!(number, "block-budget-s", "block-budget-s is nan: leave it out for no budget");
+        let limit = self.memory_limit_mib.unwrap_or(0);
+        must!(
+            limit <= 1 << 30,
+            "memory-limit-mib",
+            "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited"
+        );
         let threads = &self.threads;
-        let words = if threads.is_empty() {
-            "threads is empty; leave it out for one".into()
-        } else if threads.contains(&0) {
-            "threads = 0: at least one is needed".into()
-        } else if threads.iter().any(|&k| k > MOST_THREADS) {
-            format!("threads: at most {MOST_THREADS} can be asked for")
-        } else if (1..threads.len()).any(|k| threads[..k].contains(&threads[k])) {
-            "threads names a number twice; leave one out".into()
-        } else if self.ceiling && !(threads.contains(&1) && threads.len() > 1) {
-            let words = "ceiling = true compares several threads with one; say threads = [1, 2], \
-                         for example";
-            return Some(("ceiling", words.into()));
-        } else {
-            return None;
-        };
-        Some(("threads", words))
+        must!(!threads.is_empty(), "threads", "threads is empty; leave it out for one");
+        must!(!threads.contains(&0), "threads", "threads = 0: at least one is needed");
+        let few = threads.iter().all(|&k| k <= MOST_THREADS);
+        must!(few, "threads", "threads: at most {MOST_THREADS} can be asked for");
+        let once = (1..threads.len()).all(|k| !threads[..k].contains(&threads[k]));
+        must!(once, "threads", "threads names a number twice; leave one out");
+        must!(
+            !self.ceiling || threads.contains(&1) && threads.len() > 1,
+            "ceiling",
+            "ceiling = true compares several threads with one; say threads = [1, 2], for example"
+        );
+        None
     }
 }
 

@@ -78,24 +78,37 @@ fn dangling(row: &Row, ledger: &Ledger) -> Option<String> {
     absent.then(|| format!("its process is {process}, which is not in {}", ledger::FILE))
 }
 
+/// Returns what is wrong if something does not hold.
+macro_rules! must {
+    ($holds:expr, $($words:tt)*) => {
+        if !$holds {
+            return Some(format!($($words)*));
+        }
+    };
+}
+
 fn ranges(row: &Row) -> Option<String> {
     let id = &row.id;
-    let threads = id.threads() as usize;
-    Some(if !is_word(&id.experiment) {
-        format!("the experiment '{}' is no name", id.experiment.escape_default())
-    } else if !(2..=3).contains(&id.dim) {
-        format!("dim is {}; it must be 2 or 3", id.dim)
-    } else if id.n > u64::from(u32::MAX) {
-        format!("n is {}; at most 2^32 - 1 particles can be numbered", id.n)
-    } else if !(1..=MOST_THREADS).contains(&threads) {
-        format!("threads is {threads}; it must be 1 to {MOST_THREADS}")
-    } else if row.block > 0 && matches!(row.pass, Pass::Count | Pass::Memory) {
-        format!("block is {} in the pass {}, which has no blocks", row.block, row.pass.name())
-    } else if row.block == 0 && row.time_ns.is_some() {
-        "it has a time, and block 0: blocks are numbered from 1".into()
-    } else {
-        return None;
-    })
+    let (threads, pass) = (id.threads() as usize, row.pass.name());
+    must!(
+        is_word(&id.experiment),
+        "the experiment '{}' is no name",
+        id.experiment.escape_default()
+    );
+    must!((2..=3).contains(&id.dim), "dim is {}; it must be 2 or 3", id.dim);
+    let fits = id.n <= u64::from(u32::MAX);
+    must!(fits, "n is {}; at most 2^32 - 1 particles can be numbered", id.n);
+    let some = (1..=MOST_THREADS).contains(&threads);
+    must!(some, "threads is {threads}; it must be 1 to {MOST_THREADS}");
+    let blocks = !matches!(row.pass, Pass::Count | Pass::Memory);
+    must!(
+        row.block == 0 || blocks,
+        "block is {} in the pass {pass}, which has no blocks",
+        row.block
+    );
+    let numbered = row.block > 0 || row.time_ns.is_none();
+    must!(numbered, "it has a time, and block 0: blocks are numbered from 1");
+    None
 }
 
 /// Letters, digits, `-`, `_` and `.`, not a `.` first: what names an experiment and its file.
@@ -117,24 +130,24 @@ fn numbers(row: &Row) -> Option<String> {
         other && column.read(row).is_some()
     };
     let measured = row.outcome.is_good() || row.outcome == Outcome::Wrong;
-    let name = row.pass.name();
-    Some(if let Some(column) = COLUMNS.iter().find(elsewhere) {
-        format!("it has {} in the pass {name}", column.name)
-    } else if row.time_ns.is_some() && !measured {
-        format!("it has a time with the outcome {}", row.outcome.name())
-    } else if timed && row.outcome.is_good() && row.time_ns.is_none() {
-        format!("it is {} and has no time", row.outcome.name())
-    } else if rounds && row.time_ns.is_none() {
-        "it has rounds_ns, first_ns, alone_ns or pulse_ns, and no time".into()
-    } else if row.rounds_ns.iter().copied().chain(beside).any(|ns| ns == 0) {
-        "one of its rounds_ns, first_ns, alone_ns or pulse_ns is 0: nothing was measured".into()
-    } else if !row.counts.is_empty() && row.pass != Pass::Count {
-        format!("it has counts in the pass {name}")
-    } else if row.peak_bytes.zip(row.live_bytes).is_some_and(|(peak, live)| peak < live) {
-        "its peak_bytes are fewer than its live_bytes".into()
-    } else {
-        return None;
-    })
+    let (pass, outcome) = (row.pass.name(), row.outcome.name());
+    if let Some(column) = COLUMNS.iter().find(elsewhere) {
+        return Some(format!("it has {} in the pass {pass}", column.name));
+    }
+    let has_time = row.time_ns.is_some();
+    must!(!has_time || measured, "it has a time with the outcome {outcome}");
+    must!(has_time || !(timed && row.outcome.is_good()), "it is {outcome} and has no time");
+    must!(has_time || !rounds, "it has rounds_ns, first_ns, alone_ns or pulse_ns, and no time");
+    let lasted = row.rounds_ns.iter().copied().chain(beside).all(|ns| ns > 0);
+    must!(
+        lasted,
+        "one of its rounds_ns, first_ns, alone_ns or pulse_ns is 0: nothing was measured"
+    );
+    let counted = row.counts.is_empty() || row.pass == Pass::Count;
+    must!(counted, "it has counts in the pass {pass}");
+    let more = row.peak_bytes.zip(row.live_bytes).is_none_or(|(peak, live)| peak >= live);
+    must!(more, "its peak_bytes are fewer than its live_bytes");
+    None
 }
 
 /// A time is that of the whole sample over its detections.
@@ -150,18 +163,15 @@ fn times(row: &Row) -> Option<String> {
         Pass::Ceiling => product <= (elapsed * u128::from(row.id.threads())).saturating_add(calls),
         _ => product.abs_diff(elapsed) <= calls,
     };
-    let words =
-        format!("its time_ns {time} is not its elapsed_ns {elapsed} over its calls {calls}");
+    let part = row.building_ns.is_none_or(|building| u128::from(building) <= time + 1);
+    must!(part, "its building_ns are more than its time_ns");
     let steps = row.median_step_ns.zip(row.worst_step_ns);
-    if row.building_ns.is_some_and(|building| u128::from(building) > time + 1) {
-        Some("its building_ns are more than its time_ns".into())
-    } else if steps.is_some_and(|(median, worst)| median > worst) {
-        Some("its median_step_ns are more than its worst_step_ns".into())
-    } else if calls == 0 || time == 0 {
-        Some(format!("its time_ns is {time}, with {calls} calls: nothing was measured"))
-    } else {
-        (!agrees).then_some(words)
-    }
+    let less = steps.is_none_or(|(median, worst)| median <= worst);
+    must!(less, "its median_step_ns are more than its worst_step_ns");
+    let some = calls > 0 && time > 0;
+    must!(some, "its time_ns is {time}, with {calls} calls: nothing was measured");
+    must!(agrees, "its time_ns {time} is not its elapsed_ns {elapsed} over its calls {calls}");
+    None
 }
 
 /// Pairs, fingerprint and errors agree with the outcome.
@@ -171,48 +181,38 @@ fn answer(row: &Row) -> Option<String> {
     }
     let search = row.causes.map(|causes| causes.search);
     let exact = row.id.arithmetic == "exact";
-    let digest = row.digest.as_deref().filter(|_| row.outcome.is_good());
-    if let Some(text) = digest.filter(|text| !is_hex(text)) {
-        return Some(format!("its digest is '{}'", text.escape_default()));
+    if let Some(digest) = row.digest.as_deref().filter(|_| row.outcome.is_good()) {
+        must!(is_hex(digest), "its digest is '{}'", digest.escape_default());
     }
-    if !row.stats.scene_hash.is_empty() && !is_hex(&row.stats.scene_hash) {
-        return Some(format!("its scene_hash is '{}'", row.stats.scene_hash.escape_default()));
-    }
+    let hash = &row.stats.scene_hash;
+    must!(hash.is_empty() || is_hex(hash), "its scene_hash is '{}'", hash.escape_default());
     let wrong = |errors: Option<Errors>| errors.map_or(0, |errors| errors.wrong());
-    match row.outcome {
-        Outcome::Ok if wrong(search) > 0 => {
-            return Some(format!("it is ok, and its search has {} wrong pairs", wrong(search)));
-        }
-        Outcome::Ok if exact && wrong(row.errors) > 0 => {
-            return Some(format!("it is ok, and has {} wrong pairs", wrong(row.errors)));
-        }
-        Outcome::Ok if row.contacts.is_some() != row.digest.is_some() => {
-            return Some("it has one of contacts and digest without the other".into());
-        }
-        _ => {}
+    if row.outcome == Outcome::Ok {
+        let (found, all) = (wrong(search), wrong(row.errors));
+        must!(found == 0, "it is ok, and its search has {found} wrong pairs");
+        must!(!exact || all == 0, "it is ok, and has {all} wrong pairs");
+        let both = row.contacts.is_some() == row.digest.is_some();
+        must!(both, "it has one of contacts and digest without the other");
     }
     if let Some(fault) = course(row) {
         return Some(fault);
     }
     let (contacts, errors) = (row.contacts?, row.errors?);
-    let truth = row.true_contacts().round();
     let extra = errors.spurious as f64 + errors.duplicate as f64 + errors.self_pairs as f64;
-    let right = truth - errors.missed as f64 + extra;
-    (right != contacts as f64).then(|| {
-        format!(
-            "its contacts are {contacts}, and by its coordination and its errors they are {right}"
-        )
-    })
+    let right = row.true_contacts().round() - errors.missed as f64 + extra;
+    let agree = right == contacts as f64;
+    must!(
+        agree,
+        "its contacts are {contacts}, and by its coordination and its errors they are {right}"
+    );
+    None
 }
 
 /// What became of the frames of a scene in motion agrees with itself.
 fn course(row: &Row) -> Option<String> {
-    let course = match (row.course, &row.moved) {
-        (None, _) => return None,
-        (Some(_), None) => return Some("it has a course, and its scene does not move".into()),
-        (Some(course), Some(_)) => course,
-    };
-    let frames = row.moved.as_ref().map_or(0, |moved| moved.frames);
+    let course = row.course?;
+    must!(row.moved.is_some(), "it has a course, and its scene does not move");
+    let frames = row.moved.as_ref()?.frames;
     let missed = row.causes.map_or(0, |causes| causes.search.missed);
     let Course { builds, dangerous, dangerous_rightly, missing_builds, .. } = course;
     let Course { first_wrong, wrong_frames, worst_missed, never, latest, .. } = course;
@@ -232,13 +232,13 @@ fn course(row: &Row) -> Option<String> {
     }
     let all = worst_missed.saturating_mul(wrong_frames);
     let none = [wrong_frames == 0, worst_missed == 0, first_wrong.is_none(), missed == 0];
-    if missed > all || none != [none[0]; 4] {
-        return Some(format!(
-            "its search missed {missed}, at most {worst_missed} in each of {wrong_frames} frames"
-        ));
-    }
+    must!(
+        missed <= all && none == [none[0]; 4],
+        "its search missed {missed}, at most {worst_missed} in each of {wrong_frames} frames"
+    );
     let late = course.deepest_late;
-    (!(late >= 0.0 && late.is_finite())).then(|| format!("its deepest_late is {late}"))
+    must!(late >= 0.0 && late.is_finite(), "its deepest_late is {late}");
+    None
 }
 
 fn is_hex(text: &str) -> bool {
@@ -287,11 +287,10 @@ fn twice(rows: &[Row]) -> Vec<(usize, String)> {
         let first: &Row = begun.entry(began).or_insert(row);
         if done::times(first) != done::times(row) {
             let began = row.began_ms.unwrap_or(0);
-            let words = format!(
-                "it is of the sample that began at {began} ms, as another row is, \
-                                 which has another time"
-            );
-            found.push((k, words));
+            found.push((k, format!(
+                "it is of the sample that began at {began} ms, as another row is, which has another \
+                 time"
+            )));
         }
     }
     found

@@ -164,46 +164,35 @@ mod tests {
 
     #[test]
     fn fifteen_values_give_the_fourth_to_the_twelfth() {
-        let values: Vec<f64> = [8, 3, 15, 1, 12, 5, 10, 2, 14, 7, 4, 13, 6, 11, 9]
-            .iter()
-            .map(|&v| f64::from(v))
-            .collect();
+        let values = [8, 3, 15, 1, 12, 5, 10, 2, 14, 7, 4, 13, 6, 11, 9].map(f64::from);
         let found = interval(&values).unwrap();
         assert_eq!((found.low, found.median, found.high, found.count), (4.0, 8.0, 12.0, 15));
         assert!(found.excludes(3.9) && !found.excludes(12.0));
         let double = found.scaled(2.0);
         assert_eq!((double.low, double.median, double.high), (8.0, 16.0, 24.0));
-        assert_eq!(mad(&values), Some(4.0));
-        assert_eq!(median(&[1.0, 4.0]), Some(2.5));
-        assert_eq!(median(&[f64::NAN]), None);
-        assert_eq!(interval(&[]), None);
+        assert_eq!((mad(&values), median(&[1.0, 4.0])), (Some(4.0), Some(2.5)));
+        assert_eq!((median(&[f64::NAN]), interval(&[])), (None, None));
+    }
+
+    fn times(of: impl Fn(u64) -> u64) -> Blocks {
+        (1..=15).map(|k: u32| (k.into(), of(k.into()))).collect()
     }
 
     #[test]
     fn a_ratio_is_paired_within_blocks() {
+        let is = |found: Interval, value: f64| {
+            [found.low, found.high].iter().all(|it| (it - value).abs() < 1e-12) && found.count == 15
+        };
         // the machine slows down tenfold; b stays at 1.25 times a in every block
-        let a: Blocks = (0..15).map(|k| (k.into(), 400 + 400 * u64::from(k))).collect();
-        let b = a.iter().map(|(&k, &t)| (k, t * 5 / 4)).chain([(99.into(), 7)]).collect();
-        let found = ratio(&b, &a).unwrap();
-        assert_eq!(found.count, 15);
-        assert!((found.low - 1.25).abs() < 1e-12 && (found.high - 1.25).abs() < 1e-12);
+        let (a, mut b) = (times(|k| 400 * k), times(|k| 500 * k));
+        b.insert(99.into(), 7);
+        assert!(is(ratio(&b, &a).unwrap(), 1.25));
         // Measured again after a kill: not side by side, though the numbers are the same.
         let again = a.iter().map(|(block, &t)| (Block { span: 7, ..*block }, t)).collect();
         assert_eq!((ratio(&a, &again), ratio(&a, &Blocks::new())), (None, None));
-    }
-
-    #[test]
-    fn the_typical_ratio_is_the_median_couple_of_each_block() {
-        let times = |factor: u64| -> Blocks {
-            (1..=15).map(|k: u32| (k.into(), factor * (100 + u64::from(k)))).collect()
-        };
-        let (one, double, six) = (times(1), times(2), times(6));
-        let found = typical_ratio(&[(&double, &one), (&one, &one), (&six, &one)]).unwrap();
-        assert!(
-            (found.low - 2.0).abs() < 1e-12
-                && (found.high - 2.0).abs() < 1e-12
-                && found.count == 15
-        );
+        // The typical ratio is that of the median pair in each block.
+        let [one, double, six] = [1, 2, 6].map(|factor| times(|k| factor * (100 + k)));
+        assert!(is(typical_ratio(&[(&double, &one), (&one, &one), (&six, &one)]).unwrap(), 2.0));
         assert_eq!(typical_ratio(&[]), None);
     }
 }

@@ -36,7 +36,7 @@ fn misses(found: &Courses) -> Vec<Block> {
          after a missed contact. Of: all builds after a missed contact. Trackers that are not \
          listed missed nothing and had no dangerous build.",
     );
-    let whole = |name| move |(.., cell): &Missed<'_>| value(cell, name) as u64;
+    let whole = |name| move |(.., cell): Missed<'_>| value(cell, name) as u64;
     let table = Table::of("", missed)
         .left("scene", |(course, ..)| &*course.title)
         .left("tracker", |(_, tracker, _)| tracker.as_str())

@@ -1,6 +1,5 @@
 use super::*;
 use crate::record::faults::Damaged;
-use crate::record::id::CellId;
 use crate::record::ledger::{self, Entry, Process};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
@@ -8,50 +7,31 @@ use crate::record::row::Course;
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 
-/// A row with something in every field.
+/// A row with something of every kind of field.
 fn full() -> Row {
+    let missed = Errors { missed: 3, ..Errors::default() };
+    let course = Course { builds: 2, first_wrong: Some(1), wrong_frames: 1, ..Course::default() };
     let mut row = Row {
-        id: CellId {
-            machine: Some("here".into()),
-            experiment: "e".into(),
-            dim: 2,
-            params: [("s".to_string(), 0.5.into())].into(),
-            seed: u64::MAX,
-            ..CellId::default()
-        },
         role: Role::Twin("nbs".into()),
         outcome: Outcome::Wrong,
-        errors: Some(Errors { missed: 3, ..Errors::default() }),
-        causes: Some(Causes {
-            search: Errors { missed: 3, ..Errors::default() },
-            ..Causes::default()
-        }),
+        errors: Some(missed),
+        causes: Some(Causes { search: missed, ..Causes::default() }),
         time_ns: Some(7),
         calls: Some(2),
         elapsed_ns: Some(15),
         pass: Pass::Time,
         block: 3,
         process: Some("01234567".into()),
-        span: Some("89abcdef".into()),
         rounds_ns: vec![1, 2],
-        alone_ns: Some(1),
-        began_ms: Some(1_700_000_000_000),
-        pulse_ns: Some(5),
         processor: Some(1),
-        building_ns: Some(1),
-        median_step_ns: Some(6),
-        worst_step_ns: Some(8),
-        course: Some(Course {
-            builds: 2,
-            first_wrong: Some(1),
-            wrong_frames: 1,
-            worst_missed: 3,
-            ..Course::default()
-        }),
+        course: Some(Course { worst_missed: 3, ..course }),
         moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
         ..Row::default()
     };
     row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
+    (row.id.experiment, row.id.machine) = ("e".into(), Some("here".into()));
+    (row.id.dim, row.id.seed) = (2, u64::MAX);
+    row.id.params.insert("s".into(), 0.5.into());
     row
 }
 
@@ -172,7 +152,7 @@ fn one_damaged_line_is_one_fault() {
         let mut lines: Vec<String> = text.lines().map(String::from).collect();
         lines[line - 1].replace_range(..1, "[");
         let error = read_text(&(lines.join("\n") + "\n")).err().unwrap();
-        let faults = &error.downcast_ref::<faults::Damaged>().unwrap().0;
+        let faults = &error.downcast_ref::<Damaged>().unwrap().0;
         assert_eq!((whole, faults.len()), (68, 1), "{error}");
     }
 }
