@@ -60,16 +60,13 @@ pub struct Lines {
     /// `time_ns` is the median over blocks, drawn with its interval.
     pub y: Expression,
     pub y_label: String,
-    /// Both axes logarithmic, or both linear.
     #[serde(default = "logarithmic")]
     pub log: bool,
-    /// Draw reference slopes N, N log N and N².
     #[serde(default)]
     pub slopes: bool,
     /// y is per particle: an algorithm of cost N is flat, and so is the slope N.
     #[serde(default, alias = "per-element")]
     pub per_particle: bool,
-    /// Mark where the input outgrows the caches of the machine.
     #[serde(default)]
     pub caches: bool,
 }
@@ -94,7 +91,6 @@ impl Lines {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bars {
-    /// The detector that the others are compared with.
     pub to: String,
 }
 
@@ -102,7 +98,6 @@ pub struct Bars {
 #[serde(default, deny_unknown_fields)]
 pub struct SpeedError {
     pub against: Against,
-    /// The parameter that makes the columns; without, the one with the most values.
     pub columns: String,
 }
 
@@ -123,13 +118,10 @@ pub struct MapAxes {
     /// Across: a field, a parameter, or what was measured of the scenes.
     #[serde(deserialize_with = "called")]
     pub x: String,
-    /// Upwards: the same.
     #[serde(deserialize_with = "called")]
     pub y: String,
-    /// The label of the x axis, with unit; empty for its name.
     #[serde(default)]
     pub x_label: String,
-    /// The label of the y axis, with unit; empty for its name.
     #[serde(default)]
     pub y_label: String,
 }

@@ -71,7 +71,6 @@ pub struct Experiment {
     pub claims: Vec<Claim>,
     #[serde(rename = "figure")]
     pub figures: Vec<Figure>,
-    /// A table shown after the run and in the report, besides the usual ones.
     pub table: Option<Table>,
     #[serde(skip)]
     pub planned: Planned,

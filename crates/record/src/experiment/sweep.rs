@@ -19,7 +19,6 @@ pub struct SceneSweep {
     /// Numbers of particles; not for `file` and `hard`, which bring their own.
     pub n: Option<List<u64>>,
     pub seed: List<u64>,
-    /// Orders of the particles, by name.
     pub order: List<String>,
     /// What a quick run takes instead.
     pub quick: Quick,

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::cells::label::{family, swept, title};
 use crate::cells::{AxisValue, Cell, CellId};
+use crate::record::id::Projection;
 
 /// The most scenes that an answer shows, unless the first and last of each sweep are more.
 pub const ROWS: usize = 30;
@@ -20,7 +21,7 @@ pub struct Scene<'a> {
 }
 
 /// Where a scene stands in its sweep.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Place {
     params: BTreeMap<String, AxisValue>,
     order: String,
@@ -40,13 +41,9 @@ impl Place {
     }
 }
 
-/// The identity of a scene: equal if, and only if, two cells have the same particles.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Key(String, u32, [Option<String>; 2], Place);
-
-pub fn key(id: &CellId) -> Key {
-    let (scene, dim, rest) = family(id);
-    Key(scene.into(), dim, rest, Place::new(id))
+/// The identity of the scene of a cell: equal if, and only if, two cells have the same particles.
+pub fn key(id: &CellId) -> Projection {
+    id.scene_id().without(&["experiment"])
 }
 
 pub fn count<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> usize {

@@ -29,7 +29,6 @@ pub struct Culprit {
     pub of: usize,
     /// Wrong pairs in the worst of them, 0 if they were not counted.
     pub wrong_pairs: u64,
-    /// The place of that cell.
     pub worst: String,
     pub reason: String,
 }

@@ -43,9 +43,7 @@ pub struct Gain {
     /// How the detector is called, without its threads.
     pub name: String,
     pub speedup: Interval,
-    /// The throughput of k copies over that of one.
     pub ceiling: Option<Interval>,
-    /// The first over the second.
     pub fraction: Option<Interval>,
     /// Why copies were not timed, or not in all blocks.
     pub failure: Option<(Outcome, String)>,

@@ -127,7 +127,6 @@ pub struct Matrix {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseLine {
     pub case: String,
-    /// 2, 3, or both.
     pub dims: Vec<u32>,
     /// By arithmetic: `right`, or who is not and how; none where nobody was asked.
     pub answers: Vec<Option<Vec<String>>>,

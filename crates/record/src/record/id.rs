@@ -15,9 +15,7 @@ use contactbench_terms::grammar::Spec;
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CellId {
     pub experiment: String,
-    /// The generator (or `file`).
     pub scene: String,
-    /// 2 for discs, 3 for spheres.
     pub dim: u32,
     /// The machine that measured. None where it does not matter: in records of one machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -57,21 +57,26 @@ pub fn interval(values: &[f64]) -> Option<Interval> {
 /// The largest k such that the k-th smallest to the k-th largest of n values cover the median with
 /// at least [`COVERAGE`], and what they cover; k = 1 when even the whole range does not.
 pub fn rank(n: usize) -> Option<(usize, f64)> {
-    if n == 0 {
-        return None;
-    }
-    let covered = |tail: f64| (1.0 - 2.0 * tail).max(0.0);
-    let (mut best, mut tail) = (None, 0.0);
     // in logarithms, because 2^-n underflows for large n
-    let mut log_term = -(n as f64) * std::f64::consts::LN_2;
-    for below in 0..n.div_ceil(2) {
-        tail += log_term.exp();
-        if best.is_none() || covered(tail) >= COVERAGE {
-            best = Some((below + 1, covered(tail)));
-        } else {
+    let tails = (0..n.div_ceil(2)).scan(-(n as f64) * std::f64::consts::LN_2, |log, below| {
+        let term = log.exp();
+        *log += ((n - below) as f64 / (below + 1) as f64).ln();
+        Some(term)
+    });
+    widest(tails).map(|(below, coverage)| (below + 1, coverage))
+}
+
+/// How many values can be left out at either end so that the rest covers with at least [`COVERAGE`],
+/// and what it covers, from the probabilities that 0, 1, ... values are beyond.
+pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+    let (mut best, mut tail) = (None, 0.0);
+    for (below, probability) in tails.enumerate() {
+        tail += probability;
+        let coverage = (1.0 - 2.0 * tail).max(0.0);
+        if best.is_some() && coverage < COVERAGE {
             break;
         }
-        log_term += ((n - below) as f64 / (below + 1) as f64).ln();
+        best = Some((below, coverage));
     }
     best
 }

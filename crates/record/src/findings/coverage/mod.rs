@@ -178,7 +178,7 @@ impl<'a> Coverage<'a> {
         let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
         let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(plan, &cell.id)).collect();
         let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
-        let mut numbers: HashMap<every::Key, usize> = HashMap::new();
+        let mut numbers: HashMap<Projection, usize> = HashMap::new();
         for place in &plan.scenes {
             let entrants = plan.entrants.iter();
             for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {

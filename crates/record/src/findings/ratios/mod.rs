@@ -58,7 +58,6 @@ pub struct Fastest {
     /// Its median time per detection, in nanoseconds.
     pub time_ns: f64,
     pub near: Near,
-    /// Those for whom that is undecided.
     pub open: Vec<String>,
 }
 
@@ -117,7 +116,6 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The ratio, where the answer is right.
     pub fn right_ratio(&self) -> Option<f64> {
         self.ratio.filter(|_| self.outcome.is_good()).map(|ratio| ratio.median)
     }
