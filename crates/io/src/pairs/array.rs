@@ -55,7 +55,9 @@ impl Shape {
         let rows = header.rows;
         let columns = match header.columns {
             // Nothing has no columns.
-            None | Some(0) if rows == 0 || header.columns.is_some() => return Some(none()),
+            None | Some(0) if rows == 0 || header.columns.is_some() => {
+                return Some((Shape { columns: 2, ..Shape::default() }, None));
+            }
             None => return None,
             Some(columns) => columns as u64,
         };
@@ -72,14 +74,7 @@ impl Shape {
         }
         fits(rows).then(|| (shape(columns, rows, !header.fortran), None))
     }
-}
 
-/// No pairs.
-fn none() -> (Shape, Option<Notice>) {
-    (Shape { columns: 2, ..Shape::default() }, None)
-}
-
-impl Shape {
     /// The place of the first number in a row of frame, pair and image.
     fn first(&self) -> usize {
         usize::from(!self.framed)

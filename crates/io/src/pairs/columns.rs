@@ -41,7 +41,7 @@ impl Other {
 }
 
 /// The columns of a table.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Columns {
     pair: [usize; 2],
     /// None, two or three.
@@ -76,16 +76,8 @@ impl Columns {
             }
             let image = places.split_off(2);
             let pair = [places[0], places[1]];
-            let columns = Columns {
-                pair,
-                image,
-                guessed: false,
-                ids: false,
-                others: vec![],
-                whole: vec![],
-                count: usize::MAX,
-            };
-            return Ok(Some(columns));
+            let count = usize::MAX;
+            return Ok(Some(Columns { pair, image, count, ..Columns::default() }));
         }
         let mut pairs = PAIRS.iter().map(|[i, j]| at(i).zip(at(j)));
         let Some((i, j)) = pairs.find_map(|pair| pair).or_else(|| of_one_compute(names)) else {

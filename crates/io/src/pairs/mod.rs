@@ -218,7 +218,13 @@ impl<R: Rows> Reader<List> for Table<R> {
             let mut step = Step::Keep;
             if choice.sparse {
                 let what = if choice.by_step { "step" } else { "frame" };
-                ascends(last.replace(label), label, what, || rows.place())?;
+                let after = last.replace(label).filter(|&last| last > label);
+                ensure!(
+                    after.is_none(),
+                    "{}: {what} {label} stands after {what} {}; sort the rows by {what}",
+                    rows.place(),
+                    after.unwrap_or_default()
+                );
                 let index = if choice.by_step { choice.seen } else { label as u64 };
                 list.frame = Some(index);
                 list.step = choice.by_step.then_some(label);
@@ -262,22 +268,5 @@ fn push(
     }
     room(&mut list.pairs)?;
     list.pairs.push(pair);
-    Ok(())
-}
-
-/// Rows that say to which frame they belong stand in its order.
-fn ascends(
-    last: Option<i64>,
-    label: i64,
-    what: &str,
-    place: impl Fn() -> String,
-) -> anyhow::Result<()> {
-    let after = last.filter(|&last| last > label);
-    ensure!(
-        after.is_none(),
-        "{}: {what} {label} stands after {what} {}; sort the rows by {what}",
-        place(),
-        after.unwrap_or_default()
-    );
     Ok(())
 }

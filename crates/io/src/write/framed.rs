@@ -22,6 +22,8 @@ pub struct Framed<'a> {
     names: Option<Vec<&'static str>>,
     /// The type of the numbers of npy.
     kind: &'static str,
+    /// What an error of the system begins with.
+    cannot: &'static str,
     /// How many rows there will be, if that is known before.
     count: Option<usize>,
     rows: usize,
@@ -37,7 +39,8 @@ impl Framed<'_> {
         count: Option<usize>,
     ) -> Framed<'_> {
         let (names, kind, rows, row, text) = (None, "<u4", 0, Vec::new(), Vec::new());
-        Framed { out, format, numbered, names, kind, count, rows, row, text }
+        let cannot = "cannot write the pairs";
+        Framed { out, format, numbered, names, kind, cannot, count, rows, row, text }
     }
 
     /// Writes the contacts of a frame.
@@ -49,7 +52,7 @@ impl Framed<'_> {
     ) -> anyhow::Result<()> {
         let names = style.names();
         match &self.names {
-            None => self.begin(style, &names).context("cannot write the pairs")?,
+            None => self.begin(style, &names).context(self.cannot)?,
             Some(before) => ensure!(
                 *before == names,
                 "frame {k}: the columns are {}, and {} in the frame before: the box, or the \
@@ -77,7 +80,7 @@ impl Framed<'_> {
             self.rows += 1;
             self.text.clear();
             row(&mut self.text, self.format, self.kind, &self.row);
-            self.out.write_all(&self.text).context("cannot write the pairs")
+            self.out.write_all(&self.text).context(self.cannot)
         };
         match style.by_id {
             true => style.directed(contacts)?.into_iter().try_for_each(write),
@@ -149,8 +152,10 @@ pub fn framed<T>(
 ) -> anyhow::Result<T> {
     let Some(path) = path else {
         let mut out = BufWriter::new(io::stdout().lock());
-        let done = body(&mut Framed::new(&mut out, PairFormat::Csv, numbered, None))?;
-        out.flush().context("cannot write the pairs to standard output")?;
+        let mut framed = Framed::new(&mut out, PairFormat::Csv, numbered, None);
+        framed.cannot = "cannot write the pairs to standard output";
+        let (done, cannot) = (body(&mut framed)?, framed.cannot);
+        out.flush().context(cannot)?;
         return Ok(done);
     };
     let cannot = || format!("cannot write {}", path.display());
