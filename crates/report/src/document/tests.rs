@@ -4,7 +4,7 @@ fn blocks() -> Vec<Block> {
     let text = Text::from("All of ").strong("it_").plain(" is in ").code("a.csv");
     vec![
         Block::heading(2, "A <title>"),
-        Block::paragraph(text.plain(", ").code("run").plain(" ").emphasis("now")),
+        Block::paragraph(text.plain(", ").code("r_`").plain(" ").emphasis("now")),
         Block::Warning("<b>".into()),
         Block::List(vec!["one".into(), "two".into()]),
         Block::Code("a < b ````".into()),
@@ -17,7 +17,7 @@ fn blocks() -> Vec<Block> {
 fn blocks_are_written_in_every_language() {
     assert_eq!(
         markdown(&blocks()),
-        "## A \\<title\\>\n\nAll of **it\\_** is in `a.csv`, `run` *now*\n\n\
+        "## A \\<title\\>\n\nAll of **it\\_** is in `a.csv`, `r_'` *now*\n\n\
          > Warning: \\<b\\>\n\n* one\n* two\n\n````text\na < b '\n````\n\n\
          **t**\n\n| a | b |\n| --- | ---: |\n| x | 1 |\n\n\
          ![F](figures/f.svg)\n\n"
@@ -25,7 +25,7 @@ fn blocks_are_written_in_every_language() {
     let made = html(&blocks());
     for part in [
         "<h2>A &lt;title&gt;</h2>",
-        "<strong>it_</strong> is in <code>a.csv</code>, <code>run</code> <em>now</em></p>",
+        "<strong>it_</strong> is in <code>a.csv</code>, <code>r_`</code> <em>now</em></p>",
         "<p class=\"warning\">&lt;b&gt;</p>",
         "<li>two</li>",
         "<pre tabindex=\"0\">a &lt; b ````</pre>",

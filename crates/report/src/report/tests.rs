@@ -47,6 +47,10 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
         let texts = [&markdown, &page, &terminal];
         assert!(texts.iter().all(|text| text.contains(part)), "{part}: {texts:#?}");
     }
+    // Evidence stands with the answer and with the claims.
+    for text in [&markdown, &page] {
+        assert_eq!(text.matches("exactly, in 2 cells").count(), 2, "{text}");
+    }
     assert!(markdown.contains("contactbench run") && page.contains("contactbench run"));
     assert!(report.warnings[1].contains("unknown variable 'speed'"), "{:?}", report.warnings);
     assert_eq!((report.figures.len(), report.warnings.len(), report.verdicts.len()), (1, 2, 1));
