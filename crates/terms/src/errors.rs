@@ -56,7 +56,8 @@ impl Errors {
 
     /// Pairs that are there and should not be, or should be and are not.
     pub fn wrong(&self) -> u64 {
-        self.missed + self.spurious + self.duplicate + self.self_pairs
+        let others = self.duplicate.saturating_add(self.self_pairs);
+        self.missed.saturating_add(self.spurious).saturating_add(others)
     }
 }
 
