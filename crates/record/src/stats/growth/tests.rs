@@ -45,6 +45,10 @@ fn it_says_why_it_is_undecided() {
         (points(|n| n.powf(0.8)), trend),
         (points(|n| n)[..4].to_vec(), "only 4 distinct N, at least 5 are needed"),
         ((1..=7).map(hundreds).collect(), "N spans only a factor of 7.0, at least 8 is needed"),
+        (
+            points(|n| n * if (2.0 * n.log10()).round() % 2.0 == 0.0 { 1.0 } else { 2.5 }),
+            "N log N fit about equally well",
+        ),
         (points(|n| n - 100.0), "a value is not positive"),
         (Vec::new(), "only 0 distinct N"),
     ] {
