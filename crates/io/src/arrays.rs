@@ -69,7 +69,6 @@ impl Cells {
     }
 }
 
-/// What an array has numbers for.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Of {
     Nothing,
@@ -186,7 +185,6 @@ impl Arrays {
         Ok(())
     }
 
-    /// Adds a further piece.
     pub fn append(&mut self, piece: Arrays) -> anyhow::Result<()> {
         let count = |arrays: &Arrays| arrays.points.as_ref().map_or(0, Vec::len) as u64;
         if count(&piece) > 0 {
@@ -229,7 +227,6 @@ impl Arrays {
         Ok(())
     }
 
-    /// The particles, and what was understood.
     pub fn particles(
         mut self,
         format: &'static str,

@@ -14,7 +14,6 @@ use crate::Notice;
 use crate::lines::{Lines, number, shown};
 use contactbench_core::scene::Lattice;
 
-/// The box that a file declares.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declared {
     /// Its vectors, one per row; none where the file says only that it repeats.
@@ -170,7 +169,6 @@ impl FromStr for Edges {
     }
 }
 
-/// As it is read.
 impl std::fmt::Display for Axes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let axes = match self {
@@ -187,12 +185,10 @@ impl std::fmt::Display for Axes {
 pub enum Axes {
     /// All that there are, in the dimension of the particles.
     All,
-    /// These.
     These([bool; 3]),
 }
 
 impl Axes {
-    /// Along no axis.
     pub const NONE: Axes = Axes::These([false; 3]);
 
     /// The axes for particles of so many dimensions.
@@ -224,7 +220,6 @@ impl FromStr for Axes {
     }
 }
 
-/// The axes in words.
 pub fn along(axes: [bool; 3]) -> String {
     let names = ["no axis", "x", "y", "x and y", "z", "x and z", "y and z", "x, y and z"];
     names[(0..3).map(|k| usize::from(axes[k]) << k).sum::<usize>()].into()
@@ -261,7 +256,6 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
     points.enumerate().filter(|(_, point)| is_outside(*point)).map(|(k, _)| k).collect()
 }
 
-/// What the options say of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Boundaries {
     /// The vectors of the box, instead of the file's.
@@ -273,7 +267,6 @@ pub struct Boundaries {
 }
 
 impl Boundaries {
-    /// As the file says.
     pub const AS_DECLARED: Boundaries = Boundaries { edges: None, periodic: None, open: false };
 
     /// Nobody asks along which axes the file's box repeats.
@@ -297,7 +290,6 @@ impl Boundaries {
         if dim == 2 { lattice.flat().ok() } else { Some(lattice) }
     }
 
-    /// Refuses options that contradict each other.
     pub fn check(&self) -> anyhow::Result<()> {
         let given = [(self.edges.is_some(), "--box"), (self.periodic.is_some(), "--periodic")];
         if let Some((_, name)) = given.iter().find(|(given, _)| self.open && *given) {

@@ -61,7 +61,6 @@ impl Word {
         }
     }
 
-    /// As it was.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.0).trim_end_matches('\0').to_string()
     }
@@ -137,7 +136,6 @@ impl FromStr for Chosen {
 }
 
 impl Chosen {
-    /// True if the coordinates are chosen.
     pub fn axes(&self) -> bool {
         self.columns[..3].iter().any(Option::is_some)
     }
@@ -166,7 +164,6 @@ impl Chosen {
         self.given().map(|(.., which)| place(which)).collect::<Option<_>>().filter(|_| self.axes())
     }
 
-    /// The chosen columns and their keys.
     fn given(&self) -> impl Iterator<Item = (&'static str, Column, Which)> {
         let given = KEYS.iter().zip(&self.columns);
         given.filter_map(|((key, column), which)| Some((*key, *column, (*which)?)))
@@ -207,7 +204,6 @@ impl Chosen {
         Ok(())
     }
 
-    /// Returns `columns` with the user's choices applied.
     pub fn apply(&self, mut columns: Columns, place: &str) -> anyhow::Result<Columns> {
         columns.meaning.iter_mut().for_each(|meaning| *meaning = self.beside(*meaning));
         columns.sizes_chosen |= self.sizes();

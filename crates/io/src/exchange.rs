@@ -37,7 +37,6 @@ pub fn write_scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Option<f
     write().with_context(|| format!("cannot write the scene to {}", path.display()))
 }
 
-/// Reads what [`write_scene`] wrote.
 pub fn read_scene(
     path: &Path,
     dim: u32,

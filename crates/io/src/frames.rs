@@ -13,7 +13,6 @@ pub enum Frame {
     Only,
     /// The one of that number.
     Number(u64),
-    /// The last one.
     Last,
     /// Each of them: see [`Frames`].
     All,
@@ -63,7 +62,6 @@ pub struct Choice {
     line: u64,
     /// What is wrong with frames behind the chosen one.
     torn: Option<String>,
-    /// The file is compressed with gzip.
     pub gzip: bool,
 }
 
@@ -114,7 +112,6 @@ impl Choice {
         anyhow!("{error:#}; {which}: take --frame {last}{all}")
     }
 
-    /// All are wanted.
     pub fn is_all(&self) -> bool {
         self.frame == Frame::All
     }
@@ -268,7 +265,6 @@ pub struct Frames<'a> {
 }
 
 impl Frames<'_> {
-    /// The frame that was chosen.
     pub(super) fn chosen(mut self) -> anyhow::Result<Loaded> {
         let (kept, frame) = self.one()?;
         self.finished(kept, frame)

@@ -12,13 +12,11 @@ use contactbench_core::searcher::{LoadError, Loaded};
 /// A scene with its boundaries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Given {
-    /// The particles.
     pub scene: AnyScene<'static>,
     /// The box in which they repeat; none where boundaries are open.
     pub lattice: Option<Lattice>,
     /// The file that it was read from has a box, whether that repeats or not.
     pub has_box: bool,
-    /// What that file leaves open.
     pub notices: Vec<Notice>,
     /// Where the file's radii come from; none of a scene that is made, which is not doubted.
     pub source: Option<RadiusSource>,

@@ -67,16 +67,13 @@ pub use without::{Groups, Without};
 
 use contactbench_core::scene::AnyScene;
 
-/// Where radii come from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum RadiusSource {
     /// A column or array of that name.
     Column(String),
     /// A column or array of diameters of that name, halved.
     Halved(String),
-    /// The options.
     Given,
-    /// Nowhere.
     #[default]
     Missing,
 }
@@ -84,15 +81,11 @@ pub enum RadiusSource {
 /// What was understood of a file, beside its particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
-    /// The format's name.
     pub format: &'static str,
-    /// It was compressed with gzip.
     pub gzip: bool,
-    /// Where the radius comes from.
     pub radius: RadiusSource,
     /// Frames in the file, as far as it was read.
     pub frames: u64,
-    /// The frame that was read.
     pub frame: u64,
     /// Its time step, where the format counts them.
     pub step: Option<i64>,
@@ -104,7 +97,6 @@ pub struct About {
     pub file: Option<String>,
 }
 
-/// Particles, and what was understood.
 pub type Loaded = (Particles, About);
 
 impl About {

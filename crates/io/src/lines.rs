@@ -113,7 +113,6 @@ impl<'a> Lines<'a> {
         String::from_utf8_lossy(self.line()).into_owned()
     }
 
-    /// The number of the line.
     pub fn at(&self) -> u64 {
         self.number
     }
@@ -167,7 +166,6 @@ impl<'a> Lines<'a> {
         self.line.get(self.at..).unwrap_or_default().trim_ascii()
     }
 
-    /// The next word as a number.
     pub fn number(&mut self, what: &str) -> anyhow::Result<f64> {
         let value = match self.word()? {
             Some(word) => number(word).ok_or_else(|| shown(word)),
@@ -233,12 +231,10 @@ pub(crate) fn among(list: &str, word: &str) -> bool {
     list.split(' ').any(|it| it == word)
 }
 
-/// The words of a line.
 pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// The words of a line as text.
 pub fn texts(line: &[u8]) -> Vec<String> {
     words(line).map(|word| String::from_utf8_lossy(word).into_owned()).collect()
 }
@@ -284,7 +280,6 @@ impl Separator {
     }
 }
 
-/// See [`Separator::cells`].
 #[derive(Clone)]
 pub struct Cells<'a> {
     rest: Option<&'a [u8]>,
@@ -375,7 +370,6 @@ pub fn listed<S: AsRef<str>>(names: &[S]) -> String {
     shown.join(" ") + if names.len() > 8 { " …" } else { "" }
 }
 
-/// [`short`] for bytes.
 pub fn shown(bytes: &[u8]) -> String {
     short(&String::from_utf8_lossy(&bytes[..bytes.len().min(200)]))
 }

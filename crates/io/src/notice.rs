@@ -20,11 +20,9 @@ pub enum Notice {
     /// More contacts per particle than hard bodies have, by so much that the unit must differ, or
     /// not.
     Crowded {
-        /// Contacts per particle.
         each: f64,
         /// Five times too many, or more.
         other_unit: bool,
-        /// Where the radii come from.
         source: RadiusSource,
     },
     /// Contacts overlap by this much in the mean, in mean radii: more than those of hard bodies.
@@ -44,11 +42,9 @@ pub enum Notice {
 /// Where the file is named, and so how its options are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// As an argument.
     Argument,
     /// In a scene, as in `file:path=p.dump`.
     Spec,
-    /// In an experiment.
     Experiment,
 }
 

@@ -27,7 +27,6 @@ pub struct Options {
     pub columns: Option<Chosen>,
     /// The box, where it is not the file's.
     pub boundaries: Boundaries,
-    /// Contacts that are left out.
     pub without: Option<Without>,
     /// Part k of this many parts, from 0, where a format can leave out the others:
     /// [`Particles::first`](crate::Particles).
@@ -40,12 +39,10 @@ pub struct FileOption {
     pub name: &'static str,
     /// What it takes, for the help; empty for a flag.
     pub value: &'static str,
-    /// The line of help.
     pub meaning: &'static str,
     set: fn(&mut Options, &str) -> Result<(), String>,
 }
 
-/// All of them.
 pub const OPTIONS: [FileOption; 8] = [
     FileOption {
         name: "radius",
@@ -118,7 +115,6 @@ fn parsed<T: FromStr<Err: Display>>(text: &str, value: &mut Option<T>) -> Result
 }
 
 impl FileOption {
-    /// Gives the option this value.
     pub fn set(&self, options: &mut Options, text: &str) -> Result<(), String> {
         (self.set)(options, text)
     }
@@ -130,7 +126,6 @@ impl FileOption {
 }
 
 impl Options {
-    /// The file says everything.
     pub const NONE: Options = Options {
         radius: None,
         dim: None,

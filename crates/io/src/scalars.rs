@@ -9,7 +9,6 @@ use crate::lines::{Source, among, short};
 use crate::particles::Column;
 use crate::room::{room, room_for};
 
-/// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     I8,
@@ -84,14 +83,11 @@ impl Kind {
 pub enum Target {
     Points(Vec<Point<f64, 3>>, [f64; 3], usize),
     Sizes(Size),
-    /// The points of cells.
     Indices(Indices),
-    /// The kinds of cells.
     Types(Cells),
     /// How many points are copies of points elsewhere.
     Ghosts(u64),
     Ids(Ids),
-    /// Numbers that are not used.
     Nothing,
 }
 
@@ -136,7 +132,6 @@ impl Ids {
         Ok(())
     }
 
-    /// Adds those of a further piece.
     pub fn append(&mut self, more: Ids) -> anyhow::Result<()> {
         self.values = match (self.values.take(), more.values) {
             (Some(mut all), Some(more)) => {

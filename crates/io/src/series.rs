@@ -17,7 +17,6 @@ use crate::frames::{Choice, Frame, Reader, Step};
 use crate::lines::{Source, number, short};
 use crate::{About, Loaded, Notice, Options, opened, room};
 
-/// The files that form one frame.
 struct Member {
     files: Vec<PathBuf>,
     time: Option<f64>,
@@ -33,7 +32,6 @@ pub struct Series {
     options: Options,
 }
 
-/// Longest list of files that is read.
 const LONGEST: u64 = 1 << 26;
 
 /// Whether there is something to read: a file, or files that match a pattern.
@@ -252,7 +250,6 @@ impl Series {
         series.read(member)
     }
 
-    /// The particles of one frame.
     fn read(&self, member: &Member) -> anyhow::Result<Loaded> {
         let options = Options { frame: Frame::Only, survey: false, ..self.options };
         let mut whole: Option<Loaded> = None;

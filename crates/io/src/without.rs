@@ -21,7 +21,6 @@ pub struct Without {
     with: [u16; MOST + 1],
 }
 
-/// Values that may be named.
 const MOST: usize = 8;
 
 impl FromStr for Without {
@@ -109,7 +108,6 @@ impl Without {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groups {
     without: Without,
-    /// Where the column stands.
     pub column: usize,
     /// The values that are named, as texts and, if they are, as numbers.
     values: Vec<(String, Option<f64>)>,
@@ -118,7 +116,6 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Takes the value of the next particle.
     pub fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
         let as_number = number(cell);
         let same = |(text, number): &(String, Option<f64>)| {
@@ -130,7 +127,6 @@ impl Groups {
         Ok(())
     }
 
-    /// Adds those of further particles.
     pub fn append(&mut self, more: Groups) -> anyhow::Result<()> {
         room_for(&mut self.of, more.of.len())?;
         self.of.extend(more.of);

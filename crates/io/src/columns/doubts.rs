@@ -80,7 +80,6 @@ impl Columns {
     }
 }
 
-/// The unit that a name ends in.
 fn unit_of(name: &str) -> Option<&str> {
     split(name).1.or_else(|| suffixed(name).map(|(_, unit)| unit))
 }

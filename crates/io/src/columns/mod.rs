@@ -11,7 +11,6 @@ use crate::units::{self, shifted};
 use crate::{Notice, Options, RadiusSource};
 pub use rows::Rows;
 
-/// What a column of a file means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// x, y or z, as 0, 1 or 2.
@@ -74,7 +73,6 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Columns that mean what their names say.
     pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
         let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
@@ -101,7 +99,6 @@ impl Columns {
         Columns { meaning, names, ..Columns::default() }
     }
 
-    /// True if there are x and y.
     pub fn has_places(&self) -> bool {
         (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
     }
@@ -211,7 +208,6 @@ impl Columns {
         Ok(())
     }
 
-    /// Where the radius comes from.
     pub fn radius(&self) -> RadiusSource {
         let named = |column| {
             self.meaning.iter().position(|&other| other == column).map(|k| self.names[k].clone())
@@ -324,7 +320,6 @@ fn not_a_number(cell: &[u8]) -> &'static str {
     }
 }
 
-/// Is it 1,5 for 1.5?
 pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {
     let point = |&b: &u8| if b == b',' { b'.' } else { b };
     let pointed: Vec<u8> = cell.iter().map(point).collect();

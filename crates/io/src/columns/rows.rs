@@ -21,7 +21,6 @@ impl Rows {
         Rows { columns, particles: Particles::new(3, has_radii) }
     }
 
-    /// The particles, and what was understood.
     pub fn read(self, format: &'static str) -> Loaded {
         loaded(format, self.particles, self.columns.radius())
     }

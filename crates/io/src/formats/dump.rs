@@ -243,7 +243,6 @@ impl Atoms {
     }
 }
 
-/// The box of one frame.
 fn bounds(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result<Declared> {
     let words: Vec<&str> = kind.split_whitespace().collect();
     let (columns, flags) = match words[..] {

@@ -18,7 +18,6 @@ use crate::particles::{Column, Particles, loaded};
 use crate::room::room_for;
 use crate::{About, Declared, Loaded, Notice, Options, RadiusSource};
 
-/// The first bytes.
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -52,7 +51,6 @@ impl Framed for Gsd<'_> {
     }
 }
 
-/// Where an array stands.
 #[derive(Clone, Copy)]
 struct Chunk {
     frame: u64,
@@ -63,7 +61,6 @@ struct Chunk {
     kind: u8,
 }
 
-/// The whole file, and its index.
 struct File {
     bytes: Vec<u8>,
     chunks: Vec<Chunk>,

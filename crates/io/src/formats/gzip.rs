@@ -12,7 +12,6 @@ use std::io::{self, BufRead, Read};
 
 use flate2::bufread::MultiGzDecoder;
 
-/// The first bytes.
 pub(crate) const MAGIC: &[u8] = b"\x1f\x8b";
 /// Most bytes unpacked for each byte read.
 const MOST: u64 = 200;
@@ -43,7 +42,6 @@ impl Unpacking {
     }
 }
 
-/// See [`Unpacking::unpacked`].
 pub(crate) struct Unpacked<'a, R> {
     inner: R,
     unpacking: &'a Unpacking,
@@ -64,7 +62,6 @@ impl<R: Read> Read for Unpacked<'_, R> {
     }
 }
 
-/// See [`Unpacking::file`].
 pub struct Counted<'a, R> {
     inner: R,
     unpacking: &'a Unpacking,

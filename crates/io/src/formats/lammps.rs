@@ -194,7 +194,6 @@ fn atoms(
     Ok(rows.unwrap_or_else(|| Rows::none("x y z", false)))
 }
 
-/// The columns of a style.
 fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
     let of = |style: &str| STYLES.iter().find(|(name, _)| *name == style).map(|(_, names)| *names);
     let mut parts = style.split_whitespace();

@@ -23,7 +23,6 @@ use crate::lines::{Source, number, words};
 use crate::pairs::fstat;
 use crate::{Loaded, Notice, Options};
 
-/// A format of particle files.
 pub struct Format {
     /// Its name on the command line.
     pub key: &'static str,
@@ -31,7 +30,6 @@ pub struct Format {
     pub help: &'static str,
     /// Its name for people.
     pub name: &'static str,
-    /// Endings of file names.
     pub endings: &'static [&'static str],
     /// With what every such file begins, for messages; empty where anything may stand first.
     pub begins: &'static str,
@@ -39,15 +37,11 @@ pub struct Format {
     read: Read,
 }
 
-/// How a format is read.
 enum Read {
-    /// A file is one frame.
     Whole(fn(Source<'_>, Options) -> anyhow::Result<Loaded>),
-    /// It may have several.
     Frames(fn(Source<'_>, Options) -> Opened<'_>),
 }
 
-/// The frames of a file.
 pub type Opened<'a> = Box<dyn Reader<Loaded> + 'a>;
 
 impl PartialEq for Format {

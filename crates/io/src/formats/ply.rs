@@ -88,7 +88,6 @@ fn named(vertex: &Element) -> Columns {
     }))
 }
 
-/// The elements that join vertices.
 fn joined(elements: &[Element]) -> Cells {
     let mut cells = Cells::default();
     for Element { name, count, lists, .. } in elements {

@@ -106,7 +106,6 @@ const FORMS: [Form; 19] = [
     ("an OFF mesh", |b| lines(b).next() == Some(b"OFF"), MESH),
 ];
 
-/// The names of all.
 #[cfg(test)]
 pub fn names() -> impl Iterator<Item = &'static str> {
     BYTES.iter().map(|it| it.0).chain(FORMS.iter().map(|it| it.0))

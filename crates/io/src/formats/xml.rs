@@ -145,7 +145,6 @@ impl<'a, 'b> Base64<'a, 'b> {
         Base64 { xml, letters: 0, ready: Vec::new(), at: 0 }
     }
 
-    /// How many letters were read.
     pub fn letters(&self) -> u64 {
         self.letters
     }

@@ -23,7 +23,6 @@ struct Arrays {
     /// Columns and their names, of whole numbers.
     names: Vec<String>,
     columns: Vec<Vec<i64>>,
-    /// The names of arrays of other numbers.
     others: Vec<String>,
     /// What arrays of pairs hold, or why it is not read.
     tables: Vec<(String, anyhow::Result<List>)>,

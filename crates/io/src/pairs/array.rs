@@ -29,7 +29,6 @@ pub(super) struct Array<'a> {
     before: u64,
 }
 
-/// What the numbers of an array are.
 #[derive(Clone, Copy, Default)]
 struct Shape {
     pairs: u64,
@@ -143,7 +142,6 @@ impl<'a> Array<'a> {
         if rows.is_empty() { source.end(header) } else { Ok(()) }
     }
 
-    /// The numbers of an image.
     fn images(&self) -> usize {
         self.shape.columns.saturating_sub(2 + usize::from(self.shape.framed))
     }

@@ -22,7 +22,6 @@ const HARMLESS: &str = "index type ptype ntype patom natom id";
 const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
                       the line";
 
-/// A column that was not looked at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Other {
     /// Its name, or its number from 1.
@@ -40,7 +39,6 @@ impl Other {
     }
 }
 
-/// The columns of a table.
 #[derive(Clone, Default)]
 pub(super) struct Columns {
     pair: [usize; 2],
@@ -48,7 +46,6 @@ pub(super) struct Columns {
     image: Vec<usize>,
     /// Nobody says that those are images: they are until a number is not whole.
     guessed: bool,
-    /// They are called `id1` and `id2`.
     ids: bool,
     others: Vec<(usize, Other)>,
     /// Which of the others have held whole numbers alone.
@@ -106,7 +103,6 @@ impl Columns {
         Columns { pair: [0, 1], image, guessed, ids: false, others, whole: Vec::new(), count }
     }
 
-    /// The columns of the two particles.
     pub fn pair(&self) -> [usize; 2] {
         self.pair
     }
@@ -124,7 +120,6 @@ impl Columns {
         self.whole.iter_mut().filter(|k| **k > m).for_each(|k| *k -= 1);
     }
 
-    /// Adds the pair of one line.
     pub fn push(
         &mut self,
         lines: &Lines<'_>,

@@ -74,7 +74,6 @@ impl Label {
         if self.is_step { "step" } else { "frame" }
     }
 
-    /// What the row says.
     fn of(self, cells: &[&[u8]], lines: &Lines<'_>) -> anyhow::Result<i64> {
         let cell = cells.get(self.column).copied().unwrap_or_default();
         let label = whole(cell).filter(|&label| self.is_step || label >= 0);

@@ -6,10 +6,8 @@ use super::Other;
 use crate::lines::short;
 use crate::notice::Notice;
 
-/// A contact list as it was read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct List {
-    /// The format's name.
     pub format: &'static str,
     /// The number of its frame, where the file has frames.
     pub frame: Option<u64>,
@@ -26,7 +24,6 @@ pub struct List {
     pub flat: bool,
     /// Nothing says that they are images but their number: the columns have no names.
     pub guessed: bool,
-    /// Columns that were not looked at.
     pub others: Vec<Other>,
     /// Contacts with walls, which were left out.
     pub walls: u64,
@@ -36,7 +33,6 @@ pub struct List {
     pub named_ids: bool,
     /// Every contact stands there from both sides (MercuryDPM), and was taken once.
     pub both_sides: bool,
-    /// Assumptions of the reader.
     pub notices: Vec<Notice>,
 }
 
@@ -93,7 +89,6 @@ impl List {
     }
 }
 
-/// Columns in words.
 pub fn columns_of(names: &[&str]) -> String {
     let listed = crate::lines::listed(names);
     format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })

@@ -175,10 +175,8 @@ trait Rows {
     /// Goes to the next row; the frame or the step that it says, else 0. None at the end.
     fn advance(&mut self) -> anyhow::Result<Option<i64>>;
 
-    /// The place of the row, for messages.
     fn place(&self) -> String;
 
-    /// Adds the pair of the row.
     fn take(&mut self, list: &mut List) -> anyhow::Result<()>;
 
     /// A list without pairs, when its rows begin.
@@ -188,7 +186,6 @@ trait Rows {
     fn end(&mut self, list: &mut List);
 }
 
-/// The lists of a file of rows.
 struct Table<R> {
     rows: R,
     begun: bool,

@@ -40,7 +40,6 @@ impl Particles {
     }
 }
 
-/// The values in another order.
 fn ordered<T: Copy>(values: &mut Vec<T>, order: &[u32]) -> anyhow::Result<()> {
     let mut sorted = Vec::new();
     let room = sorted.try_reserve_exact(order.len());

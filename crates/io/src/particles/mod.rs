@@ -15,7 +15,6 @@ use crate::room::{room, room_for};
 use crate::{About, Groups, Loaded, Notice, Options, RadiusSource};
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 
-/// Centres of either dimension, in file order.
 #[derive(Debug, PartialEq)]
 pub enum Centres {
     Plane(Vec<Point<f64, 2>>),
@@ -44,7 +43,6 @@ fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
     Point::from(std::array::from_fn(|k| row[k]))
 }
 
-/// Particles as read.
 #[derive(Debug, Default, PartialEq)]
 pub struct Particles {
     pub centres: Centres,
@@ -61,7 +59,6 @@ pub struct Particles {
     pub notices: Vec<Notice>,
     /// Names of columns or arrays that are not used: one of them may hold the sizes.
     pub(crate) unused: Vec<String>,
-    /// Where the radii come from.
     pub source: Option<RadiusSource>,
     /// The number of the first particle in the file, if these are the part that was asked for; none
     /// if they are all.
@@ -76,17 +73,14 @@ impl Particles {
         Particles { centres, radii: has_radii.then(Vec::new), ..Particles::default() }
     }
 
-    /// The number of particles.
     pub fn len(&self) -> usize {
         with_points!(&self.centres, points => points.len())
     }
 
-    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// 2 or 3.
     pub fn dim(&self) -> usize {
         if matches!(self.centres, Centres::Plane(_)) { 2 } else { 3 }
     }
@@ -310,7 +304,6 @@ fn without_radii(names: &[String]) -> String {
     format!("{there} give --radius R (half the diameter; in an experiment radius = R)")
 }
 
-/// Particles of columns, and what was understood.
 pub fn loaded(format: &'static str, particles: Particles, radius: RadiusSource) -> Loaded {
     (particles, About { format, radius, ..About::default() })
 }

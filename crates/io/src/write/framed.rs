@@ -43,7 +43,6 @@ impl Framed<'_> {
         Framed { out, format, numbered, names, kind, cannot, count, rows, row, text }
     }
 
-    /// Writes the contacts of a frame.
     pub fn frame(
         &mut self,
         k: u64,
@@ -106,7 +105,6 @@ impl Framed<'_> {
     }
 }
 
-/// Adds the numbers of one contact.
 fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
     for (k, &number) in row.iter().enumerate() {
         match (format, kind, number) {

@@ -25,7 +25,6 @@ mod row;
 pub use framed::{Framed, framed, of_file};
 pub use row::{Extra, Style};
 
-/// What a file of pairs can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairFormat {
     /// `i,j` and one pair per line.

@@ -9,7 +9,6 @@ use contactbench_core::periodic::{self, ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Real, array};
 use contactbench_core::with_scene;
 
-/// More columns of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extra {
     /// The overlap as a length and, as `depth`, in mean radii of the two particles.
@@ -33,10 +32,8 @@ impl Extra {
     ];
 }
 
-/// How contacts of some particles are written.
 #[derive(Clone, Copy, Debug)]
 pub struct Style<'a> {
-    /// The particles.
     pub scene: &'a AnyScene<'a>,
     /// The same in their box, if they have one.
     pub periodic: Option<&'a Periodic<'a>>,
@@ -44,11 +41,9 @@ pub struct Style<'a> {
     pub ids: Option<&'a [i64]>,
     /// Contacts are named by the ids, the smaller first, and stand in their order.
     pub by_id: bool,
-    /// What stands beside each contact.
     pub extras: &'a [Extra],
 }
 
-/// A number of a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Number {
     Whole(i64),
@@ -76,7 +71,6 @@ impl<'a> Style<'a> {
         self.extras.contains(&extra)
     }
 
-    /// The names of the columns.
     pub(super) fn names(&self) -> Vec<&'static str> {
         let mut names = if self.by_id { vec!["id1", "id2"] } else { vec!["i", "j"] };
         names.extend(["sx", "sy", "sz"].into_iter().take(self.images()));

@@ -28,19 +28,15 @@ pub(super) struct Table {
     pub notices: Vec<Notice>,
 }
 
-/// What the comments say.
 #[derive(Default)]
 struct Comments {
-    /// Columns that they name.
     columns: Option<Columns>,
-    /// `#format` names them.
     format: bool,
     /// Edges of the box from `##PERIODIC::`.
     edges: Option<[f64; 3]>,
     notices: Vec<Notice>,
 }
 
-/// Reads up to the first row.
 pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Table> {
     let mut comments = Comments::default();
     let more = loop {

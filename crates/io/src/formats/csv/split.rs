@@ -24,7 +24,6 @@ const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
 /// Header names that are read as ids if there is no column id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
 
-/// What the column counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Frame,
@@ -92,7 +91,6 @@ impl Blocks {
         }
     }
 
-    /// The next row.
     pub fn row(&mut self) -> anyhow::Result<()> {
         if let Some((comment, place)) = &self.named {
             bail!(
@@ -137,9 +135,7 @@ pub(super) struct Split {
     /// Whether the column is named t or time and was not chosen: each row may have a value of its
     /// own.
     doubtful: bool,
-    /// Value of the frame that is read.
     value: Vec<u8>,
-    /// Rows of the frame that is read.
     rows: u64,
     /// The direction from the first frame to the second.
     order: Option<Ordering>,
@@ -229,7 +225,6 @@ impl Split {
         Ok(true)
     }
 
-    /// The time step of the frame.
     pub fn step(&self) -> Option<i64> {
         let beside = self.beside[0].as_ref().and_then(|(_, value)| value.as_deref());
         match self.kind {
@@ -239,7 +234,6 @@ impl Split {
         }
     }
 
-    /// The time of the frame.
     pub fn time(&self) -> Option<f64> {
         let beside = self.beside[1].as_ref().and_then(|(_, value)| value.as_deref());
         match self.kind {

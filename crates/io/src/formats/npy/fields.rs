@@ -8,7 +8,6 @@ use crate::lines::{Source, short};
 use crate::particles::{Column, Columns, Rows};
 use crate::scalars::Kind;
 
-/// A field of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {
     pub name: String,
@@ -18,7 +17,6 @@ pub(crate) struct Field {
     width: usize,
 }
 
-/// Most bytes of a record.
 const WIDEST: usize = 1 << 20;
 
 /// The fields of a type such as `[('x', '<f8'), ('v', '<f4', (3,))]`.

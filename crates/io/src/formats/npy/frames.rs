@@ -69,7 +69,6 @@ impl Reader<Loaded> for Array<'_> {
     }
 }
 
-/// The next rows as particles.
 fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Loaded> {
     if !header.fields.is_empty() {
         return Ok(records(source, header, options)?.read("NumPy npy"));

@@ -8,7 +8,6 @@ use super::fields::{self, Field};
 use crate::lines::{Source, short};
 use crate::scalars::Kind;
 
-/// The first bytes of every npy file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Longest header read; NumPy's own default limit is 10,000.
@@ -36,7 +35,6 @@ impl Source<'_> {
     }
 }
 
-/// What the header of an array says.
 #[derive(Debug)]
 pub(crate) struct Header {
     pub kind: Kind,
@@ -54,7 +52,6 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// How many numbers there are.
     pub fn count(&self) -> u64 {
         self.sizes.iter().fold(1, |count, &size| count.saturating_mul(size))
     }

@@ -13,7 +13,6 @@ const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length bo
 /// Names of arrays that say along which vectors it repeats.
 const FLAGS: &str = "pbc periodic periodicity";
 
-/// What an archive says of its box.
 #[derive(Default)]
 pub(super) struct Cell {
     vectors: Option<Found>,
@@ -32,7 +31,6 @@ impl Cell {
         among(BOXES, &label) || among(FLAGS, &label)
     }
 
-    /// Takes an array of such a name.
     pub fn take(
         &mut self,
         source: &mut Source<'_>,

@@ -34,7 +34,6 @@ struct Points {
     label: String,
 }
 
-/// The arrays that are read.
 #[derive(Default)]
 struct Scenes {
     axes: [Option<Vec<f64>>; 3],
@@ -85,7 +84,6 @@ impl Reader<Loaded> for Frames<'_> {
 }
 
 impl Scenes {
-    /// Takes one file of the archive.
     fn member(
         &mut self,
         mut source: Source<'_>,

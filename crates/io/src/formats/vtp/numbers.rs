@@ -20,7 +20,6 @@ pub(super) struct Layout {
     pub compressor: String,
 }
 
-/// An array that is kept.
 pub(super) struct Array {
     pub target: Target,
     pub kind: Kind,
@@ -59,7 +58,6 @@ pub(super) fn text(xml: &mut Xml<'_>, array: Array) -> anyhow::Result<Target> {
     Ok(target)
 }
 
-/// Counts the bytes that are read.
 pub(super) struct Counting<'a> {
     pub inner: &'a mut dyn BufRead,
     pub count: u64,

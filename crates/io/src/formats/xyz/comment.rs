@@ -20,7 +20,6 @@ const DECIDE: [(&str, &[&str]); 3] = [
     ("Properties", &["property", "columns"]),
 ];
 
-/// One pair of the line.
 #[derive(Debug)]
 pub(super) struct Pair {
     key: String,
@@ -60,7 +59,6 @@ impl Comment {
         }
     }
 
-    /// The value of a key.
     pub fn get(&self, key: &str) -> Option<&Pair> {
         self.0.iter().find(|pair| pair.key.eq_ignore_ascii_case(key))
     }
@@ -139,7 +137,6 @@ fn pairs(line: &str) -> Result<Vec<Pair>, Fault> {
     }
 }
 
-/// A place in the line.
 struct Scan<'a> {
     line: &'a str,
     at: usize,
