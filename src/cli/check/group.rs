@@ -27,7 +27,7 @@ impl Group {
 
 /// Detectors of the table.
 pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
-    let chosen = detectors::expand(&options.detector)
+    let chosen = detectors::expand(&options.detector, false)
         .map_err(anyhow::Error::msg)?
         .iter()
         .map(|name| Ok(Contender::from(table::parse(name)?)))

@@ -1,83 +1,109 @@
-//! The generated scenes of the check: every generator, in 2D and 3D, small, with parameters that
-//! make it hard.
+//! The scenes of the check: generated ones, small, in 2D and 3D, with parameters that make them
+//! hard; the hard cases; the regressions that the tests keep; and random bytes.
 
-use std::collections::BTreeMap;
+use std::ops::Range;
 
-use contactbench_scenes::spec::{Order, Spec};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
-/// A scene of the check: a generator with parameters.
-pub(super) struct Case {
-    generator: &'static str,
-    pub(super) dims: &'static [u32],
-    params: &'static [(&'static str, f64)],
-    lattice: [&'static str; 2],
-    periodic: bool,
+use crate::check::bytes;
+use crate::check::regression::KEPT;
+use contactbench_io as io;
+use contactbench_io::Given;
+use contactbench_scenes::hard;
+use contactbench_scenes::spec::Spec;
+
+/// A scene, and where it is from.
+pub(super) struct Scene {
+    pub source: &'static str,
+    pub name: String,
+    pub given: Given,
 }
 
-const fn case(
-    generator: &'static str,
-    dims: &'static [u32],
-    params: &'static [(&'static str, f64)],
-) -> Case {
-    Case { generator, dims, params, lattice: [""; 2], periodic: false }
-}
-
+/// The specs without dimension, number and seed; those in space say of a lattice of squares that it
+/// is cubic.
+///
 /// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to
 /// it as rounding allows.
-pub(super) const CASES: &[Case] = &[
-    case("packed", &[2, 3], &[]),
-    case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)]),
-    Case {
-        lattice: ["square", "cubic"],
-        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)])
-    },
-    Case {
-        lattice: ["square", "cubic"],
-        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0), ("diameter", 0.1)])
-    },
-    case("packed", &[2, 3], &[("size-ratio", 3.0)]),
-    case("loose", &[2, 3], &[]),
-    case("loose", &[2, 3], &[("fraction", 0.6), ("size-ratio", 20.0)]),
-    case("clustered", &[2, 3], &[("per-cluster", 20.0)]),
-    case("clustered", &[2, 3], &[("per-cluster", 50.0), ("width", 0.5), ("fraction", 0.0001)]),
-    case("couples", &[2, 3], &[("diameter", 0.1), ("offset", -1000.0)]),
-    case("pack-a", &[2], &[]),
-    case("pack-b", &[2], &[("s", 1.0)]),
-    case("pack-c", &[2], &[("s", 1.0), ("diameter", 0.3)]),
-    case("pack-d", &[2], &[("s", 3.0)]),
-    Case {
-        lattice: ["square", "cubic"],
-        periodic: true,
-        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)])
-    },
+const CASES: &[(&str, &[u32])] = &[
+    ("packed:", &[2, 3]),
+    ("packed:spacing=1.0,jitter=0.0", &[2, 3]),
+    ("packed:spacing=1.0,jitter=0.0,lattice=square", &[2, 3]),
+    ("packed:spacing=1.0,jitter=0.0,diameter=0.1,lattice=square", &[2, 3]),
+    ("packed:size-ratio=3.0", &[2, 3]),
+    ("loose:", &[2, 3]),
+    ("loose:fraction=0.6,size-ratio=20.0", &[2, 3]),
+    ("clustered:per-cluster=20", &[2, 3]),
+    ("clustered:per-cluster=50,width=0.5,fraction=0.0001", &[2, 3]),
+    ("couples:diameter=0.1,offset=-1000.0", &[2, 3]),
+    ("pack-a:", &[2]),
+    ("pack-b:s=1.0", &[2]),
+    ("pack-c:s=1.0,diameter=0.3", &[2]),
+    ("pack-d:s=3.0", &[2]),
+    ("packed:spacing=1.0,jitter=0.0,periodic=true,lattice=square", &[2, 3]),
     // With few particles, boxes are smaller than the reach.
-    Case { periodic: true, ..case("loose", &[2, 3], &[("fraction", 0.9), ("tilt", -0.375)]) },
-    Case {
-        periodic: true,
-        ..case("clustered", &[2, 3], &[("per-cluster", 20.0), ("size-ratio", 5.0)])
-    },
+    ("loose:fraction=0.9,tilt=-0.375,periodic=true", &[2, 3]),
+    ("clustered:per-cluster=20,size-ratio=5.0,periodic=true", &[2, 3]),
 ];
 
 /// Small numbers of particles, the smallest included.
-pub(super) const SIZES: &[u64] = &[0, 1, 2, 3, 17, 100, 300];
+const SIZES: &[u64] = &[0, 1, 2, 3, 17, 100, 300];
 
-impl Case {
-    pub(super) fn spec(&self, dim: u32, n: u64, seed: u64) -> anyhow::Result<Spec> {
-        let mut params: BTreeMap<String, toml::Value> = BTreeMap::new();
-        for &(name, value) in self.params {
-            let whole = name == "per-cluster";
-            params.insert(
-                name.into(),
-                if whole { toml::Value::Integer(value as i64) } else { toml::Value::Float(value) },
-            );
-        }
-        if self.periodic {
-            params.insert("periodic".into(), true.into());
-        }
-        let lattice = self.lattice[dim as usize - 2];
-        if !lattice.is_empty() {
-            params.insert("lattice".into(), lattice.into());
-        }
-        Spec::new(self.generator, dim, n, seed, Order::Shuffled, &params)
-    }
+/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
+/// too far apart for cells.
+const RANDOM: u64 = 200;
+const LENGTHS: Range<usize> = 4..64;
+
+/// Every generator, in every size.
+pub(super) fn generated(seed: u64) -> impl Iterator<Item = anyhow::Result<Scene>> {
+    let sized = |(case, dim): (&'static str, u32)| SIZES.iter().map(move |&n| (case, dim, n));
+    let cases = CASES.iter().flat_map(|(case, dims)| dims.iter().map(|&dim| (*case, dim)));
+    cases.flat_map(sized).map(move |(case, dim, n)| {
+        let case = if dim == 3 { case.replace("square", "cubic") } else { case.into() };
+        let comma = if case.ends_with(':') { "" } else { "," };
+        let spec = Spec::parse(&format!("{case}{comma}dim={dim},n={n},seed={seed}"))?;
+        let params = spec.params.iter().map(|(name, value)| format!(" {name}={value}"));
+        let params: String = params.collect();
+        let name = format!("{} dim={dim} n={n} seed={seed}{params}", spec.name);
+        Ok(Scene { source: "generated", name, given: spec.given()? })
+    })
+}
+
+/// Every hard case that has a valid scene, with its history.
+pub(super) fn hard_cases() -> impl Iterator<Item = anyhow::Result<Scene>> {
+    let valid = hard::cases().filter(|case| case.expect != hard::Expect::Invalid);
+    let each = valid.flat_map(|case| case.dims.iter().map(move |&dim| (case, dim)));
+    each.flat_map(|(case, dim)| {
+        let steps = match case.steps(dim) {
+            Ok(steps) => steps,
+            Err(error) => return vec![Err(error)],
+        };
+        let count = steps.len();
+        let named = |(k, given)| {
+            let step = if count == 1 { String::new() } else { format!(", step {k} of {count}") };
+            let name = format!("hard case {} in {dim}D{step}", case.name);
+            Ok(Scene { source: "hard cases", name, given })
+        };
+        (1..).zip(steps).map(named).collect()
+    })
+}
+
+pub(super) fn regressions() -> impl Iterator<Item = anyhow::Result<Scene>> {
+    KEPT.iter().map(|&(name, text)| {
+        let ending = name.rsplit('.').next().unwrap_or_default();
+        let (particles, _) = io::load_from(text.as_bytes(), name, ending, io::Options::default())?;
+        let given = particles.given(name, None)?;
+        Ok(Scene { source: "regressions", name: format!("tests/regressions/{name}"), given })
+    })
+}
+
+pub(super) fn random_bytes(seed: u64) -> impl Iterator<Item = anyhow::Result<Scene>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    (0..RANDOM).filter_map(move |k| {
+        let mut data = vec![0; random.random_range(LENGTHS)];
+        random.fill_bytes(&mut data);
+        let given = bytes::scene_from_bytes(&data)?.into();
+        let name = format!("random bytes, seed {seed}, number {k}");
+        Some(Ok(Scene { source: "random bytes", name, given }))
+    })
 }

@@ -1,34 +1,24 @@
 //! Asks contenders scene after scene, and keeps what came of it.
 
 use std::mem::discriminant;
-use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-use super::cases::{CASES, SIZES};
+use super::cases::Scene;
 use super::contender::{Contender, Question, Respondent};
 use super::shrink::shrink;
-use super::{Failure, Limits, MOST_BYTES, Report, Wrong, bytes};
+use super::{Failure, Limits, MOST_BYTES, Report, Wrong};
 use crate::truth::truth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
 use contactbench_core::oracle::NoTruth;
 use contactbench_core::scene::AnyScene;
-use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_scenes::hard;
-
-/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
-/// too far apart for cells.
-const RANDOM: u64 = 200;
-const LENGTHS: Range<usize> = 4..64;
 
 pub(super) struct Checker<'a> {
     limits: &'a Limits,
     started: Instant,
+    arithmetics: &'a [Arithmetic],
     contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
     pub(super) report: Report,
 }
@@ -36,13 +26,15 @@ pub(super) struct Checker<'a> {
 impl<'a> Checker<'a> {
     pub(super) fn new(
         contenders: &'a [Contender],
+        arithmetics: &'a [Arithmetic],
         limits: &'a Limits,
     ) -> anyhow::Result<Checker<'a>> {
         let entered = |contender: &'a Contender| {
             Ok((contender, contender.respondent(limits.options, limits.deadline)?))
         };
         let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
-        Ok(Checker { limits, started: Instant::now(), contenders, report: Report::default() })
+        let (started, report) = (Instant::now(), Report::default());
+        Ok(Checker { limits, started, arithmetics, contenders, report })
     }
 
     /// There is nobody left to check.
@@ -55,119 +47,25 @@ impl<'a> Checker<'a> {
         self.started.elapsed() > self.limits.time || self.decided()
     }
 
-    /// False if it is over.
-    pub(super) fn generated(
+    /// Checks scene after scene. False if it is over: where the time counts, or nobody is left.
+    pub(super) fn all(
         &mut self,
-        seed: u64,
-        arithmetics: &[Arithmetic],
+        scenes: impl Iterator<Item = anyhow::Result<Scene>>,
+        in_time: bool,
     ) -> anyhow::Result<bool> {
-        for case in CASES {
-            for &dim in case.dims {
-                for &n in SIZES {
-                    if seed > 1 && self.over() || self.decided() {
-                        return Ok(false);
-                    }
-                    let spec = case.spec(dim, n, seed)?;
-                    let params = || {
-                        spec.params
-                            .iter()
-                            .map(|(name, value)| format!(" {name}={value}"))
-                            .collect::<String>()
-                    };
-                    let name = || {
-                        format!(
-                            "{} dim={} n={} seed={}{}",
-                            spec.name,
-                            spec.dim,
-                            spec.n,
-                            spec.seed,
-                            params()
-                        )
-                    };
-                    self.scene("generated", &spec.given()?, name, arithmetics)?;
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    pub(super) fn hard_cases(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
-        for case in hard::cases().filter(|case| case.expect != hard::Expect::Invalid) {
-            for &dim in case.dims {
-                if self.over() {
-                    return Ok(());
-                }
-                let steps = case.steps(dim)?;
-                for (k, given) in steps.iter().enumerate() {
-                    let step = if steps.len() == 1 {
-                        String::new()
-                    } else {
-                        format!(", step {} of {}", k + 1, steps.len())
-                    };
-                    self.scene(
-                        "hard cases",
-                        given,
-                        || format!("hard case {} in {dim}D{step}", case.name),
-                        arithmetics,
-                    )?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    pub(super) fn regressions(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
-        for (name, text) in crate::check::regression::KEPT {
-            if self.decided() {
-                break;
-            }
-            let ending = name.rsplit('.').next().unwrap_or_default();
-            let options = io::Options::default();
-            let (particles, _) = io::load_from(text.as_bytes(), name, ending, options)?;
-            self.scene(
-                "regressions",
-                &particles.given(name, None)?,
-                || format!("tests/regressions/{name}"),
-                arithmetics,
-            )?;
-        }
-        Ok(())
-    }
-
-    /// False if it is over.
-    pub(super) fn random_bytes(
-        &mut self,
-        seed: u64,
-        arithmetics: &[Arithmetic],
-    ) -> anyhow::Result<bool> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        for k in 0..RANDOM {
-            if self.over() {
+        for scene in scenes {
+            if self.decided() || in_time && self.over() {
                 return Ok(false);
             }
-            let mut data = vec![0; random.random_range(LENGTHS)];
-            random.fill_bytes(&mut data);
-            if let Some(scene) = bytes::scene_from_bytes(&data) {
-                self.scene(
-                    "random bytes",
-                    &scene.into(),
-                    || format!("random bytes, seed {seed}, number {k}"),
-                    arithmetics,
-                )?;
-            }
+            self.scene(&scene?)?;
         }
         Ok(true)
     }
 
-    pub(super) fn scene(
-        &mut self,
-        source: &'static str,
-        given: &Given,
-        name: impl Fn() -> String,
-        arithmetics: &[Arithmetic],
-    ) -> anyhow::Result<()> {
+    pub(super) fn scene(&mut self, scene: &Scene) -> anyhow::Result<()> {
+        let Scene { source, name, given } = scene;
         *self.report.scenes.entry(source).or_default() += 1;
-        for &arithmetic in arithmetics {
+        for &arithmetic in self.arithmetics {
             let limit = self.limits.options.memory_limit;
             let known = match given.loaded(arithmetic) {
                 Err(error) => Err(format!("{error:#}")),
@@ -212,7 +110,7 @@ impl<'a> Checker<'a> {
                     self.report.failures.push(Failure {
                         detector,
                         arithmetic,
-                        found_on: name(),
+                        found_on: name.clone(),
                         found,
                         given: given.clone(),
                         smallest,

@@ -32,20 +32,13 @@ use contactbench_io::Given;
 /// The name of the threads: panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
 
-/// Who is checked.
 pub enum Contender {
-    /// A detector of the table.
     Detector {
-        /// Which, with its parameters.
         spec: DetectorSpec,
-        /// Its normal form.
         name: String,
     },
-    /// A runner.
     Runner(Foreign),
-    /// A function.
     Function {
-        /// What it is called.
         name: String,
         /// It is called in the thread that checks: what hangs there is not noticed.
         ask: Arc<Function>,
@@ -64,7 +57,6 @@ impl<S: Into<DetectorSpec>> From<S> for Contender {
 }
 
 impl Contender {
-    /// The detector's name.
     pub fn name(&self) -> &str {
         match self {
             Contender::Detector { name, .. } | Contender::Function { name, .. } => name,
@@ -93,38 +85,27 @@ impl Contender {
     }
 }
 
-/// What is asked.
 pub struct Question<'a> {
-    /// The scene.
     pub given: &'a Given,
     /// The same as the arithmetic stores it.
     pub stored: &'a Arc<Loaded<'static>>,
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// Asked of a detector without a history.
     pub fresh: bool,
-    /// The right answer.
     pub truth: &'a Truth,
 }
 
 /// Answers questions, each with what those before have left behind, unless it is to be fresh.
 pub trait Respondent {
-    /// Asks for the pairs.
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer>;
 }
 
-/// What came of a detection.
 pub enum Answer {
     /// Right, or lossy where the arithmetic allows it.
     Right,
-    /// Pairs as reported.
     Pairs(Vec<ImagePair>),
     /// It refused the scene, after so many reported pairs.
     Refused(Refusal, u64),
-    /// It panicked, with this message.
-    Panicked(String),
-    /// It was not ready in time.
-    Hangs(Duration),
     /// A runner refused the scene, for this reason.
     Declined(String),
     /// A runner was wrong in a way of its own.
@@ -158,8 +139,6 @@ impl Answer {
             Answer::Refused(_, 0) | Answer::Declined(_) => None,
             Answer::Wrong(wrong) => Some(wrong),
             Answer::Refused(_, reported) => Some(Wrong::RefusesLate(reported)),
-            Answer::Panicked(message) => Some(Wrong::Panics(message)),
-            Answer::Hangs(deadline) => Some(Wrong::Hangs(deadline)),
         }
     }
 }
@@ -226,13 +205,14 @@ pub fn answer(
         Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
             if let Some(refusal) = no_memory(&*cause) {
-                return Answer::Panicked(refusal.to_string());
+                return Answer::Wrong(Wrong::Panics(refusal.to_string()));
             }
-            Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
+            let message = match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
                 (Some(text), _) => text.to_string(),
                 (_, Some(text)) => text.clone(),
                 _ => "no message".into(),
-            })
+            };
+            Answer::Wrong(Wrong::Panics(message))
         }
     }
 }
@@ -240,7 +220,6 @@ pub fn answer(
 /// What need be known of the truth to ask a detector.
 #[derive(Clone, Copy, Default)]
 pub struct Expected {
-    /// Of the right pairs.
     digest: Digest,
     /// More pairs than this need not be kept to see that an answer is wrong, and how.
     most: usize,
@@ -252,7 +231,6 @@ impl From<&Truth> for Expected {
     }
 }
 
-/// A function.
 struct Called(Arc<Function>);
 
 impl Respondent for Called {
@@ -278,7 +256,6 @@ struct Job {
     expected: Expected,
 }
 
-/// A detector in a thread of its own.
 struct Thread {
     spec: DetectorSpec,
     options: Options,
@@ -309,11 +286,11 @@ impl Respondent for Thread {
         let _ = self.jobs.send(job);
         let lost = match self.answers.recv_timeout(self.deadline) {
             Ok(answer) => return Ok(answer),
-            Err(RecvTimeoutError::Timeout) => Answer::Hangs(self.deadline),
-            Err(RecvTimeoutError::Disconnected) => Answer::Panicked("its thread ended".into()),
+            Err(RecvTimeoutError::Timeout) => Wrong::Hangs(self.deadline),
+            Err(RecvTimeoutError::Disconnected) => Wrong::Panics("its thread ended".into()),
         };
         *self = Thread::new(self.spec.clone(), self.options, self.deadline)?;
-        Ok(lost)
+        Ok(Answer::Wrong(lost))
     }
 }
 
@@ -330,7 +307,7 @@ fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &
             job.arithmetic,
             job.expected,
         );
-        if matches!(answer, Answer::Panicked(_)) {
+        if matches!(answer, Answer::Wrong(Wrong::Panics(_))) {
             searcher = None;
         }
         if answers.send(answer).is_err() {

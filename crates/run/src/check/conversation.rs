@@ -4,20 +4,16 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Context;
-
 use crate::check::Wrong;
 use crate::check::contender::Answer;
-use crate::check::process::{Foreign, Stop, broken, digest, word};
-use crate::run::client::Client;
+use crate::check::process::{Foreign, Line, Stop, digest, word};
+use crate::run::disk;
 use crate::run::protocol::{Found, Reply, Request};
 use crate::run::trajectory::Trajectory;
 use contactbench_core::scene::{Radii, Scene};
 use contactbench_core::sink::Digest;
 use contactbench_io::Given;
-use contactbench_record::record::row::Outcome;
 
-/// What a conversation showed.
 #[derive(Debug, Default)]
 pub struct Manners {
     /// The first that was wrong of each kind.
@@ -29,22 +25,20 @@ pub struct Manners {
 /// A sample of this length is asked for.
 const SAMPLE_NS: u64 = 2_000_000;
 
-struct Talk<'a> {
-    foreign: &'a Foreign,
-    deadline: Duration,
-    client: Option<Client>,
+struct Talk {
+    line: Line,
     manners: Manners,
 }
 
 /// Talks with a runner about a row of four discs of which three touch.
 pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
-    let folder = tempfile::tempdir()
-        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let folder = disk::temporary()?;
     let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
     let scene = Given::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
     let right = Digest::from_pairs(&[[0, 1], [1, 2]]);
     let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
-    let mut talk = Talk { foreign, deadline, client: None, manners: Manners::default() };
+    let line = Line { foreign: foreign.clone(), deadline, client: None };
+    let mut talk = Talk { line, manners: Manners::default() };
     talk.early(&folder.path().join("not-there.npy"))?;
     talk.load(row)?;
     talk.sample(right)?;
@@ -53,66 +47,39 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
     }
     let path = folder.path().join("pairs.npy");
     if let Some(Reply::Pairs { .. }) =
-        talk.say("asked for the pairs", &Request::Pairs { path, frame: None })?
+        talk.say("asked for the pairs", &Request::Pairs { path, frame: None }, &[])?
     {
         talk.manners.abilities.push("pairs");
     }
     Ok(talk.manners)
 }
 
-impl Talk<'_> {
-    /// The reply; none, and a finding, if there is none.
-    fn say(&mut self, when: &str, request: &Request) -> anyhow::Result<Option<Reply>> {
-        self.say_with(when, request, &[])
-    }
-
-    /// The same of a request with further fields.
-    fn say_with(
+impl Talk {
+    /// The reply to a request with further fields; none, and a finding, if there is none.
+    fn say(
         &mut self,
         when: &str,
         request: &Request,
         fields: &[(&str, &str)],
     ) -> anyhow::Result<Option<Reply>> {
-        let mut client = match self.client.take() {
-            Some(client) => client,
-            None => match self.foreign.start(self.deadline) {
-                Ok(client) => client,
-                Err(Stop::Failed(error)) => return Err(error),
-                Err(Stop::Answer(answer)) => {
-                    if let Answer::Wrong(wrong) = answer {
-                        self.manners.broken.push(wrong);
-                    }
-                    return Ok(None);
-                }
-            },
+        let answer = match self.line.say(request, fields) {
+            Ok(reply) => return Ok(Some(reply)),
+            Err(Stop::Failed(error)) => return Err(error),
+            Err(Stop::Answer(answer)) => answer,
         };
-        let answer = client.message(request).and_then(|mut message| {
-            for (name, value) in fields {
-                message[name] = (*value).into();
-            }
-            client.exchange(&message)
-        });
         match answer {
-            Ok(reply) => {
-                self.client = Some(client);
-                Ok(Some(reply))
+            Answer::Wrong(Wrong::Hangs(deadline)) => {
+                let seconds = deadline.as_secs_f64();
+                self.breaks(format!("{when}, it does not answer within {seconds} s"));
             }
-            Err(failure) => {
-                let wrong = match broken(&client, failure.clone()) {
-                    _ if failure.outcome == Outcome::Timeout => Wrong::Breaks(format!(
-                        "{when}, it does not answer within {} s",
-                        self.deadline.as_secs_f64()
-                    )),
-                    Wrong::Dies { how, errors } => {
-                        Wrong::Dies { how: format!("{when}: {how}"), errors }
-                    }
-                    Wrong::Breaks(what) => Wrong::Breaks(format!("{when}: {what}")),
-                    other => other,
-                };
-                self.manners.broken.push(wrong);
-                Ok(None)
+            Answer::Wrong(Wrong::Dies { how, errors }) => {
+                self.manners.broken.push(Wrong::Dies { how: format!("{when}: {how}"), errors });
             }
+            Answer::Wrong(Wrong::Breaks(what)) => self.breaks(format!("{when}: {what}")),
+            Answer::Wrong(other) => self.manners.broken.push(other),
+            _ => {}
         }
+        Ok(None)
     }
 
     fn breaks(&mut self, what: String) {
@@ -129,7 +96,7 @@ impl Talk<'_> {
             ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
             ("given a file that is not there", nowhere),
         ] {
-            match self.say(when, &request)? {
+            match self.say(when, &request, &[])? {
                 None | Some(Reply::Error { .. } | Reply::Refused { .. }) => {}
                 Some(other) => self.breaks(format!(
                     "{when}, it answers {}; it should answer error, and go on",
@@ -143,7 +110,7 @@ impl Talk<'_> {
     /// With a field that no version has.
     fn load(&mut self, row: Trajectory) -> anyhow::Result<()> {
         let when = "given a load with a field that it does not know";
-        match self.say_with(when, &Request::Load(row), &[("remark", "of a later version")])? {
+        match self.say(when, &Request::Load(row), &[("remark", "of a later version")])? {
             None | Some(Reply::Loaded | Reply::Refused { .. }) => {}
             Some(Reply::Error { reason }) => {
                 self.breaks(format!("{when}, it answers with the error: {reason}"))
@@ -156,7 +123,7 @@ impl Talk<'_> {
     fn sample(&mut self, right: Digest) -> anyhow::Result<()> {
         let request = Request::Sample { min_ns: SAMPLE_NS };
         for when in ["asked for a sample", "asked for a second sample"] {
-            let Some(reply) = self.say(when, &request)? else { return Ok(()) };
+            let Some(reply) = self.say(when, &request, &[])? else { return Ok(()) };
             // It may refuse any scene.
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
@@ -175,8 +142,7 @@ impl Talk<'_> {
 
     /// Is there something in the reply that cannot be? It is noted.
     fn impossible(&mut self, when: &str, request: &Request, reply: &Reply) -> bool {
-        let client = self.client.as_ref();
-        let found = client.and_then(|client| client.impossible(request, reply));
+        let found = self.line.impossible(request, reply);
         let wrong = found.is_some();
         found.into_iter().for_each(|what| self.breaks(format!("{when}, {what}")));
         wrong
@@ -189,7 +155,7 @@ impl Talk<'_> {
         right: Digest,
     ) -> anyhow::Result<()> {
         let when = format!("asked to {ability}");
-        let reply = self.say(&when, request)?;
+        let reply = self.say(&when, request, &[])?;
         if reply.as_ref().is_some_and(|reply| self.impossible(&when, request, reply)) {
             return Ok(());
         }

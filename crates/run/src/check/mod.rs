@@ -25,6 +25,7 @@ mod wrong;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use cases::Scene;
 use checker::Checker;
 use contender::Contender;
 pub use regression::as_csv;
@@ -40,7 +41,6 @@ use contactbench_io::Given;
 /// it. To fill much more takes as long as a hang.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// How far a check goes.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Seeds tried at most; the first is always completed.
@@ -49,9 +49,7 @@ pub struct Limits {
     pub time: Duration,
     /// A detection that takes longer hangs.
     pub deadline: Duration,
-    /// For every failing scene.
     pub effort: Effort,
-    /// What detectors may use.
     pub options: Options,
 }
 
@@ -68,7 +66,6 @@ impl Default for Limits {
     }
 }
 
-/// What was checked, and what was found.
 #[derive(Default)]
 pub struct Report {
     /// Detections compared with the truth.
@@ -85,19 +82,16 @@ pub struct Report {
     pub failures: Vec<Failure>,
 }
 
-/// What a check has shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Every answer that was compared is right.
     Right,
-    /// A detector is wrong.
     Wrong,
     /// No answer was compared: all scenes were refused. It is not a pass.
     Nothing,
 }
 
 impl Report {
-    /// The verdict on all detectors.
     pub fn verdict(&self) -> Verdict {
         if !self.failures.is_empty() {
             Verdict::Wrong
@@ -114,17 +108,12 @@ impl Report {
     }
 }
 
-/// A detector that is wrong.
 pub struct Failure {
-    /// Its name.
     pub detector: String,
-    /// In which arithmetic.
     pub arithmetic: Arithmetic,
     /// On which scene it was noticed.
     pub found_on: String,
-    /// In which way, there.
     pub found: Wrong,
-    /// That scene.
     pub given: Given,
     /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed
     /// on, if a fresh one is right or hangs.
@@ -142,9 +131,9 @@ pub fn check(
     limits: &Limits,
 ) -> anyhow::Result<Report> {
     let contenders: Vec<Contender> = detectors.iter().copied().map(Contender::from).collect();
-    let mut checker = Checker::new(&contenders, limits)?;
+    let mut checker = Checker::new(&contenders, arithmetics, limits)?;
     for seed in 1..=limits.seeds {
-        if !checker.generated(seed, arithmetics)? {
+        if !checker.all(cases::generated(seed), seed > 1)? {
             break;
         }
     }
@@ -159,14 +148,14 @@ pub fn battery(
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(contenders, limits)?;
-    checker.generated(1, arithmetics)?;
-    checker.hard_cases(arithmetics)?;
-    checker.regressions(arithmetics)?;
+    let mut checker = Checker::new(contenders, arithmetics, limits)?;
+    checker.all(cases::generated(1), false)?;
+    checker.all(cases::hard_cases(), true)?;
+    checker.all(cases::regressions(), false)?;
     checker.report.cut = checker.over();
     for seed in 1..=limits.seeds {
-        if !checker.random_bytes(seed, arithmetics)?
-            || seed > 1 && !checker.generated(seed, arithmetics)?
+        if !checker.all(cases::random_bytes(seed), true)?
+            || seed > 1 && !checker.all(cases::generated(seed), true)?
         {
             break;
         }
@@ -195,7 +184,7 @@ pub fn one_scene(
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(contenders, limits)?;
-    checker.scene("given", scene, || name.into(), arithmetics)?;
+    let mut checker = Checker::new(contenders, arithmetics, limits)?;
+    checker.scene(&Scene { source: "given", name: name.into(), given: scene.clone() })?;
     Ok(checker.report)
 }

@@ -8,14 +8,12 @@ use contactbench_core::with_scene;
 /// The coordinates and the radius of every particle, one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
-    /// 2 or 3.
     pub dim: usize,
     /// `dim + 1` numbers for each particle, the radius last.
     pub values: Vec<f64>,
 }
 
 impl Numbers {
-    /// The numbers of a scene.
     pub fn new(scene: &AnyScene<'_>) -> Numbers {
         let mut values = Vec::with_capacity(scene.len() * (scene.dim() + 1));
         with_scene!(scene, scene => for (k, centre) in scene.centres().iter().enumerate() {
@@ -25,27 +23,22 @@ impl Numbers {
         Numbers { dim: scene.dim(), values }
     }
 
-    /// Numbers per particle.
     pub fn stride(&self) -> usize {
         self.dim + 1
     }
 
-    /// The number of particles.
     pub fn len(&self) -> usize {
         self.values.len() / self.stride()
     }
 
-    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// All radii, in order.
     pub fn radii(&self) -> impl Iterator<Item = f64> {
         self.values.iter().skip(self.dim).step_by(self.stride()).copied()
     }
 
-    /// Have not all particles the same radius?
     pub fn mixed(&self) -> bool {
         self.radii().any(|r| r != self.values[self.dim])
     }

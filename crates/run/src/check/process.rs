@@ -8,12 +8,13 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{anyhow, bail};
 use tempfile::TempDir;
 
 use crate::check::contender::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::run::client::{self, Client, NO_REPLY, Start};
+use crate::run::disk;
 use crate::run::protocol::{self, Reply, Request};
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
@@ -43,7 +44,6 @@ pub struct Foreign {
     pub version: String,
     /// The arithmetic in which its answers are right.
     pub arithmetic: Arithmetic,
-    /// Program and arguments.
     pub command: Vec<String>,
 }
 
@@ -75,7 +75,6 @@ impl From<Wrong> for Stop {
     }
 }
 
-/// A finding.
 fn breaks(what: String) -> Stop {
     Wrong::Breaks(what).into()
 }
@@ -115,7 +114,7 @@ impl Foreign {
     }
 
     /// A process that has said hello.
-    pub(super) fn start(&self, limit: Duration) -> Result<Client, Stop> {
+    fn start(&self, limit: Duration) -> Result<Client, Stop> {
         let mut client = spawn(&self.command, limit)?;
         match client.greet(GREETING) {
             Ok(()) => Ok(client),
@@ -130,7 +129,7 @@ fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
 }
 
 /// A failure in the words of the check; its answer was none.
-pub(super) fn broken(client: &Client, failure: client::Failure) -> Wrong {
+fn broken(client: &Client, failure: client::Failure) -> Wrong {
     if failure.outcome == Outcome::Wrong || failure.reason.starts_with(NO_REPLY) {
         return Wrong::Breaks(failure.reason);
     }
@@ -142,34 +141,25 @@ pub(super) fn broken(client: &Client, failure: client::Failure) -> Wrong {
     }
 }
 
-/// The digest of a reply.
 pub(super) fn digest(contacts: u64, text: &str) -> Result<Digest, Wrong> {
     protocol::digest(contacts, text).map_err(Wrong::Breaks)
 }
 
-/// A runner, kept from scene to scene.
-pub(super) struct Process {
-    foreign: Foreign,
-    deadline: Duration,
-    folder: TempDir,
-    client: Option<Client>,
-    /// It has had a scene.
-    used: bool,
+/// A runner to talk with; one that has ended is started anew.
+pub(super) struct Line {
+    pub foreign: Foreign,
+    pub deadline: Duration,
+    pub client: Option<Client>,
 }
 
-impl Process {
-    pub fn new(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Process> {
-        let folder = tempfile::tempdir()
-            .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
-        Ok(Process { foreign: foreign.clone(), deadline, folder, client: None, used: false })
-    }
-
-    fn request(&mut self, request: &Request) -> Result<Reply, Stop> {
+impl Line {
+    /// Sends a request with further fields, and gives the reply, whatever it says.
+    pub fn say(&mut self, request: &Request, fields: &[(&str, &str)]) -> Result<Reply, Stop> {
         let mut client = match self.client.take() {
             Some(client) => client,
             None => self.foreign.start(self.deadline)?,
         };
-        let message = match client.message(request) {
+        let mut message = match client.message(request) {
             Ok(message) => message,
             // Its version of the protocol cannot say this.
             Err(failure) => {
@@ -177,23 +167,50 @@ impl Process {
                 return Err(Stop::Answer(Answer::Declined(failure.reason)));
             }
         };
+        for (name, value) in fields {
+            message[name] = (*value).into();
+        }
         match client.exchange(&message) {
             Ok(reply) => {
-                let impossible = client.impossible(request, &reply);
                 self.client = Some(client);
-                match reply {
-                    _ if impossible.is_some() => Err(breaks(impossible.unwrap_or_default())),
-                    Reply::Refused { reason } => Err(Stop::Answer(Answer::Declined(reason))),
-                    reply => Ok(reply),
-                }
+                Ok(reply)
             }
             Err(failure) if failure.outcome == Outcome::Timeout => {
-                Err(Stop::Answer(Answer::Hangs(self.deadline)))
+                Err(Wrong::Hangs(self.deadline).into())
             }
             Err(failure) if failure.outcome == Outcome::Unavailable => {
                 Err(breaks(format!("it has begun, and then says unavailable: {}", failure.reason)))
             }
             Err(failure) => Err(broken(&client, failure).into()),
+        }
+    }
+
+    /// What cannot be in the reply that has just come.
+    pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
+        self.client.as_ref().and_then(|client| client.impossible(request, reply))
+    }
+}
+
+pub(super) struct Process {
+    line: Line,
+    folder: TempDir,
+    /// It has had a scene.
+    used: bool,
+}
+
+impl Process {
+    pub fn new(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Process> {
+        let folder = disk::temporary()?;
+        let line = Line { foreign: foreign.clone(), deadline, client: None };
+        Ok(Process { line, folder, used: false })
+    }
+
+    fn request(&mut self, request: &Request) -> Result<Reply, Stop> {
+        let reply = self.line.say(request, &[])?;
+        match (self.line.impossible(request, &reply), reply) {
+            (Some(impossible), _) => Err(breaks(impossible)),
+            (None, Reply::Refused { reason }) => Err(Stop::Answer(Answer::Declined(reason))),
+            (None, reply) => Ok(reply),
         }
     }
 
@@ -277,7 +294,7 @@ impl Process {
 impl Respondent for Process {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         if question.fresh && self.used {
-            self.client = None;
+            self.line.client = None;
             self.used = false;
         }
         match self.answer(question) {
@@ -287,7 +304,6 @@ impl Respondent for Process {
     }
 }
 
-/// An answer that does not belong to the request.
 fn astray(request: &str, reply: &Reply) -> Stop {
     breaks(match reply {
         Reply::Error { reason } => {
@@ -297,7 +313,6 @@ fn astray(request: &str, reply: &Reply) -> Stop {
     })
 }
 
-/// The name of a reply.
 pub(super) fn word(reply: &Reply) -> String {
     let value = serde_json::to_value(reply).unwrap_or_default();
     value["reply"].as_str().unwrap_or_default().to_string()

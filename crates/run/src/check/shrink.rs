@@ -15,10 +15,8 @@ use std::time::{Duration, Instant};
 use crate::check::numbers::{Numbers, bits, difference, rounded, scaled};
 use contactbench_core::scene::AnyScene;
 
-/// How long to go on.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Scenes tried at most.
     pub trials: u32,
     /// No scene is tried after this time.
     pub time: Duration,

@@ -6,14 +6,11 @@ use std::time::Duration;
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::sink::Digest;
 
-/// In which way a detector is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrong {
-    /// It misses, adds or repeats pairs.
     Pairs(Differences),
     /// It refuses the scene, but has reported so many pairs before.
     RefusesLate(u64),
-    /// It panics, with this message.
     Panics(String),
     /// It was not ready after this time.
     Hangs(Duration),
@@ -21,7 +18,6 @@ pub enum Wrong {
     Dies {
         /// How, and its last words, in one sentence.
         how: String,
-        /// The last lines.
         errors: String,
     },
     /// A runner broke the protocol: what it should have done, and what it did.
@@ -31,9 +27,7 @@ pub enum Wrong {
     /// Pairs that nobody can see, of a runner that does not give them or too many for a list, are
     /// others than the truth.
     Counts {
-        /// What it says.
         said: Digest,
-        /// What is true.
         truth: Digest,
     },
 }
@@ -46,13 +40,11 @@ pub struct Differences {
     pub missed: Vec<ImagePair>,
     /// Reported pairs that do not touch.
     pub spurious: Vec<ImagePair>,
-    /// Particles reported with themselves.
     pub selves: Vec<ImagePair>,
     /// Pairs reported again, once for each time.
     pub duplicate: Vec<ImagePair>,
 }
 
-/// This many pairs of a kind are shown.
 const SHOWN: usize = 4;
 
 impl Differences {

@@ -13,11 +13,9 @@ use contactbench_core::periodic::ImagePair;
 /// Pairs go by names that are the same in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Late<P: Eq + Hash = ImagePair> {
-    /// Missed pair-steps.
     pub missed: u64,
     /// The most in one frame.
     pub worst: u64,
-    /// The first frame with one.
     pub first: Option<u64>,
     /// Frames with one.
     pub frames: u64,

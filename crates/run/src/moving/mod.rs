@@ -27,11 +27,8 @@ pub use names::Names;
 pub use recorded::Recorded;
 pub use survey::Survey;
 
-/// What is asked.
 pub struct Question<'a> {
-    /// Who keeps lists.
     pub trackers: &'a [TrackerSpec],
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// Frames at most, the first among them.
     pub frames: u64,
@@ -42,24 +39,19 @@ pub struct Question<'a> {
 /// What trackers did in the frames of a scene in motion.
 #[derive(Debug)]
 pub struct Followed {
-    /// What the motion is like.
     pub moved: Moved,
-    /// In the order of the question.
     pub trackers: Vec<Tracked>,
 }
 
 /// What one of them did.
 #[derive(Clone, Debug)]
 pub struct Tracked {
-    /// Who.
     pub spec: TrackerSpec,
     /// It promises to miss nothing.
     pub is_safe: bool,
-    /// The time of each frame.
     pub times: Vec<Duration>,
     /// Of all of them, for building lists.
     pub building: Duration,
-    /// When it built its list.
     pub builds: Builds,
     /// Pairs that were looked at, in all frames.
     pub listed: u64,
@@ -67,7 +59,6 @@ pub struct Tracked {
     pub reported: u64,
     /// Pairs that were reported and do not touch.
     pub spurious: u64,
-    /// What it missed.
     pub late: Late,
     /// Bytes between frames, by formula.
     pub bytes: u64,
@@ -82,7 +73,6 @@ impl Tracked {
     }
 }
 
-/// A tracker at work.
 struct Follower {
     tracker: Box<dyn Tracker>,
     tracked: Tracked,

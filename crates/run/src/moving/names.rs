@@ -22,7 +22,6 @@ pub(crate) struct Onward {
     pub by: Vec<[i32; 3]>,
     /// The vectors of the later box by those of the earlier one, as they have moved on.
     turned: Numbers,
-    /// The other way.
     back: Numbers,
 }
 
@@ -184,7 +183,6 @@ pub(super) fn centres(scene: &AnyScene<'_>) -> Vec<[f64; 3]> {
 pub(super) struct Nearest {
     vectors: [[f64; 3]; 3],
     duals: [[f64; 3]; 3],
-    /// By those of the box.
     numbers: Numbers,
     /// The square of a length: whoever has gone no farther has no nearer image.
     near: f64,

@@ -13,14 +13,12 @@ pub struct Recorded<'a, I> {
     frames: I,
     name: &'a str,
     radius: Option<f64>,
-    /// Of the first frame.
     first: Option<First>,
 }
 
 struct First {
     len: usize,
     dim: usize,
-    /// In order.
     ids: Option<Vec<i64>>,
     /// Along which axes its box repeats.
     repeats: [bool; 3],

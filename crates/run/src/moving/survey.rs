@@ -9,7 +9,6 @@ use contactbench_terms::moved::Moved;
 #[derive(Default)]
 pub struct Survey {
     pub moved: Moved,
-    /// Names of contacts in the last frame.
     pub names: Names,
     /// Contacts of the last frame, by their names in all frames.
     last: Vec<ImagePair>,

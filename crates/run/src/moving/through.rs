@@ -25,7 +25,6 @@ use contactbench_core::with_scene;
 /// Of sums of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Two frames.
 pub(crate) struct Through<'a> {
     last: &'a Periodic<'a>,
     frame: &'a Periodic<'a>,
@@ -37,7 +36,6 @@ pub(crate) struct Through<'a> {
 }
 
 impl<'a> Through<'a> {
-    /// Of frames of the same particles.
     pub fn new(last: &'a Periodic<'a>, frame: &'a Periodic<'a>, onward: &'a Onward) -> Through<'a> {
         let vectors = repeating(frame.lattice());
         let given = centres(frame.scene());
@@ -52,7 +50,6 @@ impl<'a> Through<'a> {
         (ends().map(|(a, b)| gone(a, b)).collect(), ends().filter(|(a, b)| a == b).count())
     }
 
-    /// Does the box move?
     pub fn changes(&self) -> bool {
         let now = repeating(self.last.lattice());
         self.onward.vectors(self.frame.lattice()) != now

@@ -10,7 +10,6 @@ use contactbench_record::experiment::Experiment;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::hint;
 
-/// Name and text of these files in `experiments/`.
 macro_rules! files {
     ($($name:literal)*) => {
         &[$(($name, include_str!(concat!("../../../../experiments/", $name, ".toml")))),*]
@@ -23,12 +22,10 @@ pub const FILES: &[(&str, &str)] = files! {
     "motion" "rebuilds" "maps" "peers" "codes"
 };
 
-/// Their names.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)
 }
 
-/// All of them.
 pub fn all() -> anyhow::Result<Vec<Experiment>> {
     FILES.iter().map(|(name, text)| parse(name, text)).collect()
 }
@@ -53,7 +50,7 @@ pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
             known.join(", ")
         ));
     }
-    let read = text_of(path).and_then(|text| Ok((plan::read_to_run(path)?, text)));
+    let read = text_of(path).and_then(|text| Ok((plan::read(path)?, text)));
     if path.extension().is_some_and(|ending| ending == "toml") {
         return read;
     }

@@ -19,19 +19,10 @@ pub fn groups() -> impl Iterator<Item = &'static str> {
     Group::ALL.iter().map(|group| group.name()).chain([ALL.0])
 }
 
-/// The detectors that these names and groups stand for, in order. Who is named by a group, too, is
-/// there once; who is named twice by name is refused.
-pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
-    expanded(names, false)
-}
-
-/// As [`expand`], for the copy of an experiment in a record, which may name detectors and trackers
-/// of other versions of this program.
-pub fn expand_copy(names: &[String]) -> Result<Vec<String>, String> {
-    expanded(names, true)
-}
-
-fn expanded(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
+/// The detectors that these names and groups stand for, in order. One that is also in a group
+/// appears once; naming it twice is an error. The copy of an experiment in a record may name
+/// detectors and trackers of other versions of this program.
+pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
     let (mut all, mut named) = (Vec::new(), Vec::new());
     for name in names {
         if name.starts_with('@') {
@@ -66,7 +57,7 @@ pub fn in_full(text: &str) -> String {
     }
     let Ok(Named { detectors }) = toml::from_str(text) else { return text.into() };
     let groups = detectors.get_ref().iter().any(|name| name.starts_with('@'));
-    let Some(names) = groups.then(|| expand(detectors.get_ref()).ok()).flatten() else {
+    let Some(names) = groups.then(|| expand(detectors.get_ref(), false).ok()).flatten() else {
         return text.into();
     };
     let Range { start, end } = detectors.span();
@@ -143,7 +134,7 @@ mod tests {
 
     fn expanded(names: &[&str]) -> Result<String, String> {
         let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
-        expand(&names).map(|names| names.join(" "))
+        expand(&names, false).map(|names| names.join(" "))
     }
 
     #[test]

@@ -64,11 +64,11 @@ fn sections() -> Vec<(&'static str, Vec<&'static str>)> {
         ("## Claims".to_string(), without(keys::fields::<Claim>())),
         ("## Figures".to_string(), without(keys::fields::<Figure>())),
     ];
-    for kind in keys::variants::<ClaimKind>() {
+    for kind in keys::fields::<ClaimKind>() {
         let takes = keys::variant_fields::<ClaimKind>(kind);
         sections.push((format!("### Claim: `{kind}`"), takes.to_vec()));
     }
-    for kind in keys::variants::<FigureKind>() {
+    for kind in keys::fields::<FigureKind>() {
         let takes = keys::variant_fields::<FigureKind>(kind);
         sections.push((format!("### Figure: `{kind}`"), takes.to_vec()));
     }
@@ -85,8 +85,8 @@ fn every_key_is_on_the_page_and_no_other() {
         assert_eq!(listed.len(), known.len(), "{heading}: a key is listed twice");
     }
     let kinds = |what: &str| PAGE.matches(&format!("\n### {what}: `")).count();
-    assert_eq!(kinds("Claim"), keys::variants::<ClaimKind>().len());
-    assert_eq!(kinds("Figure"), keys::variants::<FigureKind>().len());
+    assert_eq!(kinds("Claim"), keys::fields::<ClaimKind>().len());
+    assert_eq!(kinds("Figure"), keys::fields::<FigureKind>().len());
     let groups: BTreeSet<&str> = detectors::groups().collect();
     let listed = rows(section("### Detectors and groups"));
     assert_eq!(listed.into_iter().map(|(group, _)| group).collect::<BTreeSet<_>>(), groups);

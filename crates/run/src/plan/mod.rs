@@ -45,26 +45,17 @@ fn short_enough(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads and checks an experiment file.
+/// Reads and checks an experiment file for a run that is to begin: names in claims and figures must
+/// be of rows that it will have.
 pub fn read(path: &Path) -> anyhow::Result<Experiment> {
     let text = text_of(path)?;
-    parse(&text, folder_of(path)).with_context(|| format!("in {}", path.display()))
-}
-
-/// As [`read`], for a run that is to begin: names in claims and figures must be of rows that it
-/// will have.
-pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
-    let text = text_of(path)?;
     let named = || {
-        let (experiment, document) = checked(&text, folder_of(path), false)?;
+        let (experiment, document) =
+            checked(&text, path.parent().unwrap_or(Path::new(".")), false)?;
         experiment.check_names(&document)?;
         anyhow::Ok(experiment)
     };
     named().with_context(|| format!("in {}", path.display()))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new("."))
 }
 
 /// Parses and checks; relative file names of scenes are taken from `folder`.
@@ -85,9 +76,8 @@ fn checked<'a>(
 ) -> anyhow::Result<(Experiment, Document<'a>)> {
     short_enough(text)?;
     let (mut experiment, document) = Document::read(text)?;
-    let expand = if is_copy { detectors::expand_copy } else { detectors::expand };
-    experiment.detectors =
-        expand(&experiment.detectors).map_err(|words| document.key("detectors", words))?;
+    experiment.detectors = detectors::expand(&experiment.detectors, is_copy)
+        .map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
     resolve_names(&mut experiment, &document)?;
     experiment.check(&document)?;
@@ -161,7 +151,6 @@ pub fn resolve(filter: &mut Where) -> Result<(), String> {
     Ok(())
 }
 
-/// The memory limit of an experiment in bytes.
 pub fn memory_limit(experiment: &Experiment) -> u64 {
     experiment.memory_limit_mib.map_or_else(default_limit, |mib| mib << 20)
 }

@@ -149,7 +149,6 @@ fn takes_all_cases(sweep: &SceneSweep) -> bool {
     sweep.name == generate::hard::NAME && !sweep.params.contains_key("case")
 }
 
-/// All scenes of a sweep.
 fn product(sweep: &SceneSweep) -> anyhow::Result<Vec<Spec>> {
     let own_n = generate::table::find(&sweep.name)?.own_n;
     let numbers = match &sweep.n {

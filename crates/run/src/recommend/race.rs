@@ -13,7 +13,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -21,6 +21,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::recommend::standing::{BEHIND, FAR, HOPELESS, Race, Standing};
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
+use crate::run::disk;
 use crate::run::judge::{Judge, Said};
 use crate::run::passes::{self, SHORTEST_SAMPLE_NS};
 use crate::run::processors;
@@ -45,28 +46,22 @@ const MOST: u32 = 51;
 const BEYOND: f64 = 1.5;
 /// A probe is given at least so long: a process must start.
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
-/// What is asked.
 pub struct Question<'a> {
-    /// The scene.
     pub given: &'a Given,
     /// Scenes that detectors are given before, as some hard cases want it.
     pub history: &'a [Given],
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// For detectors that can use several.
     pub threads: usize,
     /// For a detector's arrays, in bytes.
     pub memory_limit: u64,
-    /// For the race.
     pub time: Duration,
     /// This program and its first arguments, to be started as runner.
     pub program: Vec<String>,
 }
 
-/// Runs the race. `note` hears what is being done.
 pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Race> {
-    let folder = tempfile::tempdir()
-        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let folder = disk::temporary()?;
     note("finding the true pairs");
     let mut judge = Judge::new(question.given, question.memory_limit)?;
     let arithmetic = question.arithmetic;
@@ -107,9 +102,7 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
 struct Ground<'a> {
     question: &'a Question<'a>,
     judge: Judge<'a>,
-    /// What is loaded, one after the other.
     loads: Vec<Trajectory>,
-    /// For pairs.
     folder: &'a Path,
     /// Bytes for the scene and its pairs.
     room: u64,
@@ -181,7 +174,7 @@ impl Ground<'_> {
         let took = started.elapsed();
         // From now on it has shown how long it takes.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
-        client.allow(standing.start.time_limit);
+        client.time_limit = standing.start.time_limit;
         standing.probe_ns = Some(time);
         let hopeless = best.is_some_and(|best| time as f64 > HOPELESS.limit * best as f64);
         if !hopeless {

@@ -7,21 +7,16 @@ use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
 
 use crate::run::client::{Failure, Start};
 
-/// Where a detector stands in the race.
 #[derive(Clone)]
 pub struct Standing {
-    /// Which detector.
     pub entry: &'static Entry,
-    /// Threads given to it.
     pub threads: usize,
     /// `ok`, or `lossy` with textbook filters: it has finished, or was only slow. All else: why
     /// not.
     pub outcome: Outcome,
     /// Why it is out; empty for those that were measured to the end.
     pub reason: String,
-    /// Nanoseconds of the probe.
     pub probe_ns: Option<u64>,
-    /// Nanoseconds by block.
     pub times: Blocks,
     /// Most bytes held at one time, without scene and pairs.
     pub peak_bytes: Option<u64>,
@@ -29,14 +24,11 @@ pub struct Standing {
     pub formula_bytes: Option<u64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
-    /// Is it in the race?
     pub(super) racing: bool,
-    /// How its processes are started.
     pub(super) start: Start,
 }
 
 impl Standing {
-    /// At the beginning.
     pub(super) fn new(entry: &'static Entry, threads: usize, start: Start) -> Standing {
         Standing {
             entry,
@@ -53,7 +45,6 @@ impl Standing {
         }
     }
 
-    /// It is out of the race.
     pub(super) fn fail(&mut self, Failure { outcome, reason }: Failure) {
         (self.outcome, self.reason, self.racing) = (outcome, reason, false);
         self.times.clear();
@@ -71,20 +62,16 @@ impl Standing {
     }
 }
 
-/// The outcome of the race.
 pub struct Race {
-    /// All who were asked.
     pub standings: Vec<Standing>,
     /// True pairs in the arithmetic.
     pub contacts: u64,
-    /// Blocks run.
     pub blocks: u32,
     /// The time of one of them over its own, measured again in every block: what equal code differs
     /// by. None with less than two blocks.
     pub twin: Option<Interval>,
 }
 
-/// The one with the smallest median.
 pub fn fastest(standings: &[Standing]) -> Option<usize> {
     let timed = standings.iter().enumerate().filter(|(_, standing)| standing.is_timed());
     timed.min_by(|a, b| a.1.typical().total_cmp(&b.1.typical())).map(|(k, _)| k)

@@ -9,7 +9,6 @@ use contactbench_record::stats::interval::{Interval, interval, ratio};
 /// a lower memory is worth at most so many times the shortest median.
 const LEANER: f64 = 1.2;
 
-/// The recommendation.
 pub struct Verdict {
     /// The one to use, by its place in the race.
     pub choice: usize,
@@ -19,7 +18,6 @@ pub struct Verdict {
     /// Those that cannot be told apart from the fastest, without the choice; and the ratios of
     /// their times to that of the choice.
     pub tied: Vec<(usize, Option<Interval>)>,
-    /// Is the choice the one with the shortest median?
     pub is_fastest: bool,
     /// What decides nothing: times of the same code differ by this factor. None without a twin.
     pub floor: Option<f64>,
@@ -56,14 +54,12 @@ impl Verdict {
     }
 }
 
-/// Nanoseconds per particle.
 pub fn per_particle(standing: &Standing, n: usize) -> Option<Interval> {
     let times: Vec<f64> =
         standing.times.values().map(|&time| time as f64 / n.max(1) as f64).collect();
     interval(&times)
 }
 
-/// Bytes per particle.
 pub fn bytes_per_particle(standing: &Standing, n: usize) -> Option<f64> {
     standing.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
 }

@@ -14,7 +14,6 @@ use std::sync::Mutex;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64};
 
-/// The system's allocator, with counters.
 pub struct Counting;
 
 static ON: AtomicBool = AtomicBool::new(false);
@@ -69,7 +68,6 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// What a piece of work took from the heap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
     /// Most bytes held at one time, above what was held before.
@@ -96,7 +94,6 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// Nothing is held yet.
     pub fn start() -> Meter {
         let guard = MEASURING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         ALLOCATIONS.store(0, Relaxed);
@@ -110,7 +107,6 @@ impl Meter {
         Meter { _guard: guard, listening }
     }
 
-    /// Does `work`, and counts.
     pub fn during<R>(&self, work: impl FnOnce() -> R) -> R {
         ON.store(true, Relaxed);
         let result = work();

@@ -196,7 +196,6 @@ impl Contender {
         }
     }
 
-    /// The same once more.
     fn twin(&self) -> Contender {
         let name = suffixed(&self.name, TWIN);
         let role = Role::Twin(split_contender(&self.name).0);

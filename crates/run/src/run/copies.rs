@@ -100,7 +100,6 @@ impl Stage<'_, '_> {
     }
 }
 
-/// Of the times of a detection.
 fn harmonic_mean(samples: &[Sample]) -> u64 {
     let rate: f64 = samples.iter().map(|sample| 1.0 / sample.time_ns.max(1) as f64).sum();
     (samples.len() as f64 / rate).round() as u64

@@ -5,6 +5,13 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
+use tempfile::TempDir;
+
+/// A folder for scenes and pairs, which goes with its handle.
+pub fn temporary() -> anyhow::Result<TempDir> {
+    tempfile::tempdir()
+        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")
+}
 
 /// An error, with this remedy, unless a file can be written into `folder` and `needed` bytes are
 /// free there for `what`.

@@ -25,7 +25,6 @@ fn runners() -> MutexGuard<'static, Runners> {
     RUNNERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts a runner.
 pub fn start(command: &mut Command) -> std::io::Result<Child> {
     // While it is held nobody takes the new process for an orphan.
     let mut runners = runners();
@@ -186,7 +185,6 @@ mod orphans {
         }
     }
 
-    /// The children of this process.
     fn children() -> Vec<Process> {
         listed().map_or_else(
             || processes().into_iter().filter(|it| it.parent == own()).collect(),

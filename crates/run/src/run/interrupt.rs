@@ -74,12 +74,10 @@ fn ignored(signal: i32) -> bool {
     )
 }
 
-/// Has a signal come?
 pub fn requested() -> bool {
     SIGNAL.load(Ordering::Relaxed) != 0
 }
 
-/// An error if a signal has come.
 pub fn check() -> Result<(), Interrupted> {
     if requested() { Err(Interrupted) } else { Ok(()) }
 }

@@ -2,14 +2,13 @@
 //! appended to the record.
 
 pub mod alloc;
+mod block;
 pub mod client;
 pub mod contender;
 mod copies;
 pub mod disk;
-mod duet;
 mod family;
 pub mod interrupt;
-pub mod job;
 pub mod judge;
 pub mod load;
 pub mod origins;

@@ -15,7 +15,6 @@ use crate::run::contender::Contender;
 use contactbench_record::record::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;
 
-/// Notes entries in a result folder.
 pub struct Origins {
     ledger: Writer,
     /// Fingerprints of files, which are read once as long as they stay the same.
@@ -26,7 +25,6 @@ pub struct Origins {
 type Stamp = (PathBuf, u64, Option<SystemTime>, u64);
 
 impl Origins {
-    /// For the rows of the record in this folder.
     pub fn append(folder: &Path) -> io::Result<Origins> {
         Ok(Origins { ledger: Writer::append(folder)?, known: HashMap::new() })
     }
@@ -57,7 +55,6 @@ impl Origins {
         Ok(Some(id))
     }
 
-    /// Notes a span that has ended.
     pub fn span(&mut self, span: Span) -> anyhow::Result<()> {
         self.write(&Entry::Span(span))
     }

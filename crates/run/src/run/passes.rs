@@ -6,7 +6,6 @@
 //! one process would repeat one draw of that, and call equal code different.
 
 use std::rc::Rc;
-use std::time::SystemTime;
 
 use crate::run::client::{Client, Failure, Hello, Start};
 use crate::run::contender::Contender;
@@ -15,7 +14,6 @@ use crate::run::judge::{Judge, Said, Tracked};
 use crate::run::plan::describe;
 use crate::run::processors;
 use crate::run::protocol::{Found, Reply, Request, Sample, Steps};
-use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
@@ -44,7 +42,11 @@ impl Running {
         processors::in_block(block).filter(|_| self.contender.threads == 1)
     }
 
-    /// A process of its own, with the scene.
+    /// It is not timed side by side with others.
+    pub fn is_alone(&self) -> bool {
+        self.contender.duet.is_none()
+    }
+
     pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
         fresh(&self.contender.start, Some(&self.hello), &self.loads, processor)
     }
@@ -120,7 +122,6 @@ fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
     }
 }
 
-/// An answer that does not belong to the request.
 pub fn astray(request: &Request, reply: &Reply) -> Failure {
     // The variant's name alone: what else there is holds paths that differ from run to run.
     let word = |text: String| text.split([' ', '(']).next().unwrap_or_default().to_string();
@@ -185,37 +186,6 @@ impl Stage<'_, '_> {
         Ok(Some(running))
     }
 
-    /// One timed sample, of a process of its own. False if the contender is out.
-    pub fn sample(
-        &mut self,
-        running: &Running,
-        mut row: Row,
-        judge: &mut Judge<'_>,
-    ) -> anyhow::Result<bool> {
-        let processor = running.processor(row.block);
-        // Before there is a process: it would find its caches empty.
-        let before = pulse(processor);
-        let answer = running.fresh(processor).and_then(|mut client| {
-            row.began_ms = since_1970();
-            let sample = sample(&mut client, SHORTEST_SAMPLE_NS)?;
-            row.pulse_ns = before.max(pulse(processor));
-            Ok((sample, client))
-        });
-        let (sample, mut client) = match answer {
-            Ok(answer) => answer,
-            Err(failure) => {
-                row.began_ms = None;
-                self.fail(&row, failure, Pass::Time.rest())?;
-                return Ok(false);
-            }
-        };
-        row.process = self.log.origins.process(&running.contender, &client)?;
-        running.fill(&mut row, &sample, processor);
-        self.judge(&mut row, running, &mut client, judge, &sample.found)?;
-        self.write(&row)?;
-        Ok(true)
-    }
-
     /// Judges a row's answer before the row is written; of a trajectory of several frames, the
     /// answers to all of them.
     pub fn judge(
@@ -269,11 +239,6 @@ impl Stage<'_, '_> {
     }
 }
 
-fn since_1970() -> Option<u64> {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok()?;
-    u64::try_from(since.as_millis()).ok()
-}
-
 /// Starts the runner of a contender. The arithmetic is the contender's, or the one that the runner
 /// says.
 fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
@@ -294,7 +259,6 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
     Ok((client, arithmetic))
 }
 
-/// What a row says of the frames.
 fn recorded(Tracked { builds, late }: &Tracked, steps: &Steps) -> row::Course {
     row::Course {
         builds: builds.built,

@@ -10,7 +10,6 @@ use crate::run::contender::contenders;
 use crate::run::disk;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
-use contactbench_record::record::row::Row;
 use contactbench_scenes::generate;
 use contactbench_scenes::spec::Spec;
 
@@ -18,46 +17,45 @@ use contactbench_scenes::spec::Spec;
 const TRIED: u64 = 1000;
 /// Rows have 1.0 to 1.7 kB in the reference runs.
 const ROW_BYTES: u64 = 2000;
-/// For report and figures.
 const REPORT_BYTES: u64 = 8 << 20;
 
-/// What is to be run, and where to.
-pub struct Job<'a> {
-    /// The experiments, in order.
-    pub experiments: &'a [Experiment],
-    /// Small scenes and few blocks.
+/// What is the same for all scenes of a run.
+pub(crate) struct Job {
     pub quick: bool,
     /// The program to start as runner: this one.
     pub program: PathBuf,
     /// Another build of this program, whose detectors are timed side by side with this one's.
     pub against: Option<PathBuf>,
-    /// Only a part of the scenes.
-    pub shard: Option<Shard>,
     /// What the rows call this machine.
     pub machine: String,
-    /// Rows already in the record.
-    pub done: &'a [Row],
 }
 
-/// The scenes of a job, in the order run.
-pub fn plan<'a>(job: &Job<'a>) -> anyhow::Result<Vec<(&'a Experiment, Spec)>> {
+pub(crate) type Planned<'a> = (&'a Experiment, Spec);
+
+pub(crate) fn plan<'a>(
+    experiments: impl Iterator<Item = &'a Experiment>,
+    quick: bool,
+    shard: Option<Shard>,
+) -> anyhow::Result<Vec<Planned<'a>>> {
     let mut scenes = Vec::new();
-    for experiment in job.experiments {
-        let plan = specs(experiment, job.quick)
+    for experiment in experiments {
+        let plan = specs(experiment, quick)
             .with_context(|| format!("in experiment {}", experiment.name))?;
         scenes.extend(plan.into_iter().map(|spec| (experiment, spec)));
     }
-    if let Some(shard) = job.shard {
+    if let Some(shard) = shard {
         let sizes: Vec<u64> = scenes.iter().map(|(_, spec)| spec.n).collect();
         let mut taken = shard.takes(&sizes).into_iter();
         scenes.retain(|_| taken.next() == Some(true));
     }
-    for (experiment, spec) in &scenes {
-        can_be_made(spec).with_context(|| {
-            format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
-        })?;
+    for scene in &scenes {
+        can_be_made(&scene.1).with_context(|| place(scene))?;
     }
     Ok(scenes)
+}
+
+pub(crate) fn place((experiment, spec): &Planned<'_>) -> String {
+    format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
 }
 
 /// A scene of an experiment, for people.
@@ -87,14 +85,16 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     few.frames(&few.given()?).map(drop)
 }
 
-/// Is there room for the record in `folder`, and for the scenes among the temporary files?
-pub fn room(
-    job: &Job<'_>,
-    scenes: &[(&Experiment, Spec)],
+/// An error unless files can be written into `folder` and among the temporary ones, and there is
+/// room for a record of these scenes, of which `done` rows are there, and for the scenes.
+pub(crate) fn room(
+    job: &Job,
+    scenes: &[Planned<'_>],
+    done: usize,
     folder: &Path,
     temporary: &Path,
 ) -> anyhow::Result<()> {
-    let rows = |(experiment, _): &(&Experiment, Spec)| -> u64 {
+    let rows = |(experiment, _): &Planned<'_>| -> u64 {
         let blocks = u64::from(experiment.enough_blocks(job.quick));
         let passes = |copies: bool| 2 + blocks * if copies { 2 } else { 1 };
         contenders(experiment, &job.program, job.against.as_deref())
@@ -102,11 +102,8 @@ pub fn room(
             .map(|contender| passes(contender.copy.is_some()))
             .sum()
     };
-    let rows = scenes
-        .iter()
-        .map(rows)
-        .fold(0u64, u64::saturating_add)
-        .saturating_sub(job.done.len() as u64);
+    let rows = scenes.iter().map(rows).fold(0u64, u64::saturating_add);
+    let rows = rows.saturating_sub(done as u64);
     let needed = rows.saturating_mul(ROW_BYTES).saturating_add(REPORT_BYTES);
     disk::ensure(
         folder,
@@ -116,7 +113,7 @@ pub fn room(
     )?;
     // Coordinates and radii in f64, of each frame; and the pairs of an answer that is wrong, six
     // per particle.
-    let bytes = |(_, spec): &(&Experiment, Spec)| {
+    let bytes = |(_, spec): &Planned<'_>| {
         let frames = spec.course.map_or(1, |course| course.frames);
         let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
         frame.saturating_mul(frames).saturating_add(spec.n.saturating_mul(6 * 8))

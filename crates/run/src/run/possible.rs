@@ -16,7 +16,6 @@ const MOST_LISTED_PER_NS: u64 = 1000;
 pub struct Asked {
     /// Nanoseconds that the sample should last; 0 where the number of detections was found before.
     pub min_ns: u64,
-    /// Frames of the trajectory.
     pub frames: usize,
     /// Nanoseconds from the request to the reply.
     pub waited_ns: u64,
@@ -220,160 +219,140 @@ mod tests {
         most_listed: Some(100 * 100),
     };
 
+    /// Empty words: it is taken.
+    fn says(reply: &Reply, asked: &Asked, words: &str) {
+        match check(reply, asked) {
+            Ok(()) => assert_eq!(words, "", "{reply:?}"),
+            Err(why) => assert!(!words.is_empty() && why.contains(words), "{reply:?}: {why}"),
+        }
+    }
+
     fn sampled(time_ns: u64, calls: u64, elapsed_ns: u64) -> Sample {
         let (step_ns, first_ns) = (vec![time_ns], Some(1000));
         Sample { time_ns, calls, elapsed_ns, step_ns, first_ns, ..Sample::default() }
     }
 
-    fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
-        Reply::Sample(sampled(time_ns, calls, elapsed_ns).into())
+    #[test]
+    fn a_sample_says_what_can_be() {
+        const E15: u64 = 1_000_000_000_000_000;
+        for (time_ns, calls, elapsed_ns, words) in [
+            (2_000_000, 1, 2_000_000, ""),
+            (2, 1_000_000, 2_300_000, ""),
+            // A detector that does nothing, repeated as often as may be asked.
+            (1, MOST_CALLS, MOST_CALLS, ""),
+            // The number of detections is found once: some samples are shorter.
+            (400_000, 1, 400_000, ""),
+            (0, 1, 0, "every detection takes time"),
+            (0, MOST_CALLS, 1000, "every detection takes time"),
+            (5, 0, 5, "calls 0"),
+            (500, 1000, 5_000_000, "elapsed_ns / calls, rounded"),
+            (u64::MAX, u64::MAX, 5_000_000, "elapsed_ns / calls, rounded"),
+            (E15, 1, E15, "are these nanoseconds?"),
+            (999_999_500, 1, 999_999_500, "and first_ns 1000, but its answer was there"),
+            (10_000, 10, 100_000, "it measured only 100000 ns: repeat the detection"),
+        ] {
+            says(&Reply::Sample(sampled(time_ns, calls, elapsed_ns).into()), &ASKED, words);
+        }
+        says(&Reply::Sample(sampled(5, 1, 5).into()), &Asked { min_ns: 0, ..ASKED }, "");
+        let first = Sample { first_ns: Some(0), ..sampled(2_000_000, 1, 2_000_000) };
+        says(&Reply::Sample(first.into()), &ASKED, "first_ns 0");
     }
 
-    fn memory(peak_bytes: u64, live_bytes: u64, allocations: u64) -> Reply {
-        let memory = Memory { peak_bytes, live_bytes, allocations, ..Memory::default() };
-        Reply::Memory(memory.into())
-    }
-
-    /// A sample of three frames, of two passes.
-    fn passes(step_ns: &[u64], answered: usize) -> Sample {
-        let mut sample = sampled(2_000_000, 6, 12_000_000);
-        sample.step_ns = step_ns.to_vec();
-        sample.found.steps.contacts.resize(answered, 0);
-        sample.found.steps.digests.resize(answered, String::new());
-        sample
-    }
-
-    fn moving(step_ns: &[u64], answered: usize) -> Reply {
-        Reply::Sample(passes(step_ns, answered).into())
+    #[test]
+    fn memory_is_what_can_be() {
+        let memory = |peak_bytes, live_bytes, allocations| {
+            Reply::Memory(
+                Memory { peak_bytes, live_bytes, allocations, ..Memory::default() }.into(),
+            )
+        };
+        for (peak, live, allocations, words) in [
+            (0, 0, 0, ""),
+            (1 << 30, 1 << 30, 1, ""),
+            (5, 9, 1, "the most bytes held are not fewer"),
+            (u64::MAX, 9, 1, "peak_bytes 18446744073709551615, and has 1073741824 bytes"),
+            (9, 9, u64::MAX, "18446744073709551615 allocations within"),
+        ] {
+            says(&memory(peak, live, allocations), &ASKED, words);
+        }
+        let unlimited = Asked { memory_limit: None, ..ASKED };
+        says(&memory(1 << 31, 1 << 31, 1), &unlimited, "");
     }
 
     #[test]
     fn every_frame_has_a_time_and_an_answer() {
         let asked = Asked { frames: 3, ..ASKED };
         let right = [1_000_000, 4_000_000, 1_000_001];
-        assert_eq!(check(&moving(&right, 3), &asked), Ok(()));
-        for (reply, words) in [
-            (moving(&right, 2), "step_contacts has 2 values, and the trajectory 3 frames"),
-            (moving(&right[1..], 3), "2 numbers in step_ns"),
-            (moving(&[1_000_000; 3], 3), "together 3000000"),
-            (sample(2_000_000, 1, 2_000_000), "step_contacts has 0 values"),
-        ] {
-            let error = check(&reply, &asked).unwrap_err();
-            assert!(error.contains(words), "{error}");
-        }
+        // Of three frames, of two passes.
+        let passes = |step_ns: &[u64], answered: usize| {
+            let mut sample = sampled(2_000_000, 6, 12_000_000);
+            sample.step_ns = step_ns.to_vec();
+            sample.found.steps.contacts.resize(answered, 0);
+            sample.found.steps.digests.resize(answered, String::new());
+            sample
+        };
         let mut other = passes(&right, 3);
         other.found.contacts = 7;
-        let error = check(&Reply::Sample(other.into()), &asked).unwrap_err();
-        assert!(error.contains("not those of the last frame"), "{error}");
-        let builder = Sample { building_ns: Some(12_000_000), ..passes(&right, 3) };
-        let error = check(&Reply::Sample(builder.into()), &asked).unwrap_err();
-        assert!(error.contains("building_ns 12000000"), "{error}");
+        for (sample, words) in [
+            (passes(&right, 3), ""),
+            (passes(&right, 2), "step_contacts has 2 values, and the trajectory 3 frames"),
+            (passes(&right[1..], 3), "2 numbers in step_ns"),
+            (passes(&[1_000_000; 3], 3), "together 3000000"),
+            (sampled(2_000_000, 1, 2_000_000), "step_contacts has 0 values"),
+            (other, "not those of the last frame"),
+            (Sample { building_ns: Some(12_000_000), ..passes(&right, 3) }, "building_ns 12000000"),
+        ] {
+            says(&Reply::Sample(sample.into()), &asked, words);
+        }
     }
 
     /// Steps of three frames with 5 contacts each.
-    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Steps {
-        Steps {
+    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Found {
+        let steps = Steps {
             contacts: vec![5; 3],
             digests: vec![String::new(); 3],
             listed: listed.to_vec(),
             built: built.to_vec(),
             dangerous: dangerous.to_vec(),
-        }
-    }
-
-    fn counted(tests: u64, steps: Steps) -> Reply {
-        let counts = [("contact_test".to_string(), tests)].into();
-        let found = Found { contacts: 5, digest: String::new(), steps };
-        Reply::Count(Counted { counts, found }.into())
+        };
+        Found { contacts: 5, digest: String::new(), steps }
     }
 
     #[test]
     fn trackers_say_what_can_be() {
         let asked = Asked { frames: 3, ..ASKED };
-        let once = [true, false, false];
-        for (steps, words) in [
-            (tracked(&[5, 9, 9], &once, &[false; 3]), ""),
-            (tracked(&[5; 3], &[true; 3], &[false, true, false]), ""),
-            (tracked(&[], &[], &[]), ""),
-            (tracked(&[0; 3], &once, &[]), "step_listed 0 in frame 0, and found 5"),
-            (tracked(&[9, 4, 9], &[true; 3], &[]), "step_listed 4 in frame 1"),
-            (tracked(&[9, 9, 1 << 63], &once, &[]), "particles have 10000 pairs"),
-            (tracked(&[9; 3], &[false; 3], &[]), "step_built false in frame 0"),
-            (tracked(&[9; 3], &once, &[false, true, false]), "step_dangerous true in frame 1"),
-            (tracked(&[9; 3], &[], &[false, true, false]), "step_dangerous true in frame 1"),
-        ] {
-            match check(&counted(0, steps), &asked) {
-                Ok(()) => assert_eq!(words, ""),
-                Err(error) => assert!(!words.is_empty() && error.contains(words), "{error}"),
-            }
-        }
         let boxed = Asked { most_listed: None, ..asked };
-        let steps = || tracked(&[9, 9, 1 << 62], &once, &[]);
-        let error = check(&counted(0, steps()), &boxed).unwrap_err();
-        assert!(error.contains("within 1000000000 ns"), "{error}");
-        // 15 contacts in all.
+        let once = [true, false, false];
         let fair = || tracked(&[9; 3], &once, &[]);
-        assert_eq!(check(&counted(15, fair()), &asked), Ok(()));
-        for tests in [1, 14] {
-            let error = check(&counted(tests, fair()), &asked).unwrap_err();
-            assert!(error.contains("found 15 contacts"), "{error}");
-        }
-        let error = check(&counted(4, Steps::default()), &ASKED).unwrap_err();
-        assert!(error.contains("contact_test 4, and found 5"), "{error}");
-        for (bytes, steps, good) in [
-            (0, fair(), false),
-            (8, fair(), true),
-            // Asks anew in every frame.
-            (0, tracked(&[5; 3], &[true; 3], &[]), true),
+        let alone = Found { steps: Steps::default(), ..fair() };
+        for (tests, found, asked, words) in [
+            (0, tracked(&[5, 9, 9], &once, &[false; 3]), asked, ""),
+            (0, tracked(&[5; 3], &[true; 3], &[false, true, false]), asked, ""),
+            (0, tracked(&[], &[], &[]), asked, ""),
+            (0, tracked(&[0; 3], &once, &[]), asked, "step_listed 0 in frame 0, and found 5"),
+            (0, tracked(&[9, 4, 9], &[true; 3], &[]), asked, "step_listed 4 in frame 1"),
+            (0, tracked(&[9, 9, 1 << 63], &once, &[]), asked, "particles have 10000 pairs"),
+            (0, tracked(&[9, 9, 1 << 62], &once, &[]), boxed, "within 1000000000 ns"),
+            (0, tracked(&[9; 3], &[false; 3], &[]), asked, "step_built false in frame 0"),
+            (0, tracked(&[9; 3], &once, &[false, true, false]), asked, "step_dangerous true"),
+            (0, tracked(&[9; 3], &[], &[false, true, false]), asked, "step_dangerous true"),
+            // 15 contacts in all.
+            (15, fair(), asked, ""),
+            (1, fair(), asked, "found 15 contacts"),
+            (14, fair(), asked, "found 15 contacts"),
+            (4, alone, ASKED, "contact_test 4, and found 5"),
         ] {
-            let found = Found { contacts: 5, digest: String::new(), steps };
+            let counts = [("contact_test".to_string(), tests)].into();
+            says(&Reply::Count(Counted { counts, found }.into()), &asked, words);
+        }
+        for (bytes, found, words) in [
+            (0, fair(), "a list takes memory"),
+            (8, fair(), ""),
+            // Asks anew in every frame.
+            (0, tracked(&[5; 3], &[true; 3], &[]), ""),
+        ] {
             let memory =
                 Memory { peak_bytes: bytes, live_bytes: bytes, found, ..Memory::default() };
-            let reply = Reply::Memory(memory.into());
-            assert_eq!(check(&reply, &asked).is_ok(), good, "{reply:?}");
+            says(&Reply::Memory(memory.into()), &asked, words);
         }
-    }
-
-    #[test]
-    fn what_can_be_is_taken() {
-        for reply in [
-            sample(2_000_000, 1, 2_000_000),
-            sample(2, 1_000_000, 2_300_000),
-            // A detector that does nothing, repeated as often as may be asked.
-            sample(1, MOST_CALLS, MOST_CALLS),
-            // The number of detections is found once: some samples are shorter.
-            sample(400_000, 1, 400_000),
-            memory(0, 0, 0),
-            memory(1 << 30, 1 << 30, 1),
-            Reply::Loaded,
-        ] {
-            assert_eq!(check(&reply, &ASKED), Ok(()), "{reply:?}");
-        }
-        assert_eq!(check(&sample(5, 1, 5), &Asked { min_ns: 0, ..ASKED }), Ok(()));
-        let unlimited = Asked { memory_limit: None, ..ASKED };
-        assert_eq!(check(&memory(1 << 31, 1 << 31, 1), &unlimited), Ok(()));
-    }
-
-    #[test]
-    fn what_cannot_be_is_named() {
-        for (reply, words) in [
-            (sample(0, 1, 0), "every detection takes time"),
-            (sample(0, MOST_CALLS, 1000), "every detection takes time"),
-            (sample(5, 0, 5), "calls 0"),
-            (sample(500, 1000, 5_000_000), "elapsed_ns / calls, rounded"),
-            (sample(u64::MAX, u64::MAX, 5_000_000), "elapsed_ns / calls, rounded"),
-            (sample(1_000_000_000_000_000, 1, 1_000_000_000_000_000), "are these nanoseconds?"),
-            (sample(999_999_500, 1, 999_999_500), "and first_ns 1000, but its answer was there"),
-            (sample(10_000, 10, 100_000), "it measured only 100000 ns: repeat the detection"),
-            (memory(5, 9, 1), "the most bytes held are not fewer"),
-            (memory(u64::MAX, 9, 1), "peak_bytes 18446744073709551615, and has 1073741824 bytes"),
-            (memory(9, 9, u64::MAX), "18446744073709551615 allocations within"),
-        ] {
-            let error = check(&reply, &ASKED).unwrap_err();
-            assert!(error.contains(words), "{reply:?}: {error}");
-        }
-        let reply = Sample { first_ns: Some(0), ..sampled(2_000_000, 1, 2_000_000) };
-        let error = check(&Reply::Sample(reply.into()), &ASKED).unwrap_err();
-        assert!(error.contains("first_ns 0"), "{error}");
     }
 }

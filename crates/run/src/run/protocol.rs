@@ -19,7 +19,6 @@ pub const VERSION: u32 = 4;
 /// The oldest version that the harness speaks to a runner.
 pub const OLDEST: u32 = 1;
 
-/// From the harness.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "request", rename_all = "lowercase")]
 pub enum Request {
@@ -38,13 +37,11 @@ pub enum Request {
     /// Reset, go through one pass, and write the pairs of a frame to a file: npy, `<u4`, shape
     /// (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
     Pairs {
-        /// Where to.
         path: PathBuf,
         /// Which frame, from 0; the last where it is missing.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         frame: Option<u64>,
     },
-    /// Leave.
     Quit,
 }
 
@@ -84,7 +81,6 @@ impl Request {
     }
 }
 
-/// From the runner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "reply", rename_all = "lowercase")]
 pub enum Reply {
@@ -92,7 +88,6 @@ pub enum Reply {
     Hello {
         /// From [`OLDEST`] to [`VERSION`].
         protocol: u32,
-        /// The detector's name.
         detector: String,
         /// The arithmetic in which its answers are right.
         #[serde(default = "exact")]
@@ -109,13 +104,9 @@ pub enum Reply {
     },
     /// The trajectory is there; a scene at rest is in memory.
     Loaded,
-    /// To `sample`.
     Sample(Box<Sample>),
-    /// To `count`.
     Count(Box<Counted>),
-    /// To `memory`.
     Memory(Box<Memory>),
-    /// To `pairs`.
     Pairs {
         /// Pairs written.
         contacts: u64,
@@ -124,7 +115,6 @@ pub enum Reply {
     Unsupported,
     /// The detector does not work on this trajectory.
     Refused {
-        /// One sentence.
         reason: String,
     },
     /// The library behind the runner is not installed.
@@ -134,7 +124,6 @@ pub enum Reply {
     },
     /// The request could not be done.
     Error {
-        /// One sentence.
         reason: String,
     },
 }
@@ -158,7 +147,6 @@ impl Reply {
     }
 }
 
-/// A timed sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Nanoseconds per detection.
@@ -181,12 +169,10 @@ pub struct Sample {
     pub found: Found,
 }
 
-/// Operations of a pass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counted {
     /// Operation name to count.
     pub counts: BTreeMap<String, u64>,
-    /// Pairs.
     #[serde(flatten)]
     pub found: Found,
 }
@@ -198,7 +184,6 @@ pub struct Memory {
     pub peak_bytes: u64,
     /// Bytes held after the pass.
     pub live_bytes: u64,
-    /// Allocations.
     pub allocations: u64,
     /// Allocations of a second pass.
     #[serde(default)]
@@ -206,19 +191,15 @@ pub struct Memory {
     /// Bytes by the declared formula.
     #[serde(default)]
     pub formula_bytes: Option<u64>,
-    /// Pairs.
     #[serde(flatten)]
     pub found: Found,
 }
 
-/// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// Pairs of the last frame.
     pub contacts: u64,
-    /// Their fingerprint.
     pub digest: String,
-    /// Each frame of the pass.
     #[serde(flatten)]
     pub steps: Steps,
 }
@@ -270,10 +251,8 @@ impl Found {
 /// one frame is looked at without a tracker.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Steps {
-    /// Pairs.
     #[serde(default, rename = "step_contacts", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<u64>,
-    /// Their fingerprints.
     #[serde(default, rename = "step_digests", skip_serializing_if = "Vec::is_empty")]
     pub digests: Vec<String>,
     /// Was a list built that is kept? May be missing.
@@ -288,7 +267,6 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// One more frame.
     pub fn push(&mut self, found: Digest, step: &Step) {
         self.contacts.push(found.contacts);
         self.digests.push(found.hex());

@@ -1,32 +1,30 @@
 //! A run and its result folder: begun, or gone on with.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 
 use crate::plan::{builtin, detectors};
 use crate::run::contender::is_build;
+use crate::run::disk;
 use crate::run::interrupt;
-use crate::run::job::{self, Ready};
 use crate::run::origins::{Origins, fingerprint};
-use crate::run::plan::Job;
-use crate::run::stage::Progress;
+use crate::run::plan::{self, Job, Planned, describe};
+use crate::run::stage::{Log, Progress, Stage};
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
+use contactbench_record::record::done::{Index, TooSlow};
 use contactbench_record::record::row::{Record, Row, WriteError, Writer};
 use contactbench_record::record::{copies, folder, ledger, machines, provenance, row};
 
-/// What is to be run.
 pub struct Asked {
-    /// The experiments with their texts, in order.
     pub experiments: Vec<(Experiment, String)>,
-    /// Small scenes and few blocks.
     pub quick: bool,
     /// The folder may hold rows of the same run.
     pub resume: bool,
     /// Another build of this program.
     pub against: Option<PathBuf>,
-    /// Only a part of the scenes.
     pub shard: Option<Shard>,
 }
 
@@ -92,44 +90,56 @@ pub fn run(
     for (experiment, text) in &asked.experiments {
         same_experiment(folder, &done.rows, experiment, text)?;
     }
-    let experiments: Vec<Experiment> = asked.experiments.iter().map(|it| it.0.clone()).collect();
     let program =
         std::env::current_exe().context("cannot find this program to start it as runner")?;
-    let job = Job {
-        experiments: &experiments,
-        quick: asked.quick,
-        program,
-        against,
-        shard: asked.shard,
-        done: &done.rows,
-        machine: label.clone(),
-    };
-    let ready = job::prepare(&job)?;
+    let job = Job { quick: asked.quick, program, against, machine: label.clone() };
+    let experiments = asked.experiments.iter().map(|(experiment, _)| experiment);
+    let scenes = plan::plan(experiments, asked.quick, asked.shard)?;
     ensure!(
-        ready.scenes() > 0 || asked.shard.is_some(),
+        !scenes.is_empty() || asked.shard.is_some(),
         "there is no scene to run: a list such as n = [] is empty; give it a value"
     );
-    let (mut record, mut origins) = opened(folder, &ready, done.rows.len())?;
+    let temporary = disk::temporary()?;
+    std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
+        format!("cannot make the result folder {}; choose another with --out", folder.display())
+    })?;
+    plan::room(&job, &scenes, done.rows.len(), folder, temporary.path())?;
+    let (record, origins) = opened(folder, done.rows.len())?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
     write_origin(asked, folder, &label, base)?;
-    let stopped = |error: anyhow::Error| {
+    let (too_slow, noted) = (TooSlow::new(&done.rows), BTreeSet::new());
+    let log = Log { record, origins, progress, too_slow, noted, span: None };
+    measure(&job, &scenes, &done.rows, temporary.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
         match error.is::<WriteError>() || error.chain().any(of_disk) {
             true => Stopped(error).into(),
             false => error,
         }
-    };
-    ready.run(&mut record, &mut origins, progress).map_err(stopped)?;
-    Ok(ready.scenes())
+    })?;
+    Ok(scenes.len())
 }
 
-/// Opens the record of a folder, which is made if there is none.
-fn opened(folder: &Path, ready: &Ready<'_>, rows: usize) -> anyhow::Result<(Writer, Origins)> {
+fn measure(
+    job: &Job,
+    scenes: &[Planned<'_>],
+    done: &[Row],
+    folder: &Path,
+    mut log: Log<'_>,
+) -> anyhow::Result<()> {
+    let index = &Index::new(done);
+    for (k, scene) in scenes.iter().enumerate() {
+        let (experiment, spec) = (scene.0, &scene.1);
+        log.progress.scene(k, scenes.len(), &describe(experiment, spec));
+        let mut stage = Stage { job, experiment, spec, index, folder, log: &mut log };
+        stage.run().with_context(|| plan::place(scene))?;
+    }
+    log.progress.scene(scenes.len(), scenes.len(), "done");
+    Ok(())
+}
+
+/// Opens the record of a folder, of which so many rows were read.
+fn opened(folder: &Path, rows: usize) -> anyhow::Result<(Writer, Origins)> {
     let path = folder.join(row::FILE);
-    std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
-        format!("cannot make the result folder {}; choose another with --out", folder.display())
-    })?;
-    ready.room(folder)?;
     let record = Writer::append(&path).with_context(|| {
         format!("cannot write {}; choose another folder with --out", path.display())
     })?;

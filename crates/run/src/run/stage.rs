@@ -17,9 +17,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::moving::Moved;
 use crate::plan::memory_limit;
+use crate::run::block;
 use crate::run::client::Failure;
 use crate::run::contender::{Contender, contenders};
-use crate::run::duet;
 use crate::run::interrupt;
 use crate::run::judge::Judge;
 use crate::run::load::Watch;
@@ -50,35 +50,25 @@ pub trait Progress {
     fn note(&mut self, text: &str);
 }
 
-/// One scene of one experiment.
 pub(crate) struct Stage<'a, 'l> {
-    pub job: &'a Job<'a>,
+    pub job: &'a Job,
     pub experiment: &'a Experiment,
     pub spec: &'a Spec,
     pub index: &'a Index,
-    /// For scenes and pairs.
     pub folder: &'a Path,
     pub log: &'a mut Log<'l>,
 }
 
 /// Where a run writes what it measures, and what it remembers from scene to scene.
 pub(crate) struct Log<'a> {
-    pub record: &'a mut Writer,
-    pub origins: &'a mut Origins,
+    pub record: Writer,
+    pub origins: Origins,
     pub progress: &'a mut dyn Progress,
     pub too_slow: TooSlow,
     /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
     pub noted: BTreeSet<String>,
     /// What timed rows say of their time.
     pub span: Option<String>,
-}
-
-/// A scene as runners load it.
-struct Staged<'a> {
-    given: &'a Given,
-    /// It, and those before it.
-    loads: Rc<[Trajectory]>,
-    moved: Option<Moved>,
 }
 
 impl Stage<'_, '_> {
@@ -96,22 +86,26 @@ impl Stage<'_, '_> {
         }
         self.note(&given);
         let limit = memory_limit(self.experiment);
-        if let Some((mut frames, count)) = self.spec.frames(&given)? {
-            let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
-            let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;
-            let loads = [moving.clone()].into();
-            let scene = Staged { given: &given, loads, moved };
-            let running = self.enter_all(contenders, scene, &mut judge)?;
-            self.blocks(running, blocks, &mut judge)?;
-            moving.remove();
-            return Ok(());
+        let mut moving = self.spec.frames(&given)?;
+        let (loads, mut judge, moved) = match &mut moving {
+            Some((frames, count)) => {
+                let moving = Trajectory::write_moving(self.folder, frames, *count)?;
+                let (judge, moved) = Judge::moving(moving.clone(), limit)?;
+                (vec![moving], judge, moved)
+            }
+            None => {
+                let history = self.spec.history()?;
+                let loads = Trajectory::write_all(self.folder, history.iter().chain([&given]))?;
+                (loads, Judge::new(&given, limit)?, None)
+            }
+        };
+        let loads: Rc<[Trajectory]> = loads.into();
+        let running = self.enter_all(contenders, &given, (&loads, moved), &mut judge)?;
+        self.blocks(running, blocks, &mut judge)?;
+        if moving.is_some() {
+            loads.iter().for_each(Trajectory::remove);
         }
-        let history = self.spec.history()?;
-        let loads = Trajectory::write_all(self.folder, history.iter().chain([&given]))?;
-        let mut judge = Judge::new(&given, limit)?;
-        let scene = Staged { given: &given, loads: loads.into(), moved: None };
-        let running = self.enter_all(contenders, scene, &mut judge)?;
-        self.blocks(running, blocks, &mut judge)
+        Ok(())
     }
 
     /// Says once what the scene's file leaves open, and what is doubtful about it.
@@ -133,7 +127,8 @@ impl Stage<'_, '_> {
     fn enter_all(
         &mut self,
         contenders: Vec<Contender>,
-        Staged { given, loads, moved }: Staged<'_>,
+        given: &Given,
+        (loads, moved): (&Rc<[Trajectory]>, Option<Moved>),
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
         let (count, nothing) = judge.count(Arithmetic::Exact)?;
@@ -152,7 +147,7 @@ impl Stage<'_, '_> {
                 let failure = Failure { outcome: Outcome::Refused, reason };
                 self.fail(&blank, failure, &Pass::ALL)?;
             } else {
-                running.extend(self.enter(contender, blank, &loads, judge)?);
+                running.extend(self.enter(contender, blank, loads, judge)?);
             }
         }
         Ok(running)
@@ -167,7 +162,7 @@ impl Stage<'_, '_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
         let (watch, rows) = (Watch::start(), self.log.record.rows());
-        self.log.span = watch.as_ref().map(|watch| watch.id().to_string());
+        self.log.span = watch.as_ref().map(|watch| watch.id.clone());
         let result = self.samples(running, blocks, judge);
         self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
@@ -185,7 +180,7 @@ impl Stage<'_, '_> {
         blocks: u32,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
-        let mut entries = duet::entries(running);
+        let mut entries = block::entries(running);
         let started = Instant::now();
         for block in 1..=blocks {
             if block > FEWEST_BLOCKS
@@ -200,19 +195,14 @@ impl Stage<'_, '_> {
             let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
             entries.shuffle(&mut random);
             let mut still = Vec::new();
-            for mut entry in entries {
-                if let [one] = &mut *entry
-                    && one.contender.duet.is_none()
-                {
-                    let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
-                    if !self.index.has(&blank) && !self.sample(one, blank, judge)? {
-                        continue;
-                    }
+            for entry in entries {
+                let mut entry = self.block(entry, block, judge)?;
+                for one in &mut entry {
                     self.ceiling(one, block, judge)?;
-                } else {
-                    entry = self.side_by_side(entry, block, judge)?;
                 }
-                still.push(entry);
+                if !entry.is_empty() {
+                    still.push(entry);
+                }
             }
             entries = still;
         }

@@ -20,7 +20,6 @@ pub struct Trajectory {
     /// f64, C order: `n` rows of `dim` coordinates, and the radius as one more column if `radius`
     /// is null.
     pub frames: Vec<PathBuf>,
-    /// 2 or 3.
     pub dim: u32,
     /// Particles, the same in all frames.
     pub n: u64,

@@ -24,7 +24,6 @@ pub use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
 use crate::check::numbers::Numbers;
 use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};
 
-/// Particles at most.
 const MOST: usize = 64;
 
 /// Legs and hypotenuse, all of whole numbers; those in the plane first.
@@ -39,7 +38,6 @@ const PYTHAGOREAN: [([f64; 3], f64); 8] = [
     ([2.0, 6.0, 9.0], 11.0),
 ];
 
-/// The bytes not yet used.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -56,7 +54,6 @@ impl Bytes<'_> {
     }
 }
 
-/// A scene in the making.
 struct Maker<'a> {
     bytes: Bytes<'a>,
     mixed: bool,
@@ -81,7 +78,6 @@ struct Next {
 /// A way to find the place of a particle.
 struct Way {
     place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
-    /// Beside another particle.
     beside: bool,
     /// Then moved by some units in the last place.
     nudged: bool,
@@ -180,7 +176,6 @@ impl<'a> Maker<'a> {
         Some(Maker { bytes, mixed: form & 2 != 0, unit, offset, radius, numbers })
     }
 
-    /// The radius of the next particle.
     fn radius(&mut self) -> Option<f64> {
         if !self.mixed {
             return Some(self.radius);
@@ -221,7 +216,6 @@ impl<'a> Maker<'a> {
         Some(())
     }
 
-    /// A number for each axis.
     fn each(
         &mut self,
         dim: usize,

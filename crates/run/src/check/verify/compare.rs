@@ -36,7 +36,6 @@ pub(super) struct Against<'a> {
     pub kept: usize,
 }
 
-/// How a list differs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compared {
     pub taken: Taken,
@@ -173,7 +172,6 @@ impl Against<'_> {
     }
 }
 
-/// Whether some pair touches through several images.
 fn several(contacts: &Contacts) -> bool {
     let Contacts { plain, shifted } = contacts;
     let same = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
@@ -181,13 +179,11 @@ fn several(contacts: &Contacts) -> bool {
         || shifted.iter().any(|pair| plain.binary_search(&[pair.i, pair.j]).is_ok())
 }
 
-/// How a pair differs.
 #[derive(Clone, Copy)]
 enum Difference {
     Missed,
     /// Listed, and not true.
     Added,
-    /// Listed again.
     Repeated,
 }
 

@@ -11,7 +11,6 @@ use contactbench_io::Groups;
 /// A pair of the list, by the numbers that stand there.
 pub type Couple = [i64; 2];
 
-/// A list as it was read.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {
     /// Pairs by the numbers that stand there.
@@ -34,7 +33,6 @@ pub enum Naming {
 pub enum Meaning {
     /// Places in the particle file, from this number on.
     Base(i64),
-    /// Ids of the particles.
     Ids,
 }
 
@@ -56,7 +54,6 @@ impl Naming {
         Ok(Naming::Ids(places))
     }
 
-    /// Its kind.
     pub fn meaning(&self) -> Meaning {
         match self {
             Naming::Base(base) => Meaning::Base(*base),
@@ -94,16 +91,13 @@ impl Naming {
 pub(super) enum ImagesOf<'a> {
     /// Images of the second particle, as they should be.
     Second,
-    /// Images of the first particle.
     First,
     /// Images of the second particle, counted from where both are when they are put into the box:
     /// by how many vectors each particle is outside.
     Wrapped(&'a [[i32; 3]]),
-    /// Nothing.
     LeftOut,
 }
 
-/// How the pairs of a list are taken.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Taking<'a> {
     pub naming: &'a Naming,
@@ -125,7 +119,6 @@ pub(super) struct Listing {
     pub unknown: Vec<Couple>,
     /// Pairs that are there from one side only, where both are expected.
     pub one_sided: Vec<Couple>,
-    /// Pairs that were left out.
     pub left_out: u64,
 }
 

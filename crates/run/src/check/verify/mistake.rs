@@ -17,7 +17,6 @@ pub struct Reading {
     pub wrong: u64,
 }
 
-/// What is different in a list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
     /// Its numbers mean this.
@@ -30,7 +29,6 @@ pub enum Mistake {
     ImagesWrapped,
     /// Without its images the pairs agree; they may all be 0.
     ImagesLeftOut {
-        /// All images are 0.
         zero: bool,
     },
     /// The box that the file declares repeats along these axes.
@@ -45,7 +43,6 @@ pub enum Mistake {
     Skin(f64),
     /// Its radii are this many times as large.
     Radii(f64),
-    /// Boundaries are open.
     Open,
     /// Contacts of particles with their own images are not there.
     WithoutOwn,

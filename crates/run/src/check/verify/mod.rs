@@ -44,7 +44,6 @@ pub struct Allowed {
     pub skin: f64,
 }
 
-/// How a list is compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
     /// Decides what touches.
@@ -59,22 +58,17 @@ pub struct Terms<'a> {
     pub without: Option<&'a Groups>,
 }
 
-/// A list that is to be compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
     /// The particles in their box; in open space it repeats along no vector.
     pub space: &'a Periodic<'a>,
-    /// The list.
     pub list: Listed<'a>,
-    /// What its numbers mean.
     pub naming: &'a Naming,
     /// What its numbers may mean instead.
     pub others: &'a [Naming],
-    /// How it is compared.
     pub terms: Terms<'a>,
 }
 
-/// A list against the truth.
 #[derive(Clone, Debug)]
 pub struct Verification {
     /// The contacts, sorted.
@@ -100,12 +94,10 @@ pub struct Verification {
 }
 
 impl Verification {
-    /// Whether list and truth are the same.
     pub fn is_same(&self) -> bool {
         self.wrong() == 0
     }
 
-    /// Pairs that differ.
     pub fn wrong(&self) -> u64 {
         self.errors.wrong() + (self.unknown.len() + self.one_sided.len()) as u64
     }

@@ -6,27 +6,25 @@ use crate::check::verify::search::Search;
 use crate::check::verify::{truth, within};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
-use contactbench_core::scene::{Lattice, Radii};
+use contactbench_core::scene::Radii;
 use contactbench_core::with_scene;
 
-/// A mistake that is tried: what would touch if the code had made it.
+/// A mistake that is tried: hands on what would touch with each variant of it.
 pub(super) struct Row {
     pub kind: Kind,
-    pub tries: for<'a> fn(&'a Search<'_>, At<'a>) -> Tries<'a>,
+    pub tries: fn(&Search<'_>, At<'_>, Each<'_>),
 }
 
-/// What touches with each variant of a mistake, found when it is asked for.
-pub(super) type Tries<'a> = Box<dyn Iterator<Item = (Mistake, Contacts)> + 'a>;
+/// Takes what touches with a mistake, and returns whether more is to be tried.
+pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, Contacts) -> bool;
 
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// A part of the contacts.
     Part,
     /// Pairs that just touch are decided otherwise.
     Tie,
     /// Other sizes or a skin: counts only if it explains all but what is far apart.
     Size,
-    /// Another box.
     Box,
 }
 
@@ -54,135 +52,120 @@ pub(super) const ROWS: [Row; 13] = [
     Row { kind: Kind::Box, tries: guessed },
 ];
 
-fn open<'a>(_: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    part(at, Mistake::Open, |pair| pair.image == [0; 3])
+fn open(_: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    part(at, Mistake::Open, |pair| pair.image == [0; 3], each);
 }
 
-fn without_own<'a>(_: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    part(at, Mistake::WithoutOwn, |pair| pair.i != pair.j)
+fn without_own(_: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    part(at, Mistake::WithoutOwn, |pair| pair.i != pair.j, each);
 }
 
-fn nearest<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    if at.truth.shifted.is_empty() {
-        return none();
+fn nearest(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    if !at.truth.shifted.is_empty() {
+        let deepest = search.against(at.space, at.truth).deepest();
+        each(Mistake::Nearest, deepest.filtered(|pair| pair.i != pair.j));
     }
-    let deepest = search.against(at.space, at.truth).deepest();
-    one(Mistake::Nearest, deepest.filtered(|pair| pair.i != pair.j))
 }
 
-fn strict<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    if search.found.errors.spurious > 0 || search.largest() > 0.0 {
-        return none();
+fn strict(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    if search.found.errors.spurious == 0 && search.largest() <= 0.0 {
+        each(Mistake::Strict, at.truth.filtered(|pair| depth(at.space, pair) != 0.0));
     }
-    one(Mistake::Strict, at.truth.filtered(|pair| depth(at.space, pair) != 0.0))
 }
 
-fn rounded<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
+fn rounded(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
     if search.job.terms.arithmetic != Arithmetic::Exact {
-        return none();
+        return;
     }
-    let limit = search.job.terms.memory_limit;
-    let truth = move |of| Some((Mistake::Rounded(of), self::truth(at.space, of, limit).ok()?));
-    Box::new([Arithmetic::F64, Arithmetic::F32].into_iter().filter_map(truth))
-}
-
-fn doubled<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    match search.is_larger(1) && search.found.spurious.widest > 1.0 {
-        true => search.with_radii(at, 2.0, 1.0, |_| true),
-        false => none(),
-    }
-}
-
-fn skin<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    // One pair beside the others is no skin.
-    if !search.is_larger(2) {
-        return none();
-    }
-    let gap = search.found.spurious.gap;
-    let near = within(at.space, gap, search.job.terms.memory_limit);
-    near.map_or_else(|_| none(), |near| one(Mistake::Skin(gap), near))
-}
-
-fn larger<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    let one_size =
-        with_scene!(at.space.scene(), scene => matches!(scene.radii(), Radii::Uniform(_)));
-    if one_size || !search.is_larger(2) {
-        return none();
-    }
-    let widest = search.found.spurious.widest;
-    let within = move |pair| -depth(at.space, pair) <= widest;
-    search.with_radii(at, 1.0 + 0.5 * widest, 1.0 + 1e-9, within)
-}
-
-fn halved<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    match search.is_smaller(1) {
-        true => search.with_radii(at, 0.5, 1.0, |_| true),
-        false => none(),
-    }
-}
-
-fn smaller<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    let most = search.found.errors.deepest_miss;
-    let deep = at.truth.filtered(|pair| depth(at.space, pair) > most);
-    if deep.is_empty() || !search.is_smaller(2) {
-        return none();
-    }
-    let least = deep.iter().map(|pair| depth(at.space, pair)).fold(2.0, f64::min);
-    one(Mistake::Radii(1.0 - 0.5 * least), deep)
-}
-
-fn straight<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    let lattice = at.space.lattice();
-    let vectors = lattice.vectors();
-    let lower = (0..3).all(|a| (a + 1..3).all(|k| vectors[a][k] == 0.0));
-    if !lattice.repeats() || !lattice.is_tilted() || !lower {
-        return none();
-    }
-    let edges = [0, 1, 2].map(|k| vectors[k][k]);
-    let [x, y, z] = edges;
-    let vectors = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
-    let straight = Lattice::new(vectors, lattice.periodic(), lattice.origin());
-    search.boxes(at, [straight.ok().map(|of| (Mistake::Straight(edges), of))])
-}
-
-fn other_axes<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    let lattice = at.space.lattice();
-    if !lattice.repeats() {
-        return none();
-    }
-    let (vectors, origin, axes) = (*lattice.vectors(), lattice.origin(), lattice.periodic());
-    let flat = at.space.scene().dim() == 2 || vectors[2] == [0.0; 3];
-    let flags = (1..8).map(|bits| [0, 1, 2].map(|k| bits >> k & 1 == 1));
-    let other = flags.filter(move |flags| *flags != axes && !(flags[2] && flat));
-    let lattice = move |flags| Lattice::new(vectors, flags, origin).ok();
-    search.boxes(at, other.map(move |flags| Some((Mistake::Along(flags), lattice(flags)?))))
-}
-
-/// Guesses the periods of the box from the listed contacts, if no file declares a box.
-fn guessed<'a>(search: &'a Search<'_>, at: At<'a>) -> Tries<'a> {
-    if !search.may_guess || at.space.lattice().repeats() {
-        return none();
-    }
-    match periods(at.space, &search.listing.contacts, at.truth) {
-        None => none(),
-        Some((periods, far)) => {
-            let mut contacts = at.truth.clone();
-            contacts.plain.extend(far);
-            contacts.sort();
-            one(Mistake::Periods(periods), contacts)
+    for of in [Arithmetic::F64, Arithmetic::F32] {
+        let truth = truth(at.space, of, search.job.terms.memory_limit);
+        if truth.is_ok_and(|truth| !each(Mistake::Rounded(of), truth)) {
+            return;
         }
     }
 }
 
-fn none<'a>() -> Tries<'a> {
-    Box::new(std::iter::empty())
+fn doubled(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    if search.is_larger(1) && search.found.spurious.widest > 1.0 {
+        search.with_radii(at, 2.0, 1.0, |_| true, each);
+    }
 }
 
-pub(super) fn one<'a>(mistake: Mistake, contacts: Contacts) -> Tries<'a> {
-    Box::new(std::iter::once((mistake, contacts)))
+fn skin(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    let gap = search.found.spurious.gap;
+    // One pair beside the others is no skin.
+    if search.is_larger(2)
+        && let Ok(near) = within(at.space, gap, search.job.terms.memory_limit)
+    {
+        each(Mistake::Skin(gap), near);
+    }
 }
 
-fn part<'a>(at: At<'a>, mistake: Mistake, keep: impl Fn(ImagePair) -> bool) -> Tries<'a> {
+fn larger(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    let one_size =
+        with_scene!(at.space.scene(), scene => matches!(scene.radii(), Radii::Uniform(_)));
+    if !one_size && search.is_larger(2) {
+        let widest = search.found.spurious.widest;
+        let within = |pair| -depth(at.space, pair) <= widest;
+        search.with_radii(at, 1.0 + 0.5 * widest, 1.0 + 1e-9, within, each);
+    }
+}
+
+fn halved(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    if search.is_smaller(1) {
+        search.with_radii(at, 0.5, 1.0, |_| true, each);
+    }
+}
+
+fn smaller(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    let most = search.found.errors.deepest_miss;
+    let deep = at.truth.filtered(|pair| depth(at.space, pair) > most);
+    if !deep.is_empty() && search.is_smaller(2) {
+        let least = deep.iter().map(|pair| depth(at.space, pair)).fold(2.0, f64::min);
+        each(Mistake::Radii(1.0 - 0.5 * least), deep);
+    }
+}
+
+fn straight(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    let lattice = at.space.lattice();
+    let vectors = lattice.vectors();
+    let lower = (0..3).all(|a| (a + 1..3).all(|k| vectors[a][k] == 0.0));
+    if lattice.repeats() && lattice.is_tilted() && lower {
+        let edges = [0, 1, 2].map(|k| vectors[k][k]);
+        let [x, y, z] = edges;
+        let vectors = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
+        search.in_box(at, Mistake::Straight(edges), (vectors, lattice.periodic()), each);
+    }
+}
+
+fn other_axes(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    let lattice = at.space.lattice();
+    let vectors = *lattice.vectors();
+    let flat = at.space.scene().dim() == 2 || vectors[2] == [0.0; 3];
+    let all = (1..8).map(|bits| [0, 1, 2].map(|k| bits >> k & 1 == 1));
+    for axes in all.filter(|axes| *axes != lattice.periodic() && !(axes[2] && flat)) {
+        if !lattice.repeats() || !search.in_box(at, Mistake::Along(axes), (vectors, axes), each) {
+            return;
+        }
+    }
+}
+
+/// Guesses the periods of the box from the listed contacts, if no file declares a box.
+fn guessed(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
+    if search.may_guess
+        && !at.space.lattice().repeats()
+        && let Some((periods, far)) = periods(at.space, &search.listing.contacts, at.truth)
+    {
+        let mut contacts = at.truth.clone();
+        contacts.plain.extend(far);
+        contacts.sort();
+        each(Mistake::Periods(periods), contacts);
+    }
+}
+
+fn part(at: At<'_>, mistake: Mistake, keep: impl Fn(ImagePair) -> bool, each: Each<'_>) {
     let part = at.truth.filtered(keep);
-    if part.len() < at.truth.len() { one(mistake, part) } else { none() }
+    if part.len() < at.truth.len() {
+        each(mistake, part);
+    }
 }

@@ -3,7 +3,7 @@
 use crate::check::verify::compare::{Against, Compared};
 use crate::check::verify::listing::{ImagesOf, Listing, Taking};
 use crate::check::verify::mistake::{Mistake, Reading};
-use crate::check::verify::rows::{At, Kind, ROWS, Tries, one};
+use crate::check::verify::rows::{At, Each, Kind, ROWS};
 use crate::check::verify::{Job, Naming, WORST};
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
 use contactbench_core::scene::Lattice;
@@ -119,14 +119,12 @@ impl<'a> Search<'a> {
                 _ => 0,
             };
             let mut better = Vec::new();
-            for (mistake, contacts) in (row.tries)(self, at) {
+            (row.tries)(self, at, &mut |mistake, contacts| {
                 let found = self.against(self.job.space, &contacts).hold(&self.listing);
                 let wrong = found.errors.wrong() + self.listing.faults();
                 better.push((mistake, wrong));
-                if wrong == 0 {
-                    break;
-                }
-            }
+                wrong > 0
+            });
             for (mistake, wrong) in better.into_iter().filter(|(_, wrong)| *wrong <= most) {
                 self.consider(before, mistake, wrong);
             }
@@ -202,36 +200,36 @@ impl<'a> Search<'a> {
         errors.missed >= least && spurious.count == spurious.far
     }
 
-    /// What touches with radii `by` times as large, and a little more.
-    pub fn with_radii<'b>(
+    /// Tries what touches with radii `by` times as large, and a little more.
+    pub fn with_radii(
         &self,
-        at: At<'b>,
+        at: At<'_>,
         by: f64,
         more: f64,
         keep: impl Fn(ImagePair) -> bool,
-    ) -> Tries<'b> {
-        let limit = self.job.terms.memory_limit;
+        each: Each<'_>,
+    ) {
         let sized = resized(at.space, |r| (by * more * r).min(f64::MAX));
-        match sized.and_then(|sized| contacts(&sized, limit)) {
-            Ok(contacts) if !contacts.is_empty() => {
-                one(Mistake::Radii(by), contacts.into_iter().filter(|&pair| keep(pair)).collect())
-            }
-            _ => Box::new(std::iter::empty()),
+        let found = sized.and_then(|sized| contacts(&sized, self.job.terms.memory_limit));
+        if let Some(contacts) = found.ok().filter(|contacts| !contacts.is_empty()) {
+            let kept = contacts.into_iter().filter(|&pair| keep(pair)).collect();
+            each(Mistake::Radii(by), kept);
         }
     }
 
-    /// What touches in these boxes.
-    pub fn boxes<'b>(
+    /// Tries what touches in a box of these vectors and axes; returns whether more is to be tried.
+    pub fn in_box(
         &self,
-        at: At<'b>,
-        boxes: impl IntoIterator<Item = Option<(Mistake, Lattice)>> + 'b,
-    ) -> Tries<'b> {
-        let limit = self.job.terms.memory_limit;
-        let truth = move |(mistake, lattice): (Mistake, Lattice)| {
-            let periodic = Periodic::new(at.space.scene().clone(), lattice).ok()?;
-            Some((mistake, contacts(&periodic, limit).ok()?.into_iter().collect()))
-        };
-        Box::new(boxes.into_iter().flatten().filter_map(truth))
+        at: At<'_>,
+        mistake: Mistake,
+        (vectors, axes): ([[f64; 3]; 3], [bool; 3]),
+        each: Each<'_>,
+    ) -> bool {
+        let lattice = Lattice::new(vectors, axes, at.space.lattice().origin());
+        let Ok(lattice) = lattice else { return true };
+        let Ok(boxed) = Periodic::new(at.space.scene().clone(), lattice) else { return true };
+        let found = contacts(&boxed, self.job.terms.memory_limit);
+        found.map_or(true, |found| each(mistake, found.into_iter().collect()))
     }
 }
 

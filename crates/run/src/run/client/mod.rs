@@ -24,15 +24,12 @@ use contactbench_terms::text;
 /// How to start a runner, and what it may take.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// Program and arguments.
     pub command: Vec<String>,
     /// What to do if it is not there.
     pub install: String,
-    /// For one request.
     pub time_limit: Duration,
     /// Address space in bytes.
     pub memory_limit: u64,
-    /// The processor that it is kept on, if any.
     pub processor: Option<usize>,
 }
 
@@ -54,7 +51,6 @@ impl Start {
 pub struct Failure {
     /// Not `ok`.
     pub outcome: Outcome,
-    /// The reason.
     pub reason: String,
 }
 
@@ -64,7 +60,8 @@ pub struct Client {
     input: Option<ChildStdin>,
     lines: Receiver<Line>,
     errors: Arc<Mutex<String>>,
-    time_limit: Duration,
+    /// For one request.
+    pub time_limit: Duration,
     memory_limit: u64,
     /// Samples since the last scene was loaded.
     samples: u32,
@@ -76,16 +73,13 @@ pub struct Client {
     by_frame: Option<Trajectory>,
     /// How long the last answer took.
     waited: Duration,
-    /// What the runner said in its first line.
     pub hello: Hello,
 }
 
-/// The first line of a runner.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hello {
     /// The version of the protocol that it speaks.
     pub protocol: u32,
-    /// Its own name.
     pub detector: String,
     /// The arithmetic in which its answers are right.
     pub arithmetic: String,
@@ -176,14 +170,8 @@ impl Client {
         }
     }
 
-    /// The number of its process.
     pub fn process(&self) -> u32 {
         self.child.id()
-    }
-
-    /// From now on, a request may take so long.
-    pub fn allow(&mut self, time_limit: Duration) {
-        self.time_limit = time_limit;
     }
 
     /// The end of what the runner has said on its standard error so far.
@@ -231,7 +219,6 @@ impl Client {
         }
     }
 
-    /// A request in the version that the runner speaks.
     pub fn message(&self, request: &Request) -> Result<Value, Failure> {
         request
             .message(self.hello.protocol)

@@ -13,12 +13,10 @@ use contactbench_core::searcher::Loaded;
 use contactbench_core::sink::Digest;
 use contactbench_io::Given;
 
-/// What is true of a frame.
 pub(super) struct Frame<'a> {
     pub given: Cow<'a, Given>,
     /// The scene in its box, if it has one.
     boxed: Option<Rc<Loaded<'static>>>,
-    /// For a list of contacts, in bytes.
     memory_limit: u64,
     known: HashMap<Arithmetic, Result<Truths, Nothing>>,
 }
@@ -35,7 +33,6 @@ pub(super) struct Truths {
     exact: Option<Rc<Truth>>,
 }
 
-/// The contacts, sorted, and their fingerprint.
 pub(super) struct Truth {
     pub contacts: Contacts,
     pub digest: Digest,
@@ -54,19 +51,16 @@ impl From<periodic::Truth> for Truth {
     }
 }
 
-/// How an answer differs from the truth.
 #[derive(Clone, Default)]
 pub(super) struct Differs {
     /// In the arithmetic.
     pub own: Errors,
     /// Against exact decisions on the scene as given; `None` if these are not known.
     pub errors: Option<Errors>,
-    /// The same by cause.
     pub causes: Option<Causes>,
 }
 
 impl Differs {
-    /// Adds those of another frame.
     pub fn add(&mut self, other: &Differs) {
         self.own.add(&other.own);
         match (&mut self.errors, &other.errors) {
@@ -113,7 +107,6 @@ impl<'a> Frame<'a> {
         Ok(Differs { own, errors: Some(compare(contacts, &given.own, &given.stored)), causes })
     }
 
-    /// What is true in an arithmetic.
     pub fn known(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
         if let Some(known) = self.known.get(&arithmetic) {
             return known.clone().map_err(Unjudged::Nothing);

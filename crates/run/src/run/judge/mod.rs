@@ -28,7 +28,6 @@ use contactbench_scenes::touching::in_any_box;
 pub struct Judge<'a> {
     /// The files of the frames; `None` for a scene at rest, which stays.
     trajectory: Option<Trajectory>,
-    /// For a list of contacts, in bytes.
     memory_limit: u64,
     /// The frame that was looked at last.
     frame: Option<(usize, Frame<'a>)>,
@@ -65,13 +64,11 @@ struct Right {
 /// Why nothing is known of a scene in an arithmetic.
 #[derive(Clone)]
 pub struct Nothing {
-    /// The reason.
     pub reason: String,
     /// No detector can answer: the contacts of the scene are too many, or its box makes no sense.
     pub hopeless: bool,
 }
 
-/// Why an answer is not judged.
 enum Unjudged {
     /// Nothing is known that it could be held to.
     Nothing(Nothing),
@@ -106,10 +103,8 @@ impl Unjudged {
     }
 }
 
-/// How many contacts there are.
 #[derive(Default)]
 pub struct Count {
-    /// In frame 0.
     pub first: u64,
     /// In the frame that has the most.
     pub most: u64,
@@ -127,13 +122,11 @@ pub(crate) struct Said<'a> {
 /// What an answer to several frames shows of its tracker.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracked {
-    /// When lists were built.
     pub builds: Builds,
     /// What was missed in the frames in which it was there.
     pub late: Late,
 }
 
-/// The judgement on an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Judged {
     /// `ok`, `lossy` or `wrong`; `refused` where no truth is known.

@@ -1,16 +1,18 @@
-//! Builds of one detector, timed side by side: the same detector of this build, of another one, and
-//! of this one again.
+//! A block: a timed sample of each subject, in a process of its own.
 //!
-//! In each block all are started afresh on the same processor and take turns, round after round:
-//! they meet the same state of the machine, from millisecond to millisecond. The ratio of a block
-//! is the median over its rounds, and blocks average over where processes happen to lie in memory.
+//! Builds of one detector are timed side by side: the same detector of this build, of another one,
+//! and of this one again. In each block all are started afresh on the same processor and take
+//! turns, round after round: they meet the same state of the machine, from millisecond to
+//! millisecond. The ratio of a block is the median over its rounds, and blocks average over where
+//! processes happen to lie in memory.
 
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::run::client::{Client, Failure};
 use crate::run::judge::Judge;
-use crate::run::passes::{Running, sample};
+use crate::run::passes::{Running, SHORTEST_SAMPLE_NS, sample};
 use crate::run::protocol::Sample;
+use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
@@ -44,8 +46,8 @@ struct Player {
 }
 
 impl Stage<'_, '_> {
-    /// A block of those that take turns; gives those that are still in the race.
-    pub fn side_by_side(
+    /// A block of those that are timed together; gives those that are still in the race.
+    pub fn block(
         &mut self,
         entry: Vec<Running>,
         block: u32,
@@ -58,32 +60,38 @@ impl Stage<'_, '_> {
         }
         let mut players = Vec::new();
         for running in entry {
-            let row = blank(&running);
-            match running.fresh(running.processor(block)) {
+            let (mut row, processor) = (blank(&running), running.processor(block));
+            if running.is_alone() {
+                // Before there is a process: it would find its caches empty.
+                row.pulse_ns = pulse(processor);
+            }
+            match running.fresh(processor) {
                 Ok(client) => players.push(Player { running, client, row, turns: Vec::new() }),
-                Err(failure) => self.fail(&row, failure, Pass::Time.rest())?,
+                Err(failure) => self.fail(&blank(&running), failure, Pass::Time.rest())?,
             }
         }
         // Who begins in this block; in every second round the last is first.
         let all = players.len().max(1);
         players.rotate_left(block as usize % all);
         let started = Instant::now();
-        for round in 0..MOST_ROUNDS {
+        let rounds = if players.iter().any(|it| it.running.is_alone()) { 1 } else { MOST_ROUNDS };
+        for round in 0..rounds {
             if round >= FEWEST_ROUNDS && started.elapsed() > LONGEST {
                 break;
             }
-            for (player, failure) in take_turns(&mut players) {
-                self.fail(&player.row, failure, Pass::Time.rest())?;
+            for (player, failure) in take_turns(&mut players, block) {
+                self.fail(&blank(&player.running), failure, Pass::Time.rest())?;
             }
             players.reverse();
         }
         let mut still = Vec::new();
         for Player { running, mut client, mut row, turns } in players {
-            let processor = running.processor(block);
             let Some(sum) = total(&turns) else { continue };
-            running.fill(&mut row, &sum, processor);
+            running.fill(&mut row, &sum, running.processor(block));
             row.process = self.log.origins.process(&running.contender, &client)?;
-            row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
+            if !running.is_alone() {
+                row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
+            }
             self.judge(&mut row, &running, &mut client, judge, &sum.found)?;
             let others = others(&turns);
             if others > 0 && row.outcome != Outcome::Wrong {
@@ -102,13 +110,20 @@ impl Stage<'_, '_> {
 }
 
 /// One turn of each, in order; those that failed leave.
-fn take_turns(players: &mut Vec<Player>) -> Vec<(Player, Failure)> {
+fn take_turns(players: &mut Vec<Player>, block: u32) -> Vec<(Player, Failure)> {
     let mut failed = Vec::new();
     let mut k = 0;
-    while let Some(player) = players.get_mut(k) {
-        match sample(&mut player.client, TURN_NS) {
+    while let Some(Player { running, client, row, turns }) = players.get_mut(k) {
+        let alone = running.is_alone();
+        if alone {
+            row.began_ms = since_1970();
+        }
+        match sample(client, if alone { SHORTEST_SAMPLE_NS } else { TURN_NS }) {
             Ok(turn) => {
-                player.turns.push(turn);
+                if alone {
+                    row.pulse_ns = row.pulse_ns.max(pulse(running.processor(block)));
+                }
+                turns.push(turn);
                 k += 1;
             }
             Err(failure) => failed.push((players.remove(k), failure)),
@@ -117,7 +132,11 @@ fn take_turns(players: &mut Vec<Player>) -> Vec<(Player, Failure)> {
     failed
 }
 
-/// How many turns gave another answer than the last.
+fn since_1970() -> Option<u64> {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    u64::try_from(since.as_millis()).ok()
+}
+
 fn others(turns: &[Sample]) -> usize {
     let answer = |turn: &Sample| turn.found.whole();
     let last = turns.last().map(answer);
@@ -127,6 +146,9 @@ fn others(turns: &[Sample]) -> usize {
 /// All turns as one sample, with the answer of the last.
 fn total(turns: &[Sample]) -> Option<Sample> {
     let (first, last) = (turns.first()?, turns.last()?);
+    if turns.len() == 1 {
+        return Some(first.clone());
+    }
     let calls: u64 = turns.iter().map(|turn| turn.calls).sum();
     let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
     // As the time: the mean over all detections.

@@ -1,0 +1,173 @@
+//! What a runner measures: times, operations, memory.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use crate::run::alloc::Meter;
+use crate::run::possible::MOST_CALLS;
+use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
+use crate::run::server::{Answer, Server, refused};
+use contactbench_core::probe::Tally;
+use contactbench_core::searcher::Searcher;
+use contactbench_core::track::Step;
+
+/// Passes over several frames, at most: each reads all of them from their files.
+const MOST_PASSES: u64 = 64;
+
+#[derive(Default)]
+struct Times {
+    /// Of each frame, in all passes together, in nanoseconds.
+    ns: Vec<u64>,
+    passes: u64,
+    /// Of all frames, for building lists that are kept.
+    building: Option<u64>,
+    steps: Steps,
+}
+
+impl Server {
+    /// What was found in a pass: of a detector of a scene at rest, without steps.
+    fn found(&self, steps: Steps) -> Found {
+        let found = Found::from(steps);
+        if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
+    }
+
+    pub(super) fn sample(&mut self, min_ns: u64) -> Answer<Sample> {
+        let count = self.frames.frames.len() as u64;
+        // The first pass warms caches and buffers.
+        let mut first = 0;
+        self.pass(None, |_, seen, _| first += seen.ns)?;
+        let times = match &self.tracker {
+            None => self.detections(min_ns)?,
+            Some(_) => self.passes(min_ns)?,
+        };
+        let Times { ns, passes, building, steps } = times;
+        let (elapsed_ns, calls) = (ns.iter().sum::<u64>(), passes * count);
+        let mean = |ns: u64, calls: u64| (ns + calls / 2) / calls;
+        Ok(Sample {
+            time_ns: mean(elapsed_ns, calls),
+            calls,
+            elapsed_ns,
+            step_ns: ns.into_iter().map(|ns| mean(ns, passes)).collect(),
+            building_ns: building.map(|ns| mean(ns, calls)),
+            first_ns: Some(first / count).filter(|&ns| ns > 0),
+            found: self.found(steps),
+        })
+    }
+
+    /// Passes of at least `min_ns` nanoseconds together; over several frames at most
+    /// [`MOST_PASSES`].
+    fn passes(&mut self, min_ns: u64) -> Answer<Times> {
+        let count = self.frames.frames.len();
+        let most = if count == 1 { MOST_CALLS } else { MOST_PASSES };
+        let mut times = Times { ns: vec![0; count], ..Times::default() };
+        let mut building = 0;
+        while times.passes == 0 || times.passes < most && times.ns.iter().sum::<u64>() < min_ns {
+            let Times { ns, passes, steps, .. } = &mut times;
+            self.pass(None, |k, seen, contacts| {
+                ns[k] += seen.ns;
+                building += seen.step.building.as_nanos() as u64;
+                if *passes == 0 {
+                    steps.push(contacts.digest(), &seen.step);
+                }
+            })?;
+            *passes += 1;
+        }
+        Ok(Times { building: Some(building), ..times })
+    }
+
+    /// Detections in a scene at rest, as many as last `min_ns` nanoseconds in the first sample.
+    fn detections(&mut self, min_ns: u64) -> Answer<Times> {
+        let (passes, elapsed_ns) = match self.calls {
+            Some(calls) => (calls, self.repeat(calls)?),
+            None => loop {
+                let calls = self.calibrate(min_ns)?;
+                let elapsed_ns = self.repeat(calls)?;
+                // Found out beside a busy neighbour, it may be too few.
+                if elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS {
+                    self.calls = Some(calls);
+                    break (calls, elapsed_ns);
+                }
+            },
+        };
+        let mut steps = Steps::default();
+        steps.push(self.contacts.digest(), &Step::default());
+        Ok(Times { ns: vec![elapsed_ns], passes, building: None, steps })
+    }
+
+    /// How many detections make a sample of `min_ns`.
+    fn calibrate(&mut self, min_ns: u64) -> Answer<u64> {
+        let mut calls = 1;
+        loop {
+            let elapsed = self.repeat(calls)?;
+            if elapsed >= min_ns || calls >= MOST_CALLS {
+                return Ok(calls);
+            }
+            // Ten times as many at once: the first guesses are mostly the cost of the clock.
+            let wanted = u128::from(min_ns) * u128::from(calls) * 9 / 8;
+            let wanted = wanted.div_ceil(u128::from(elapsed.max(1))) as u64;
+            calls = wanted.clamp(calls + 1, (calls * 10).min(MOST_CALLS));
+        }
+    }
+
+    /// Nanoseconds of so many detections, each into the same lists: the timed loop.
+    fn repeat(&mut self, calls: u64) -> Answer<u64> {
+        let Server { searcher, contacts, arithmetic, .. } = self;
+        let Some((_, scene)) = &self.frame else { return Ok(0) };
+        let start = Instant::now();
+        for _ in 0..calls {
+            searcher.list(black_box(scene), *arithmetic, contacts).map_err(refused)?;
+            black_box(&*contacts);
+        }
+        Ok(start.elapsed().as_nanos() as u64)
+    }
+
+    /// One pass, counted.
+    pub(super) fn count(&mut self) -> Answer {
+        let (mut tally, mut steps) = (Tally::default(), Steps::default());
+        self.pass(Some(&mut tally), |_, seen, contacts| {
+            steps.push(contacts.digest(), &seen.step);
+        })?;
+        let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
+        Ok(Reply::Count(Counted { counts, found: self.found(steps) }.into()))
+    }
+
+    /// Two passes with fresh buffers, and as many threads as are timed. The list of pairs goes
+    /// where there is room for it already, and is not measured.
+    pub(super) fn memory(&mut self) -> Answer {
+        // Makes that room.
+        self.pass(None, |_, _, _| ())?;
+        // The buffers at hand must not count against the limit of those that are measured.
+        self.searcher = Searcher::new(self.spec.detector(), self.options);
+        self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
+        let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
+        for _ in 0..2 {
+            steps = Steps::default();
+            let meter = Meter::start();
+            self.reset();
+            for k in 0..self.frames.frames.len() {
+                self.fetch(k)?;
+                let seen = meter.during(|| self.step(k, None))?;
+                steps.push(self.contacts.digest(), &seen.step);
+                let of_frame = match (&self.tracker, &self.frame) {
+                    (Some(tracker), _) => tracker.formula_bytes(),
+                    (None, Some((_, scene))) => self.searcher.formula_bytes(scene),
+                    (None, None) => 0,
+                };
+                formula = formula.max(of_frame);
+            }
+            usage.push(meter.end());
+        }
+        let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
+        // A library declares no formula.
+        let ours = self.spec.detector().entry.is_ours();
+        let memory = Memory {
+            peak_bytes: cold.peak_bytes,
+            live_bytes: cold.live_bytes,
+            allocations: cold.allocations,
+            warm_allocations: Some(warm.allocations),
+            formula_bytes: ours.then_some(formula),
+            found: self.found(steps),
+        };
+        Ok(Reply::Memory(memory.into()))
+    }
+}
