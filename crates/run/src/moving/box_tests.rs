@@ -153,26 +153,6 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
     }
 }
 
-/// Where nobody comes near a face, a box changes nothing.
-#[test]
-fn a_box_far_away_is_none() {
-    let (first, ways) = (sixteenths(5, 30, 64), sixteenths(6, 30, 25));
-    let places = |k: u32| -> Vec<[f64; 2]> {
-        let place = |(at, way): (&[f64; 2], &[f64; 2])| {
-            std::array::from_fn(|axis| at[axis] + f64::from(k % 3) * way[axis])
-        };
-        first.iter().zip(&ways).map(place).collect()
-    };
-    let boxed: Vec<Given> = (0..7).map(|k| given(places(k), 0.5, square(64.0))).collect();
-    let open: Vec<Given> = boxed.iter().map(|given| given.scene.clone().into()).collect();
-    let trackers = ["verlet(nbs,skin=0.01,rule=every-2)"];
-    let [boxed, open] = [boxed, open].map(|frames| followed(&frames, &trackers));
-    assert!(open.moved.tunnelled > 5 && open.moved.born > 5, "{:?}", open.moved);
-    assert_eq!(boxed.moved, open.moved);
-    assert_eq!(boxed.trackers[0].late, open.trackers[0].late);
-    assert!(open.trackers[0].late.missed > 0);
-}
-
 /// All images of all couples, in boxes that move and are flipped.
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {

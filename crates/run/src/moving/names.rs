@@ -8,8 +8,8 @@
 //! the same in all frames.
 
 use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Real, array};
-use contactbench_core::with_scene;
+use contactbench_core::scene::{AnyScene, Lattice};
+use contactbench_scenes::touching::particle;
 
 /// Whole numbers, one row for each vector of a box.
 type Numbers = [[i32; 3]; 3];
@@ -172,10 +172,7 @@ fn product(a: &Numbers, b: &Numbers) -> Numbers {
 
 /// Centres with three coordinates.
 pub(super) fn centres(scene: &AnyScene<'_>) -> Vec<[f64; 3]> {
-    with_scene!(scene, scene => {
-        let at = scene.centres().iter().map(array);
-        at.map(|at| std::array::from_fn(|k| at.get(k).map_or(0.0, |x| x.wide()))).collect()
-    })
+    (0..scene.len() as u32).map(|k| particle(scene, k).0).collect()
 }
 
 /// Finds the nearest image. Vectors are as short as can be: then the nearest one is among those

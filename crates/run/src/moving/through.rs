@@ -18,9 +18,9 @@ use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::contact::swept::touches_within;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Radii, Real, Scene};
+use contactbench_core::scene::{AnyScene, Radii, Scene};
 use contactbench_core::track::way;
-use contactbench_core::with_scene;
+use contactbench_scenes::touching::particle;
 
 /// Of sums of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
@@ -63,7 +63,7 @@ impl<'a> Through<'a> {
         let near = self.near(ways, more, memory_limit)?;
         let is_tunnelled = |pair: &ImagePair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let [ri, rj] = [i, j].map(|k| radius(self.last.scene(), k));
+            let [ri, rj] = [pair.i, pair.j].map(|k| particle(self.last.scene(), k).1);
             let from = [self.from[i], moved(&self.from[j], pair.image, &before)];
             let to = [self.to[i], moved(&self.to[j], pair.image, &onward)];
             let apart = |at: &[[f64; 3]], image, vectors| {
@@ -134,10 +134,6 @@ fn wider_by<const D: usize>(
     let radii = by.iter().enumerate().map(|(k, by)| (scene.radius(k) + by).next_up());
     let radii = Radii::Each(radii.collect::<Vec<_>>().into());
     Scene::new(scene.centres().to_vec(), radii).map_err(|error| error.to_string())
-}
-
-fn radius(scene: &AnyScene<'_>, k: usize) -> f64 {
-    with_scene!(scene, scene => scene.radius(k).wide())
 }
 
 /// x + S·H.

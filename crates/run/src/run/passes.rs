@@ -7,13 +7,13 @@
 
 use std::rc::Rc;
 
-use crate::run::client::{Client, Failure, Hello, Start};
+use crate::run::client::{Client, Failure, Start};
 use crate::run::contender::Contender;
 use crate::run::interrupt;
 use crate::run::judge::{Judge, Said, Tracked};
 use crate::run::plan::describe;
 use crate::run::processors;
-use crate::run::protocol::{Found, Reply, Request, Sample, Steps};
+use crate::run::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;

@@ -85,23 +85,7 @@ impl Request {
 #[serde(tag = "reply", rename_all = "lowercase")]
 pub enum Reply {
     /// The first line, before any request.
-    Hello {
-        /// From [`OLDEST`] to [`VERSION`].
-        protocol: u32,
-        detector: String,
-        /// The arithmetic in which its answers are right.
-        #[serde(default = "exact")]
-        arithmetic: String,
-        /// Version of the runner or the library behind it.
-        #[serde(default)]
-        version: String,
-        /// What else tells its program from others: compiler, libraries, instructions.
-        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-        build: BTreeMap<String, String>,
-        /// It takes trajectories of one frame alone.
-        #[serde(default, skip_serializing_if = "is_false")]
-        at_rest: bool,
-    },
+    Hello(Box<Hello>),
     /// The trajectory is there; a scene at rest is in memory.
     Loaded,
     Sample(Box<Sample>),
@@ -133,7 +117,8 @@ impl Reply {
     pub fn cleaned(mut self) -> Reply {
         let clean = |text: &mut String| *text = line(text).into_owned();
         match &mut self {
-            Reply::Hello { detector, arithmetic, version, build, .. } => {
+            Reply::Hello(hello) => {
+                let Hello { detector, arithmetic, version, build, .. } = &mut **hello;
                 [detector, arithmetic, version].into_iter().for_each(clean);
                 let fields = std::mem::take(build).into_iter();
                 *build = fields.map(|(k, v)| (line(&k).into(), line(&v).into())).collect();
@@ -145,6 +130,26 @@ impl Reply {
         }
         self
     }
+}
+
+/// Who a runner is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Hello {
+    /// From [`OLDEST`] to [`VERSION`].
+    pub protocol: u32,
+    pub detector: String,
+    /// The arithmetic in which its answers are right.
+    #[serde(default = "exact")]
+    pub arithmetic: String,
+    /// Version of the runner or the library behind it; may be empty.
+    #[serde(default)]
+    pub version: String,
+    /// What else tells its program from others: compiler, libraries, instructions.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub build: BTreeMap<String, String>,
+    /// It takes trajectories of one frame alone.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub at_rest: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

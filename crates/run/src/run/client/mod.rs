@@ -1,7 +1,6 @@
 //! The harness's end of a conversation with a runner: a process, requests with a time limit, a
 //! memory limit, and a reason for every failure.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
@@ -13,7 +12,7 @@ use serde_json::Value;
 
 use crate::run::client::output::Line;
 use crate::run::possible::{self, Asked};
-use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
+use crate::run::protocol::{Hello, OLDEST, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::run::{family, interrupt, processors};
 use contactbench_core::periodic::Contacts;
@@ -74,21 +73,6 @@ pub struct Client {
     /// How long the last answer took.
     waited: Duration,
     pub hello: Hello,
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Hello {
-    /// The version of the protocol that it speaks.
-    pub protocol: u32,
-    pub detector: String,
-    /// The arithmetic in which its answers are right.
-    pub arithmetic: String,
-    /// Its version, or that of the library behind it; may be empty.
-    pub version: String,
-    /// What else it says of its program; may be empty.
-    pub build: BTreeMap<String, String>,
-    /// It takes scenes at rest alone.
-    pub at_rest: bool,
 }
 
 /// How the reason begins where a line is no reply.
@@ -156,14 +140,15 @@ impl Client {
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match self.receive(limit)? {
-            Reply::Hello { protocol, detector, arithmetic, version, build, at_rest } => {
+            Reply::Hello(mut hello) => {
+                let protocol = hello.protocol;
                 if !(OLDEST..=VERSION).contains(&protocol) {
                     return Err(broken(format!(
                         "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
                     )));
                 }
-                let at_rest = at_rest || protocol == 1;
-                self.hello = Hello { protocol, detector, arithmetic, version, build, at_rest };
+                hello.at_rest |= protocol == 1;
+                self.hello = *hello;
                 Ok(())
             }
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),

@@ -17,7 +17,7 @@ use std::time::Instant;
 use anyhow::Context;
 
 use crate::plan::detectors;
-use crate::run::protocol::{Reply, Request, VERSION};
+use crate::run::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::truth;
 use contactbench_core::contact::Arithmetic;
@@ -89,14 +89,15 @@ impl Server {
             output.write_all(b"\n")?;
             output.flush()
         };
-        say(&Reply::Hello {
+        let hello = Hello {
             protocol: VERSION,
             detector: self.name.clone(),
             arithmetic: self.arithmetic.name().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             build: self.build(),
             at_rest: false,
-        })?;
+        };
+        say(&Reply::Hello(hello.into()))?;
         for line in input.lines() {
             match serde_json::from_str(&line?) {
                 Ok(Request::Quit) => break,
