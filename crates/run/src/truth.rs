@@ -30,7 +30,6 @@ pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
     }
 }
 
-/// The scene as trackers take it.
 pub(crate) fn frame<'a>(scene: &'a Loaded<'_>, arithmetic: Arithmetic) -> Frame<'a> {
     match scene {
         Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),

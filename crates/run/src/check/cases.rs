@@ -13,7 +13,6 @@ use contactbench_io::Given;
 use contactbench_scenes::hard;
 use contactbench_scenes::spec::Spec;
 
-/// A scene, and where it is from.
 pub(super) struct Scene {
     pub source: &'static str,
     pub name: String,

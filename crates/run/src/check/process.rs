@@ -35,23 +35,19 @@ const LAST_LINES: usize = 12;
 /// The pairs of scenes of at most so many particles are always fetched.
 const SMALL: usize = 100;
 
-/// A detector in another language.
 #[derive(Clone)]
 pub struct Foreign {
     /// What it calls itself, made fit for the name of a file.
     pub name: String,
     /// What it says of its version; may be empty.
     pub version: String,
-    /// The arithmetic in which its answers are right.
     pub arithmetic: Arithmetic,
     pub command: Vec<String>,
 }
 
 /// What came of a first meeting with a runner.
 pub enum Met {
-    /// It can be checked.
     Runner(Foreign),
-    /// It breaks the protocol.
     Wrong(Wrong),
 }
 
@@ -194,7 +190,6 @@ impl Line {
 pub(super) struct Process {
     line: Line,
     folder: TempDir,
-    /// It has had a scene.
     used: bool,
 }
 

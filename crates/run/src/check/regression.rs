@@ -57,7 +57,6 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     comment + &as_csv(&smallest.scene)
 }
 
-/// What it ends in.
 pub fn ending(failure: &Failure) -> &'static str {
     if failure.smallest.lattice.is_some() { ".xyz" } else { ".csv" }
 }

@@ -12,7 +12,6 @@ pub enum Wrong {
     /// It refuses the scene, but has reported so many pairs before.
     RefusesLate(u64),
     Panics(String),
-    /// It was not ready after this time.
     Hangs(Duration),
     /// A runner died: how, and the end of what it said on its standard error.
     Dies {

@@ -1,6 +1,5 @@
 //! When a tracker built its list, and whether it was high time.
 
-/// Builds of a list over the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Builds {
     /// Frames in which the detector was asked, or all was made anew, the first among them.

@@ -13,11 +13,13 @@ use contactbench_core::periodic::ImagePair;
 /// Pairs go by names that are the same in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Late<P: Eq + Hash = ImagePair> {
+    /// Missed pair-steps.
     pub missed: u64,
-    /// The most in one frame.
+    /// The most missed in one frame.
     pub worst: u64,
+    /// The first of these frames.
     pub first: Option<u64>,
-    /// Frames with one.
+    /// Frames in which one was missed.
     pub frames: u64,
     /// Contacts that ended, or were there in the last frame, and were never reported.
     pub never: u64,
@@ -95,7 +97,6 @@ impl<P: Copy + Eq + Hash> Late<P> {
         !self.open.is_empty()
     }
 
-    /// There are no more frames.
     pub fn end(&mut self) {
         self.never += self.open.len() as u64;
         self.open.clear();

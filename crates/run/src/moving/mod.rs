@@ -43,14 +43,13 @@ pub struct Followed {
     pub trackers: Vec<Tracked>,
 }
 
-/// What one of them did.
 #[derive(Clone, Debug)]
 pub struct Tracked {
     pub spec: TrackerSpec,
     /// It promises to miss nothing.
     pub is_safe: bool,
     pub times: Vec<Duration>,
-    /// Of all of them, for building lists.
+    /// Time for building lists, in all frames.
     pub building: Duration,
     pub builds: Builds,
     /// Pairs that were looked at, in all frames.

@@ -111,7 +111,6 @@ impl<'a> Through<'a> {
         }
     }
 
-    /// All couples that are near enough to meet.
     fn near(&self, ways: &[f64], more: f64, memory_limit: u64) -> Result<Vec<ImagePair>, String> {
         let wider = ways.iter().map(|way| (way + 0.5 * more) * (1.0 + ROUNDING)).collect();
         let wider: AnyScene<'static> = match self.last.scene() {

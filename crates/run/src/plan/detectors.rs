@@ -89,7 +89,6 @@ pub fn members(group: &str) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// The role that rows of a detector have.
 pub fn role(role: table::Role) -> Role {
     match role {
         table::Role::Detector => Role::Detector,

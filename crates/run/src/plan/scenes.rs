@@ -144,7 +144,6 @@ fn factors(sweep: &SceneSweep) -> Vec<(&str, u64)> {
     own.into_iter().chain(params).collect()
 }
 
-/// Whether a sweep is over all hard cases.
 fn takes_all_cases(sweep: &SceneSweep) -> bool {
     sweep.name == generate::hard::NAME && !sweep.params.contains_key("case")
 }

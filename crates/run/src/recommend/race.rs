@@ -98,7 +98,6 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     Ok(Race { standings, contacts, blocks, twin })
 }
 
-/// What the race is run on.
 struct Ground<'a> {
     question: &'a Question<'a>,
     judge: Judge<'a>,

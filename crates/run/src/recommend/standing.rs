@@ -20,7 +20,6 @@ pub struct Standing {
     pub times: Blocks,
     /// Most bytes held at one time, without scene and pairs.
     pub peak_bytes: Option<u64>,
-    /// Bytes by its formula.
     pub formula_bytes: Option<u64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
@@ -77,7 +76,6 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
     timed.min_by(|a, b| a.1.typical().total_cmp(&b.1.typical())).map(|(k, _)| k)
 }
 
-/// A rule by which detectors leave the race.
 pub(super) struct Rule {
     /// Those that take more times as long as the fastest leave.
     pub limit: f64,

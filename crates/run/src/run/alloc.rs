@@ -74,7 +74,6 @@ pub struct Usage {
     pub peak_bytes: u64,
     /// Bytes still held at the end.
     pub live_bytes: u64,
-    /// Calls that asked for memory.
     pub allocations: u64,
 }
 

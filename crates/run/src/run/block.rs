@@ -37,7 +37,6 @@ pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
     entries
 }
 
-/// One at work in a block.
 struct Player {
     running: Running,
     client: Client,

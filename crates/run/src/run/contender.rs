@@ -23,7 +23,6 @@ const PROGRAM_BYTES: u64 = 1 << 30;
 /// sets apart for it.
 const THREAD_BYTES: u64 = 128 << 20;
 
-/// A detector with an arithmetic, as a runner.
 #[derive(Clone)]
 pub struct Contender {
     pub name: String,

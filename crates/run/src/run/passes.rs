@@ -51,7 +51,6 @@ impl Running {
         fresh(&self.contender.start, Some(&self.hello), &self.loads, processor)
     }
 
-    /// What a sample says, on this processor.
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
         // With a history the process has detected before.
@@ -275,7 +274,6 @@ fn recorded(Tracked { builds, late }: &Tracked, steps: &Steps) -> row::Course {
     }
 }
 
-/// What was found, in a row.
 pub fn say(row: &mut Row, found: &Found) {
     let (contacts, digest) = found.whole();
     (row.contacts, row.digest) = (Some(contacts), Some(digest));

@@ -27,7 +27,6 @@ pub enum Request {
     /// Reset, then detect in one frame after the other: a pass. As many passes as last `min_ns`
     /// nanoseconds, at least one. Say how long they took.
     Sample {
-        /// The shortest sample wanted.
         min_ns: u64,
     },
     /// Reset, and count operations in one pass.
@@ -92,7 +91,6 @@ pub enum Reply {
     Count(Box<Counted>),
     Memory(Box<Memory>),
     Pairs {
-        /// Pairs written.
         contacts: u64,
     },
     /// The runner cannot do this (count or memory); everything else goes on.
@@ -106,7 +104,6 @@ pub enum Reply {
         /// One sentence, with the command that installs it.
         reason: String,
     },
-    /// The request could not be done.
     Error {
         reason: String,
     },
@@ -132,7 +129,6 @@ impl Reply {
     }
 }
 
-/// Who a runner is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// From [`OLDEST`] to [`VERSION`].
@@ -156,7 +152,6 @@ pub struct Hello {
 pub struct Sample {
     /// Nanoseconds per detection.
     pub time_ns: u64,
-    /// Detections in the sample.
     pub calls: u64,
     /// Nanoseconds of all detections together.
     pub elapsed_ns: u64,
@@ -280,7 +275,6 @@ impl Steps {
         self.listed.push(step.listed);
     }
 
-    /// The answer to the last frame.
     pub fn last(&self) -> (u64, String) {
         (
             self.contacts.last().copied().unwrap_or(0),

@@ -46,7 +46,6 @@ use contactbench_scenes::stats::Stats;
 pub trait Progress {
     /// `done` of `total` scenes are complete; `next` is being worked on.
     fn scene(&mut self, done: usize, total: usize, next: &str);
-    /// Something the user should know now.
     fn note(&mut self, text: &str);
 }
 

@@ -63,7 +63,6 @@ struct Maker<'a> {
     numbers: Numbers,
 }
 
-/// What is known of the next particle.
 #[derive(Clone, Copy)]
 struct Next {
     /// The byte that says how its place is found.

@@ -18,7 +18,6 @@ pub fn reader(name: &str) -> Option<u8> {
 /// Readers that are not formats of particles.
 const BESIDE: [(u8, &str); 2] = [(14, "gzip"), (15, "pairs")];
 
-/// The names of all readers, for [`reader`].
 pub fn readers() -> impl Iterator<Item = String> {
     io::FORMATS
         .iter()

@@ -14,7 +14,6 @@ pub enum Taken {
     /// Pairs: none touches through several images, or boundaries are open.
     #[default]
     Pairs,
-    /// Pairs with the images that are named.
     Images,
     /// Pairs, each as often as images of it touch.
     Each,

@@ -19,7 +19,6 @@ pub struct Listed<'a> {
     pub images: Option<&'a [[i32; 3]]>,
 }
 
-/// What the numbers of a list mean.
 #[derive(Clone, Debug)]
 pub enum Naming {
     /// Places in the particle file, from this number on.
@@ -104,7 +103,6 @@ pub(super) struct Taking<'a> {
     pub images: ImagesOf<'a>,
     /// Each pair stands there from both sides, and is taken once.
     pub both_sides: bool,
-    /// Contacts that are left out.
     pub without: Option<&'a Groups>,
 }
 
@@ -113,7 +111,6 @@ pub(super) struct Taking<'a> {
 pub(super) struct Listing {
     /// Sorted; a contact that is listed again stands there again.
     pub contacts: Contacts,
-    /// The list names images.
     pub has_images: bool,
     /// Pairs that name no particle.
     pub unknown: Vec<Couple>,

@@ -19,11 +19,9 @@ pub struct Reading {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
-    /// Its numbers mean this.
     Numbers(Meaning),
     /// Every pair stands there as i,j and as j,i.
     BothSides,
-    /// Its images are those of the first particle.
     ImagesOfFirst,
     /// Its images are counted from where the particles are when they are put into the box.
     ImagesWrapped,
@@ -33,7 +31,6 @@ pub enum Mistake {
     },
     /// The box that the file declares repeats along these axes.
     Declared([bool; 3]),
-    /// Contacts are what this arithmetic decides.
     Rounded(Arithmetic),
     /// It lacks the contacts in one point.
     Strict,
@@ -48,7 +45,6 @@ pub enum Mistake {
     WithoutOwn,
     /// Only the nearest image of each pair is there.
     Nearest,
-    /// The box repeats along these axes.
     Along([bool; 3]),
     /// The box has these edges, and no tilt.
     Straight([f64; 3]),
@@ -144,7 +140,6 @@ pub fn rounded_up(value: f64) -> f64 {
 }
 
 impl Reading {
-    /// The list as it stands.
     pub(super) fn plain(listed: u64) -> Reading {
         Reading { mistakes: Vec::new(), listed, wrong: 0 }
     }

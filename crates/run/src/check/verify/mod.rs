@@ -46,9 +46,7 @@ pub struct Allowed {
 
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
-    /// Decides what touches.
     pub arithmetic: Arithmetic,
-    /// Not held against the list.
     pub allowed: Allowed,
     /// Most bytes for a list of pairs.
     pub memory_limit: u64,
@@ -87,7 +85,6 @@ pub struct Verification {
     pub one_sided: Vec<Couple>,
     /// Pairs that do not touch and are within the skin.
     pub within_skin: u64,
-    /// What was compared.
     pub taken: Taken,
     /// Contacts and pairs of the list that were left out.
     pub left_out: [u64; 2],

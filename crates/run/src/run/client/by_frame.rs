@@ -43,7 +43,6 @@ pub(super) fn ask(
     Ok(whole.reply(&each))
 }
 
-/// The answer to a request about one frame.
 fn at(
     client: &mut Client,
     trajectory: &Trajectory,
@@ -59,7 +58,6 @@ fn at(
     }
 }
 
-/// The answers to all frames so far.
 #[derive(Default)]
 struct Whole {
     steps: Steps,

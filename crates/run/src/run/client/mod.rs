@@ -62,7 +62,6 @@ pub struct Client {
     /// For one request.
     pub time_limit: Duration,
     memory_limit: u64,
-    /// Samples since the last scene was loaded.
     samples: u32,
     /// Frames of the trajectory loaded last.
     frames: usize,
@@ -70,7 +69,6 @@ pub struct Client {
     most_listed: Option<u64>,
     /// That trajectory, where the runner gets its frames one by one.
     by_frame: Option<Trajectory>,
-    /// How long the last answer took.
     waited: Duration,
     pub hello: Hello,
 }

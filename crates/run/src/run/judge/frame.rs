@@ -162,7 +162,6 @@ impl<'a> Frame<'a> {
         Ok(Truths { stored, own, exact })
     }
 
-    /// Lists that are the same are kept once.
     fn share(&self, found: Truth) -> Rc<Truth> {
         let known = self.known.values().flatten();
         let mut known = known.flat_map(|truths| truths.exact.iter().chain([&truths.own]));

@@ -36,7 +36,6 @@ pub struct Judge<'a> {
     seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Tracked)>,
 }
 
-/// What was found out in each arithmetic.
 type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
 
 /// Keeps what was found out, unless that is a defect.
@@ -110,11 +109,9 @@ pub struct Count {
     pub most: u64,
 }
 
-/// An answer to all frames.
 #[derive(Clone, Copy)]
 pub(crate) struct Said<'a> {
     pub arithmetic: Arithmetic,
-    /// Contacts may be missed.
     pub may_miss: bool,
     pub found: &'a Found,
 }
@@ -131,7 +128,6 @@ pub(crate) struct Tracked {
 pub(crate) struct Judged {
     /// `ok`, `lossy` or `wrong`; `refused` where no truth is known.
     pub outcome: Outcome,
-    /// Why it is not `ok`.
     pub reason: String,
     /// Against exact decisions on the scene as given. `None` where the pairs are not known.
     pub errors: Option<Errors>,

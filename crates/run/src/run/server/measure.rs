@@ -121,7 +121,6 @@ impl Server {
         Ok(start.elapsed().as_nanos() as u64)
     }
 
-    /// One pass, counted.
     pub(super) fn count(&mut self) -> Answer {
         let (mut tally, mut steps) = (Tally::default(), Steps::default());
         self.pass(Some(&mut tally), |_, seen, contacts| {

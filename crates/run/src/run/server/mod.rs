@@ -54,7 +54,6 @@ pub struct Server {
 /// Either an answer or the reason why there is none.
 type Answer<T = Reply> = Result<T, Reply>;
 
-/// What became of a frame.
 struct Seen {
     step: Step,
     ns: u64,
