@@ -44,6 +44,20 @@ pub fn start(command: &mut Command) -> std::io::Result<Child> {
     Ok(child)
 }
 
+/// Limits the address space of a process that has just been started (Linux; elsewhere detectors
+/// still refuse by their own sums).
+pub(crate) fn limit_memory(child: &Child, bytes: u64) {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{Pid, Resource, Rlimit, prlimit};
+        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+        // If the process has ended already, the first answer that does not come will say so.
+        let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = (child, bytes);
+}
+
 /// How a runner has ended, if it has. Its number may then mean another process.
 pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
     let mut runners = runners();

@@ -112,7 +112,7 @@ impl Client {
         // When the harness ends, runners see the end of their input.
         let mut child = family::start(&mut command)
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
-        limit_memory(&child, start.memory_limit);
+        family::limit_memory(&child, start.memory_limit);
         processors::keep(child.id(), start.processor);
         let lines = output::lines(child.stdout.take());
         let errors = output::errors(child.stderr.take());
@@ -324,18 +324,10 @@ impl Client {
         self.input = None;
         // It closed its output, so it is ending or ended; one that lingers for a second is ended
         // here. At least one pause lets its last words arrive.
-        let mut ended = None;
-        for _ in 0..50 {
-            std::thread::sleep(Duration::from_millis(20));
-            ended = family::reap(&mut self.child);
-            if ended.is_some() {
-                break;
-            }
-        }
-        let status = ended.map_or_else(
-            || "it closed its output without answering".into(),
-            |status| status.to_string(),
-        );
+        std::thread::sleep(Duration::from_millis(20));
+        let ended = self.ends_within(Duration::from_secs(1));
+        let silent = || "it closed its output without answering".into();
+        let status = ended.map_or_else(silent, |status| status.to_string());
         self.kill();
         let errors = self.errors();
         // The words of Rust's allocation failure, ours, C++'s and Python's. A backtrace may follow
@@ -345,21 +337,13 @@ impl Client {
                 .iter()
                 .any(|words| line.contains(words))
         };
+        let last = || errors.lines().rfind(|line| !line.trim().is_empty());
         let (outcome, last) = match errors.lines().rfind(starved) {
-            Some(line) => (Outcome::OutOfMemory, line),
-            None => (
-                Outcome::Crashed,
-                errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default(),
-            ),
+            Some(line) => (Outcome::OutOfMemory, Some(line)),
+            None => (Outcome::Crashed, last()),
         };
-        Failure {
-            outcome,
-            reason: if last.is_empty() {
-                status
-            } else {
-                format!("{status}: {}", text::line(last))
-            },
-        }
+        let words = last.map_or_else(String::new, |last| format!(": {}", text::line(last)));
+        Failure { outcome, reason: format!("{status}{words}") }
     }
 
     /// Waits until the process has ended, but not longer than `limit`.
@@ -396,20 +380,6 @@ impl Drop for Client {
         }
         self.kill();
     }
-}
-
-/// Limits the address space of a process that has just been started (Linux; elsewhere detectors
-/// still refuse by their own sums).
-fn limit_memory(child: &Child, bytes: u64) {
-    #[cfg(target_os = "linux")]
-    {
-        use rustix::process::{Pid, Resource, Rlimit, prlimit};
-        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
-        // If the process has ended already, the first answer that does not come will say so.
-        let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = (child, bytes);
 }
 
 mod by_frame;
