@@ -37,7 +37,7 @@ fn judge(lab: &Lab, claim: &str) -> (Verdict, String) {
 /// Kind; its fields; of which cells; what comes of it; a part of the evidence.
 const KINDS: &str = "
 constant; value = 'list_push / n', within = 0.01; nbs; holds; 2 to 2.003 over n = 100..30000 (0.2%)
-constant; value = 'list_push / n', within = 0.001; nbs; FAILS; lowest at n = 100, highest at n = 300
+constant; value = 'list_push / n', within = 0.001; nbs; FAILS; lowest at n = 100, highest at n
 constant; value = 'list_step'; nbs; holds; 0 to 0
 constant; value = 'list_push - 200'; nbs; FAILS; not positive
 equal; value = 'peak_bytes', to = '20 * n + 100'; nbs; holds; exactly, in 6 cells
