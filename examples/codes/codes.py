@@ -75,6 +75,8 @@ class Lammps:
         return re.search(r"- (\d+ \w+ \d+[^\n]*)", started([program, "-h"], tempfile.gettempdir())).group(1)
 
     def run(self, program, case, folder, settings, processor=None):
+        # Relative: LAMMPS reads no path with a blank from a variable.
+        settings = {**settings, "start": os.path.relpath(settings["start"], folder)}
         values = [text for key, value in settings.items() for text in ("-var", key, str(value))]
         command = [program, "-in", str(HERE / self.script.format(case.script)), "-log", "log", *values]
         printed = started(command, folder, processor)

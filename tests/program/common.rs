@@ -18,10 +18,18 @@ pub struct Ended {
     pub stderr: String,
 }
 
-/// The program with arguments, in `folder`; what a killed one leaves behind goes there, too.
+/// The program with arguments, in `folder`, which also takes what a killed program leaves behind.
+/// Colours, width, and the locale of programs that it starts are not the user's.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
-    command.args(arguments).current_dir(folder).env("TMPDIR", folder).stdin(Stdio::null());
+    command
+        .env_remove("CLICOLOR_FORCE")
+        .env_remove("COLUMNS")
+        .env("LC_ALL", "C.UTF-8")
+        .args(arguments)
+        .current_dir(folder)
+        .env("TMPDIR", folder)
+        .stdin(Stdio::null());
     command
 }
 

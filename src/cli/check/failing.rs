@@ -179,6 +179,8 @@ pub(super) fn describe(
     for line in text.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
     }
+    let place = path.to_string_lossy();
+    let place = shlex::try_quote(&place).unwrap_or_default();
     writeln!(out, "  again:  contactbench check --scene {place} {who}")?;
     if options.runner.is_none() {
         writeln!(

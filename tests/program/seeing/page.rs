@@ -174,8 +174,11 @@ fn opens_safely(browser: &Browser) {
     {
         assert!(body.contains(part), "{part}");
     }
-    let images: Vec<u32> =
-        browser.get("return [...document.querySelectorAll('img')].map((it) => it.naturalWidth)");
+    // A promise: the browser draws images when it finds time.
+    let images: Vec<u32> = browser.get(
+        "return Promise.all([...document.querySelectorAll('img')].map((it) => { it.loading = 'eager'; \
+         return it.decode().then(() => it.naturalWidth) }))",
+    );
     assert!(images.len() == 1 && images[0] > 100, "the figure, and no image of a name: {images:?}");
     let requests: Vec<String> = browser.get(
         "return performance.getEntriesByType('resource').map((e) => e.name).filter((n) => \
