@@ -2,7 +2,6 @@
 
 mod codes;
 mod help;
-mod names;
 mod new_detector;
 mod peers;
 mod protocol;

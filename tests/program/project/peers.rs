@@ -45,37 +45,22 @@ fn rows(place: &Path, text: &str) -> Vec<Row> {
 
 #[test]
 fn each_peer_is_in_the_table_or_says_how_to_get_it() {
+    let compiled = cfg!(feature = "peers");
     for peer in PEERS {
-        match (table::find(peer.name), peers::missing(peer.name)) {
-            (Some(entry), None) => {
-                assert!(
-                    cfg!(feature = "peers")
-                        && entry.role == Role::Peer
-                        && !entry.is_ours()
-                        && entry.must_be_right(),
-                    "{}",
-                    peer.name
-                );
-                assert_eq!(
-                    (entry.summary, entry.cost, entry.limits),
-                    (peer.summary, peer.cost, peer.limits)
-                );
-            }
-            (None, Some(reason)) => {
-                assert!(
-                    !cfg!(feature = "peers")
-                        && reason.contains("cargo run --release --features peers --"),
-                    "{reason}"
-                )
-            }
-            both => panic!("{}: {:?}", peer.name, both.1),
+        let (entry, missing) = (table::find(peer.name), peers::missing(peer.name));
+        assert_eq!((entry.is_some(), missing.is_none()), (compiled, compiled), "{}", peer.name);
+        if let Some(reason) = missing {
+            assert!(reason.contains("cargo run --release --features peers --"), "{reason}");
+        }
+        if let Some(entry) = entry {
+            assert!(entry.role == Role::Peer && !entry.is_ours() && entry.must_be_right());
+            let columns = (peer.summary, peer.cost, peer.limits);
+            assert_eq!((entry.summary, entry.cost, entry.limits), columns, "{}", peer.name);
         }
     }
     assert!(peers::missing("kidd").is_none() && peers::missing("nbs").is_none());
-    assert_eq!(
-        table::TABLE.iter().filter(|entry| !entry.is_ours()).count(),
-        if cfg!(feature = "peers") { PEERS.len() } else { 0 }
-    );
+    let others = table::TABLE.iter().filter(|entry| !entry.is_ours()).count();
+    assert_eq!(others, if compiled { PEERS.len() } else { 0 });
 }
 
 #[test]

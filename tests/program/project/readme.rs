@@ -142,27 +142,6 @@ fn links_lead_somewhere() {
 }
 
 #[test]
-fn code_lines_are_at_most_100_columns() {
-    fn look(folder: &Path, wide: &mut Vec<String>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                look(&path, wide);
-            } else if path.extension().is_some_and(|ending| ending == "rs") {
-                let text = std::fs::read_to_string(&path).unwrap();
-                let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > 100);
-                wide.extend(lines.map(|(k, _)| format!("{}:{}", path.display(), k + 1)));
-            }
-        }
-    }
-    let (root, mut wide) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
-    for folder in ["src", "crates"] {
-        look(&root.join(folder), &mut wide);
-    }
-    assert!(wide.is_empty(), "{wide:#?}");
-}
-
-#[test]
 fn the_citation_is_of_this_version() {
     let version = format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"));
     assert!(include_str!("../../../CITATION.cff").contains(&version));

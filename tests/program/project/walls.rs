@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use contactbench::detect::table::TABLE;
+
 /// The crates of the project that each crate is linked with. A record and its report need no
 /// detector.
 const WALLS: [(&str, &[&str]); 8] = [
@@ -33,6 +35,25 @@ fn crates_import_only_those_below_them() {
     }
 }
 
+/// All entries below a folder of the project, the folder aside.
+fn below(folder: &str) -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), vec![root().join(folder)]);
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() && !path.ends_with("target") {
+                folders.push(path.clone());
+            }
+            found.push(path);
+        }
+    }
+    found
+}
+
+fn is_rust(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "rs")
+}
+
 #[test]
 fn the_top_is_seen_at_a_glance_and_modules_have_one_form() {
     let ignored = ["target", "shared"];
@@ -41,15 +62,43 @@ fn the_top_is_seen_at_a_glance_and_modules_have_one_form() {
     let names: Vec<String> =
         names.filter(|name| !name.starts_with('.') && !ignored.contains(&&**name)).collect();
     assert!(names.len() <= 16, "{names:?}");
-    let mut folders: Vec<PathBuf> = ["src", "crates"].map(|name| root().join(name)).into();
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let beside = path.extension().is_some_and(|ending| ending == "rs");
-            assert!(!(beside && path.with_extension("").is_dir()), "{}: mod.rs", path.display());
-            if path.is_dir() && !path.ends_with("target") {
-                folders.push(path);
+    for path in ["src", "crates"].iter().flat_map(|name| below(name)) {
+        let beside = is_rust(&path) && path.with_extension("").is_dir();
+        assert!(!beside, "{}: mod.rs", path.display());
+    }
+}
+
+#[test]
+fn code_lines_are_at_most_100_columns() {
+    let mut wide = Vec::new();
+    for path in ["src", "crates", "tests/benches"].iter().flat_map(|name| below(name)) {
+        let text = if is_rust(&path) { std::fs::read_to_string(&path).unwrap() } else { continue };
+        let lines = text.lines().zip(1..).filter(|(line, _)| line.chars().count() > 100);
+        wide.extend(lines.map(|(_, number)| format!("{}:{number}", path.display())));
+    }
+    assert!(wide.is_empty(), "{wide:#?}");
+}
+
+/// What others need to know of a detector are fields of its entry. The core's own files, the
+/// campaigns, and the lectures on the book's detectors, are about single detectors.
+#[test]
+fn names_of_detectors_stand_in_the_table_alone() {
+    let mut seen = 0;
+    for path in ["src", "crates"].iter().flat_map(|name| below(name)) {
+        let name = path.strip_prefix(root()).unwrap().display().to_string();
+        let own = ["crates/core/", "crates/campaigns/", "/trace", "test", "agreement", "in_words"];
+        if !is_rust(&path) || own.iter().any(|own| name.contains(own)) {
+            continue;
+        }
+        seen += 1;
+        let text = std::fs::read_to_string(&path).unwrap();
+        let tests = ["#[cfg(test)]", "pub mod testing {"];
+        let end = tests.iter().filter_map(|start| text.find(start)).min().unwrap_or(text.len());
+        for line in text[..end].lines().filter(|line| !line.trim_start().starts_with("//")) {
+            for entry in TABLE.iter().filter(|entry| !entry.is_control()) {
+                assert!(!line.contains(&format!("\"{}\"", entry.name)), "{name}: {line}");
             }
         }
     }
+    assert!(seen > 100, "{seen} files");
 }

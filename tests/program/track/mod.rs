@@ -40,28 +40,6 @@ fn what_rules_miss_is_counted_frame_by_frame() {
     assert!(found["mean_way"].as_f64().unwrap() < found["longest_way"].as_f64().unwrap());
 }
 
-/// Two discs that pass each other within a frame; and particles at rest, of which nothing is lost.
-#[test]
-fn contacts_between_frames_are_counted_and_rest_has_none() {
-    let of = |motion: &str| {
-        Place::new().json(&format!("track loose:dim=2,n=500,fraction=0.3 --motion {motion}"))
-    };
-    let fast = of("drift:speed=1.5 --frames 9");
-    assert!(number(&fast, "tunnelled") > 100, "{fast}");
-    let slow = of("drift:speed=0.001 --frames 9");
-    assert!(number(&slow, "tunnelled") * 50 < number(&fast, "tunnelled"), "{slow}");
-    let rest = of("rest --frames 30");
-    assert_eq!(number(&rest, "at_rest"), 29 * 500);
-    assert_eq!(rest["longest_way"].as_f64(), Some(0.0));
-    assert_eq!(["born", "ended", "tunnelled"].map(|key| number(&rest, key)), [0; 3]);
-    for tracker in rest["trackers"].as_array().unwrap() {
-        let name = tracker["tracker"].as_str().unwrap();
-        let of = [("every-step", 30), ("every-10", 3)];
-        let built = of.into_iter().find(|(words, _)| name.contains(words)).map_or(1, |it| it.1);
-        assert_eq!([number(tracker, "built"), number(tracker, "missed")], [built, 0], "{name}");
-    }
-}
-
 #[test]
 fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
     let at = Place::new();
