@@ -1,8 +1,8 @@
-//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes: the median
-//! in nanoseconds per particle, and the ratio to the widest set, block by block.
+//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes: the
+//! median in nanoseconds per particle, and the ratio to the widest set, block by block.
 //!
-//! `cargo bench -p contactbench-campaigns --bench levels -- [N] [scene ...]`; the default is 1000000
-//! particles and six scenes. It gates nothing.
+//! `cargo bench -p contactbench-campaigns --bench levels -- [N] [scene ...]`; the default is
+//! 1000000 particles and six scenes. It gates nothing.
 
 use std::time::Instant;
 

@@ -1,8 +1,8 @@
 //! Operation counters that compile to nothing unless a probe counts.
 //!
 //! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
-//! compiles to nothing (`crates/campaigns/src/bin/silent_probe.rs` counts as many instructions as in
-//! a hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The
+//! compiles to nothing (`crates/campaigns/src/bin/silent_probe.rs` counts as many instructions as
+//! in a hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The
 //! words are the same for all detectors, so that their counts can be compared.
 
 pub use contactbench_terms::op::Op;

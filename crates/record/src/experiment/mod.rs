@@ -204,7 +204,8 @@ impl Experiment {
         must!(
             is_word(name),
             "name",
-            "the name '{name}' must be of letters, digits, '-', '_' and '.': files are named after it"
+            "the name '{name}' must be of letters, digits, '-', '_' and '.': files are named after \
+             it"
         );
         let names = || self.detectors.iter().chain(self.runners.iter().map(|runner| &runner.name));
         for (k, name) in names().enumerate() {

@@ -1,7 +1,7 @@
 //! The numbers of a row: their names, units, the passes that measure them, and how they are read.
 //!
-//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone. Most
-//! of it is stated in [`crate::record::row`]; docs/RECORD.md describes each.
+//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone.
+//! Most of it is stated in [`crate::record::row`]; docs/RECORD.md describes each.
 
 use std::borrow::Cow;
 use std::sync::LazyLock;

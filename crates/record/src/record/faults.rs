@@ -287,10 +287,13 @@ fn twice(rows: &[Row]) -> Vec<(usize, String)> {
         let first: &Row = begun.entry(began).or_insert(row);
         if done::times(first) != done::times(row) {
             let began = row.began_ms.unwrap_or(0);
-            found.push((k, format!(
-                "it is of the sample that began at {began} ms, as another row is, which has another \
-                 time"
-            )));
+            found.push((
+                k,
+                format!(
+                    "it is of the sample that began at {began} ms, as another row is, which has \
+                 another time"
+                ),
+            ));
         }
     }
     found

@@ -66,8 +66,8 @@ pub fn rank(n: usize) -> Option<(usize, f64)> {
     widest(tails).map(|(below, coverage)| (below + 1, coverage))
 }
 
-/// How many values can be left out at either end so that the rest covers with at least [`COVERAGE`],
-/// and what it covers, from the probabilities that 0, 1, ... values are beyond.
+/// How many values can be left out at either end so that the rest covers with at least
+/// [`COVERAGE`], and what it covers, from the probabilities that 0, 1, ... values are beyond.
 pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     let (mut best, mut tail) = (None, 0.0);
     for (below, probability) in tails.enumerate() {

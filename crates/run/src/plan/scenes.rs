@@ -43,7 +43,7 @@ pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
         experiment: experiment.name.clone(),
         scene: spec.name.clone(),
         dim: spec.dim,
-        params: spec.axes().iter().map(|(name, value)| (name.clone(), value.clone().into())).collect(),
+        params: spec.axes().iter().map(|(name, it)| (name.clone(), it.clone().into())).collect(),
         order: spec.order.name().into(),
         n: spec.n,
         seed: spec.seed,

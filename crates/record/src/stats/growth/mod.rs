@@ -242,8 +242,8 @@ fn scores(points: &[(f64, f64)]) -> Vec<(Model, f64)> {
     scores
 }
 
-/// Whether the residuals of `best` still grow or fall with N: where, the exponent found, and that of
-/// `best`.
+/// Whether the residuals of `best` still grow or fall with N: where, the exponent found, and that
+/// of `best`.
 fn trend(points: &[(f64, f64)], best: Model) -> Option<(&'static str, f64, f64)> {
     let half = &points[points.len() / 2 - usize::from(points.len() < 6)..];
     for (part, limit, place) in
