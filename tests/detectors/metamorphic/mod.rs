@@ -29,7 +29,6 @@ use std::collections::BTreeMap;
 
 use contactbench::check;
 use contactbench::contact::Arithmetic;
-use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{Entry, TABLE};
 use contactbench::detect::{Options, Refusal};
 use contactbench::scene::{AnyScene, Scene};
@@ -38,33 +37,26 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use scenes::Bag;
+use relations::Given;
 
 /// Pairs as they are compared: each i < j, ascending.
 type Pairs = Vec<[u32; 2]>;
 
+/// A scene that owns its particles.
+type Flat<const D: usize> = Scene<'static, f64, D>;
+
 /// What a relation says of one scene.
 struct Claim<const D: usize> {
-    before: Bag<D>,
-    after: Bag<D>,
+    before: Flat<D>,
+    after: Flat<D>,
     /// The pairs after, from the pairs before.
     expected: Box<dyn Fn(&Pairs) -> Pairs>,
     /// There may be more.
     superset: bool,
 }
 
-impl<const D: usize> Claim<D> {
-    /// The change leaves the pairs as they are.
-    fn same(before: Bag<D>, after: Bag<D>) -> Claim<D> {
-        Claim { before, after, expected: Box::new(Pairs::clone), superset: false }
-    }
-}
-
-/// The number of pairs before; `None` if nothing was compared.
-type Compared = Result<Option<usize>, TestCaseError>;
-
 /// A relation; `None` where it is not exact.
-type Relation<const D: usize> = fn(&Bag<D>, Arithmetic, &mut ChaCha8Rng) -> Option<Claim<D>>;
+type Relation<const D: usize> = fn(Given<'_, D>) -> Option<Claim<D>>;
 
 const ALL: &[Arithmetic] = &Arithmetic::SAFE;
 
@@ -73,8 +65,8 @@ macro_rules! relations {
     ($($test:ident: $relation:ident in $arithmetics:expr;)*) => {$(
         #[test]
         fn $test() {
-            let relation = (relations::$relation::<2>, relations::$relation::<3>);
-            hold(stringify!($relation), $arithmetics, relation.0, relation.1);
+            hold(stringify!($relation), $arithmetics, |it: Given<'_, 2>| it.$relation());
+            hold(stringify!($relation), $arithmetics, |it: Given<'_, 3>| it.$relation());
         }
     )*};
 }
@@ -96,117 +88,91 @@ relations! {
 /// Small, so that far-away particles are refused, and not slow.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
-/// Holds all detectors to a relation, in both dimensions.
-fn hold(name: &str, arithmetics: &[Arithmetic], plane: Relation<2>, space: Relation<3>) {
-    each(name, arithmetics, &|bag, arithmetic, seed, entry| {
-        compare(plane, bag, arithmetic, seed, entry)
-    });
-    each(name, arithmetics, &|bag, arithmetic, seed, entry| {
-        compare(space, bag, arithmetic, seed, entry)
-    });
-}
-
-/// Compares what a detector finds before and after.
-fn compare<const D: usize>(
-    relation: Relation<D>,
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    seed: u64,
-    entry: &Entry,
-) -> Compared
+/// Compares what a detector finds before and after; the number of pairs before, `None` if nothing
+/// was compared.
+fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared
 where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
+    AnyScene<'static>: From<Flat<D>>,
 {
-    let Some(claim) = relation(bag, arithmetic, &mut ChaCha8Rng::seed_from_u64(seed)) else {
-        return Ok(None);
-    };
-    let mut answers = [&claim.before, &claim.after]
-        .map(|bag| answer(entry.name, &mut *entry.make(OPTIONS), bag, arithmetic));
-    let [Ok(Some(before)), Ok(Some(after))] = &mut answers else {
-        return answers.into_iter().find_map(Result::err).map_or(Ok(None), Err);
-    };
+    let mut found = Vec::new();
+    for scene in [&claim.before, &claim.after] {
+        let Some(pairs) = answer(entry, scene, arithmetic)? else { return Ok(None) };
+        found.push(pairs);
+    }
+    let [before, after] = [&found[0], &found[1]];
     let mut expected = (claim.expected)(before);
     normalise(&mut expected);
-    let holds = if claim.superset {
-        expected.iter().all(|pair| after.binary_search(pair).is_ok())
-    } else {
-        *after == expected
+    let holds = match claim.superset {
+        true => expected.iter().all(|pair| after.binary_search(pair).is_ok()),
+        false => *after == expected,
     };
-    prop_assert!(holds, "{}", difference(after, &expected, &claim.before, &claim.after));
+    prop_assert!(holds, "{}", difference(after, &expected, claim));
     Ok(Some(before.len()))
 }
+
+type Compared = Result<Option<usize>, TestCaseError>;
 
 /// The pairs that a detector finds; `None` if it refuses, or the scene cannot be stored. No pair
 /// may be repeated, or be none.
 fn answer<const D: usize>(
-    name: &str,
-    detector: &mut dyn AnyDetector,
-    bag: &Bag<D>,
+    entry: &Entry,
+    scene: &Flat<D>,
     arithmetic: Arithmetic,
 ) -> Result<Option<Pairs>, TestCaseError>
 where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
+    AnyScene<'static>: From<Flat<D>>,
 {
-    let Ok(stored) = bag.scene().stored(arithmetic) else { return Ok(None) };
+    let scene = AnyScene::from(scene.clone());
+    let Ok(stored) = scene.stored(arithmetic) else { return Ok(None) };
     let mut pairs = Pairs::new();
-    match detector.list(&stored, arithmetic.test(), &mut pairs) {
+    match entry.make(OPTIONS).list(&stored, arithmetic.test(), &mut pairs) {
         Err(Refusal::Overflow { .. }) => return Ok(None),
         Err(refusal) => {
-            prop_assert!(name != "direct", "direct works on every scene, but: {refusal}");
+            prop_assert!(entry.name != "direct", "direct works on every scene, but: {refusal}");
             prop_assert!(pairs.is_empty(), "refused after reporting: {refusal}");
             return Ok(None);
         }
         Ok(()) => normalise(&mut pairs),
     }
-    let valid = pairs.iter().all(|[i, j]| i < j && (*j as usize) < bag.len())
+    let valid = pairs.iter().all(|[i, j]| i < j && (*j as usize) < scene.len())
         && pairs.windows(2).all(|w| w[0] < w[1]);
-    prop_assert!(
-        valid,
-        "pairs repeated, or with themselves: {pairs:?} on\n{}",
-        check::as_csv(&bag.scene())
-    );
+    prop_assert!(valid, "repeated, or with themselves: {pairs:?} on\n{}", check::as_csv(&scene));
     Ok(Some(pairs))
 }
 
-fn difference<const D: usize>(
-    found: &Pairs,
-    expected: &Pairs,
-    before: &Bag<D>,
-    after: &Bag<D>,
-) -> String
+fn difference<const D: usize>(found: &Pairs, expected: &Pairs, claim: &Claim<D>) -> String
 where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
+    AnyScene<'static>: From<Flat<D>>,
 {
     let without = |a: &Pairs, b: &Pairs| {
         a.iter().filter(|pair| !b.contains(pair)).copied().collect::<Pairs>()
     };
     let (missed, added) = (without(expected, found), without(found, expected));
-    let [before, after] = [before, after].map(|bag| check::as_csv(&bag.scene()));
-    format!(
-        "missed {missed:?}, added {added:?} of {} expected\nbefore:\n{before}after:\n{after}",
-        expected.len()
-    )
+    let [before, after] =
+        [&claim.before, &claim.after].map(|scene| check::as_csv(&AnyScene::from(scene.clone())));
+    let all = expected.len();
+    format!("missed {missed:?}, added {added:?} of {all}\nbefore:\n{before}after:\n{after}")
 }
 
-/// Runs a check on scenes, in all arithmetics, with all detectors, and prints how much was
-/// compared: in each arithmetic it must be something.
-fn each<const D: usize>(
-    name: &str,
-    arithmetics: &[Arithmetic],
-    check: &dyn Fn(&Bag<D>, Arithmetic, u64, &Entry) -> Compared,
-) {
+/// Holds all detectors to a relation, in all arithmetics, and prints how much was compared: in each
+/// arithmetic it must be something.
+fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>)
+where
+    AnyScene<'static>: From<Flat<D>>,
+{
     let compared: RefCell<BTreeMap<Arithmetic, [usize; 2]>> = RefCell::default();
-    let mut runner =
-        TestRunner::new(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() });
-    let ended = runner.run(&(scenes::bags::<D>(), any::<u64>().no_shrink()), |(bag, seed)| {
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let scenes = (scenes::scenes::<D>(), any::<u64>().no_shrink());
+    let ended = TestRunner::new(config).run(&scenes, |(scene, seed)| {
         for &arithmetic in arithmetics {
+            let random = &mut ChaCha8Rng::seed_from_u64(seed);
+            let Some(claim) = relation(Given { scene: &scene, arithmetic, random }) else {
+                continue;
+            };
             for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
-                let pairs = check(&bag, arithmetic, seed, entry).map_err(|error| {
-                    TestCaseError::fail(format!(
-                        "{name}: {} in {}: {error}",
-                        entry.name,
-                        arithmetic.name()
-                    ))
+                let pairs = compare(&claim, arithmetic, entry).map_err(|error| {
+                    let (detector, arithmetic) = (entry.name, arithmetic.name());
+                    TestCaseError::fail(format!("{name}: {detector} in {arithmetic}: {error}"))
                 })?;
                 if let Some(pairs) = pairs {
                     let mut compared = compared.borrow_mut();
@@ -217,17 +183,12 @@ fn each<const D: usize>(
         }
         Ok(())
     });
-    if let Err(error) = ended {
-        panic!("{error}");
-    }
+    ended.unwrap_or_else(|error| panic!("{error}"));
     let compared = compared.into_inner();
     for arithmetic in arithmetics {
         let [answers, pairs] = compared.get(arithmetic).copied().unwrap_or_default();
-        println!("{name:<20} {D}D {:<9} {answers:>6} answers {pairs:>8} pairs", arithmetic.name());
-        assert!(
-            answers > 100 && pairs > 100,
-            "{name} in {D}D, {}: too few answers to say anything",
-            arithmetic.name()
-        );
+        let what = format!("{name:<20} {D}D {:<9}", arithmetic.name());
+        println!("{what} {answers:>6} answers {pairs:>8} pairs");
+        assert!(answers > 100 && pairs > 100, "{what}: too few answers to say anything");
     }
 }

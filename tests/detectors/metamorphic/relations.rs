@@ -1,121 +1,189 @@
 //! The relations: how the scene is changed, and why that is exact.
 
 use contactbench::contact::Arithmetic;
-use contactbench::scene::{AnyScene, Scene};
+use contactbench::scene::{AnyScene, Radii, Scene, array};
+use nalgebra::Point;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::scenes::{Bag, Size};
-use super::{Claim, Pairs};
+use super::scenes::{kept, map};
+use super::{Claim, Flat, Pairs};
 
-pub fn permutation<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let mut order: Vec<u32> = (0..bag.len() as u32).collect();
-    order.shuffle(random);
-    let mut place = vec![0; order.len()];
-    order.iter().zip(0..).for_each(|(&old, new)| place[old as usize] = new);
-    let renamed =
-        move |pairs: &Pairs| pairs.iter().map(|pair| pair.map(|k| place[k as usize])).collect();
-    Some(Claim { expected: Box::new(renamed), ..Claim::same(bag.clone(), bag.chosen(&order)) })
+/// A scene that is to be changed.
+pub struct Given<'a, const D: usize> {
+    pub scene: &'a Flat<D>,
+    pub arithmetic: Arithmetic,
+    pub random: &'a mut ChaCha8Rng,
 }
 
-pub fn radius_each<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    _: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let before = Bag { radii: Size::One(bag.largest()), ..bag.clone() };
-    let after = Bag { radii: Size::Each(vec![bag.largest(); bag.len()]), ..bag.clone() };
-    Some(Claim::same(before, after))
-}
+/// What a relation says of the scene; `None` where it is not exact.
+type Change<const D: usize> = Option<Claim<D>>;
 
-pub fn removal<const D: usize>(
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let share = [0.02, 0.5][random.random_range(0..2)];
-    let kept: Vec<u32> = (0..bag.len() as u32).filter(|_| !random.random_bool(share)).collect();
-    let after = bag.chosen(&kept);
-    // The edge of the cells, in which coordinates are rounded, is made from the largest particle,
-    // or the extent of points.
-    if arithmetic == Arithmetic::F32Cell
-        && (after.largest() != bag.largest() || bag.largest() == 0.0)
-    {
-        return None;
-    }
-    let rest = move |pairs: &Pairs| {
-        let new = |k: &u32| kept.binary_search(k).ok().map(|k| k as u32);
-        pairs.iter().filter_map(|[i, j]| Some([new(i)?, new(j)?])).collect()
-    };
-    Some(Claim { expected: Box::new(rest), ..Claim::same(bag.clone(), after) })
-}
-
-pub fn twice<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    if bag.len() == 0 {
-        return None;
-    }
-    let (n, which) = (bag.len() as u32, random.random_range(0..bag.len() as u32));
-    let order: Vec<u32> = (0..n).chain([which]).collect();
-    let more = move |pairs: &Pairs| {
-        let partner = |&[i, j]: &[u32; 2]| (i == which).then_some(j).or((j == which).then_some(i));
-        pairs
-            .iter()
-            .copied()
-            .chain(pairs.iter().filter_map(partner).chain([which]).map(|k| [k, n]))
-            .collect()
-    };
-    Some(Claim { expected: Box::new(more), ..Claim::same(bag.clone(), bag.chosen(&order)) })
-}
-
-pub fn growth<const D: usize>(
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let most = if arithmetic == Arithmetic::F32Cell { bag.largest() } else { f64::INFINITY };
-    let radii = (0..bag.len()).map(|k| {
-        let r = bag.radius(k);
-        [r, r.next_up(), 1.5 * r, 4.0 * r, r + 0.1][random.random_range(0..5)].min(most)
-    });
-    let after = Bag { radii: Size::Each(radii.collect()), ..bag.clone() };
-    Some(Claim { superset: true, ..Claim::same(bag.clone(), after) })
-}
-
-pub fn scaling<const D: usize>(
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>>
+impl<const D: usize> Given<'_, D>
 where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
+    AnyScene<'static>: From<Flat<D>>,
 {
-    let (low, high) = powers(bag, arithmetic)?;
-    let k = [low, high, random.random_range(low..=high)][random.random_range(0..3)];
-    let scaled = |k: i32| bag.map(|c| c.map(|x| libm::ldexp(x, k)), |r| libm::ldexp(r, k));
-    // The scale nearest to the given one at which nothing under- or overflows, either.
-    Some(Claim::same(scaled(0.clamp(low, high)), scaled(k)))
+    fn n(&self) -> u32 {
+        self.scene.len() as u32
+    }
+
+    /// The change leaves the pairs as they are.
+    fn same(self, after: Flat<D>) -> Change<D> {
+        self.becomes(after, Pairs::clone)
+    }
+
+    fn becomes(self, after: Flat<D>, expected: impl Fn(&Pairs) -> Pairs + 'static) -> Change<D> {
+        let (before, expected) = (self.scene.clone(), Box::new(expected));
+        Some(Claim { before, after, expected, superset: false })
+    }
+
+    pub fn permutation(self) -> Change<D> {
+        let mut order: Vec<u32> = (0..self.n()).collect();
+        order.shuffle(self.random);
+        let mut place = vec![0; order.len()];
+        order.iter().zip(0..).for_each(|(&old, new)| place[old as usize] = new);
+        let after = self.scene.reordered(&order);
+        self.becomes(after, move |pairs| {
+            pairs.iter().map(|pair| pair.map(|k| place[k as usize])).collect()
+        })
+    }
+
+    pub fn radius_each(self) -> Change<D> {
+        let (r, centres) = (self.scene.largest_radius(), self.scene.centres().to_vec());
+        let one = Scene::new(centres.clone(), Radii::Uniform(r)).unwrap();
+        let each = Radii::Each(vec![r; centres.len()].into());
+        Given { scene: &one, ..self }.same(Scene::new(centres, each).unwrap())
+    }
+
+    pub fn removal(self) -> Change<D> {
+        let share = [0.02, 0.5][self.random.random_range(0..2)];
+        let kept: Vec<u32> = (0..self.n()).filter(|_| !self.random.random_bool(share)).collect();
+        let (after, largest) = (self.scene.reordered(&kept), self.scene.largest_radius());
+        // The edge of the cells, in which coordinates are rounded, is made from the largest
+        // particle, or the extent of points.
+        let by_cells = self.arithmetic == Arithmetic::F32Cell;
+        if by_cells && (after.largest_radius() != largest || largest == 0.0) {
+            return None;
+        }
+        self.becomes(after, move |pairs| {
+            let new = |k: &u32| kept.binary_search(k).ok().map(|k| k as u32);
+            pairs.iter().filter_map(|[i, j]| Some([new(i)?, new(j)?])).collect()
+        })
+    }
+
+    pub fn twice(self) -> Change<D> {
+        let n = self.n();
+        let which = (n > 0).then(|| self.random.random_range(0..n))?;
+        let order: Vec<u32> = (0..n).chain([which]).collect();
+        let after = self.scene.reordered(&order);
+        self.becomes(after, move |pairs| {
+            let partner = |&[i, j]: &[u32; 2]| match which {
+                _ if i == which => Some(j),
+                _ => (j == which).then_some(i),
+            };
+            let more = pairs.iter().filter_map(partner).chain([which]).map(|k| [k, n]);
+            pairs.iter().copied().chain(more).collect()
+        })
+    }
+
+    pub fn growth(self) -> Change<D> {
+        let scene = self.scene;
+        let by_cells = self.arithmetic == Arithmetic::F32Cell;
+        let most = if by_cells { scene.largest_radius() } else { f64::INFINITY };
+        let mut larger = |r: f64| {
+            let all = [r, r.next_up(), 1.5 * r, 4.0 * r, r + 0.1];
+            all[self.random.random_range(0..5)].min(most)
+        };
+        let radii = (0..scene.len()).map(|k| larger(scene.radius(k))).collect();
+        let after = Scene::new(scene.centres().to_vec(), Radii::Each(radii)).unwrap();
+        self.same(after).map(|claim| Claim { superset: true, ..claim })
+    }
+
+    pub fn scaling(self) -> Change<D> {
+        let (low, high) = powers(self.scene, self.arithmetic)?;
+        let k = [low, high, self.random.random_range(low..=high)][self.random.random_range(0..3)];
+        let scene = self.scene;
+        let scaled = |k: i32| map(scene, |c| c.map(|x| libm::ldexp(x, k)), |r| libm::ldexp(r, k));
+        // The scale nearest to the given one at which nothing under- or overflows, either.
+        Given { scene: &scaled(0.clamp(low, high))?, ..self }.same(scaled(k)?)
+    }
+
+    pub fn mirror(self) -> Change<D> {
+        let axis = self.random.random_range(0..D);
+        let before = match self.arithmetic {
+            // Half a step of an offset is rounded upwards, and so downwards in the mirror.
+            Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
+            Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
+            _ => self.scene.clone(),
+        };
+        let turned = |mut c: [f64; D]| {
+            c[axis] = -c[axis];
+            c
+        };
+        let after = map(&before, turned, |r| r)?;
+        Given { scene: &before, ..self }.same(after)
+    }
+
+    pub fn exchange(self) -> Change<D> {
+        let exchanged = |mut c: [f64; D]| {
+            c.swap(0, 1);
+            c
+        };
+        let after = map(self.scene, exchanged, |r| r)?;
+        self.same(after)
+    }
+
+    pub fn turned(self) -> Change<D> {
+        let mut axes: [usize; D] = std::array::from_fn(|k| k);
+        axes.shuffle(self.random);
+        let after = map(self.scene, |c| axes.map(|k| c[k]), |r| r)?;
+        self.same(after)
+    }
+
+    pub fn translation(self) -> Change<D> {
+        // 24 bits hold the sums in f32. By cells, steps are of 2^-24 of a diameter.
+        let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
+        let offset: [f64; D] = std::array::from_fn(|_| {
+            self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0
+        });
+        let before = dyadic(self.scene);
+        let after = map(&before, |c| std::array::from_fn(|k| c[k] + offset[k]), |r| r)?;
+        Given { scene: &before, ..self }.same(after)
+    }
+
+    pub fn copy(self) -> Change<D> {
+        let (axis, n) = (self.random.random_range(0..D), self.n());
+        let before = dyadic(self.scene);
+        if 2.0 * before.largest_radius() > 8000.0 {
+            return None;
+        }
+        let all: Vec<u32> = (0..n).chain(0..n).collect();
+        let copied = before.reordered(&all);
+        let mut centres: Vec<Point<f64, D>> = copied.centres().to_vec();
+        centres[n as usize..].iter_mut().for_each(|at| at[axis] -= 16384.0);
+        let after = Scene::new(centres, copied.radii().clone()).unwrap();
+        Given { scene: &before, ..self }.becomes(after, move |pairs| {
+            pairs.iter().flat_map(|&[i, j]| [[i, j], [i + n, j + n]]).collect()
+        })
+    }
+}
+
+/// The scene with coordinates that are multiples of 2^-8 of at most 2^12.
+fn dyadic<const D: usize>(scene: &Flat<D>) -> Flat<D> {
+    let dyadic = |x: f64| (x * 256.0).round().clamp(-1048576.0, 1048576.0) / 256.0;
+    map(scene, |c| c.map(dyadic), |r| r).unwrap()
 }
 
 /// The least and the largest k for which the scene times 2^k has the same pairs.
-fn powers<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> Option<(i32, i32)>
+fn powers<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<(i32, i32)>
 where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
+    AnyScene<'static>: From<Flat<D>>,
 {
     let exponent = |x: f64| libm::frexp(x).1 - 1;
-    let sizes = |bag: &Bag<D>| -> Vec<f64> {
-        let radii = (0..bag.len()).map(|k| bag.radius(k)).chain([bag.largest()]);
-        bag.centres.iter().flatten().map(|x| x.abs()).chain(radii).filter(|&x| x > 0.0).collect()
-    };
-    let own = sizes(bag);
+    let radii = (0..scene.len()).map(|k| scene.radius(k)).chain([scene.largest_radius()]);
+    let coordinates = scene.centres().iter().flat_map(array).map(|x| x.abs());
+    let own: Vec<f64> = coordinates.chain(radii).filter(|&x| x > 0.0).collect();
     let lowest_bit = |&x: &f64| exponent(x) - 52 + (x.to_bits() | 1 << 52).trailing_zeros() as i32;
     let (last_bit, first_bit) =
         (own.iter().map(lowest_bit).min()?, own.iter().map(|&x| exponent(x)).max()?);
@@ -130,103 +198,18 @@ where
     };
     // Squares of differences and of sums of radii must be normal numbers, and the sums of squares
     // finite; so must what is stored.
-    let kept = bag.kept(arithmetic)?;
-    let mut compared = vec![2.0 * kept.largest()];
-    for (i, a) in kept.centres.iter().enumerate() {
-        for (j, b) in kept.centres[..i].iter().enumerate() {
+    let kept = kept(scene, arithmetic)?;
+    let mut compared = vec![2.0 * kept.largest_radius()];
+    for (i, a) in kept.centres().iter().enumerate() {
+        for (j, b) in kept.centres()[..i].iter().enumerate() {
             compared.extend((0..D).map(|k| (a[k] - b[k]).abs()));
             compared.push(kept.radius(i) + kept.radius(j));
         }
     }
     let exponents = || compared.iter().filter(|&&x| x > 0.0).map(|&x| exponent(x));
-    let low = exponents()
-        .map(|e| (least_square + 1).div_euclid(2) - e)
-        .chain(own.iter().map(|&x| least_square - exponent(x)))
-        .max()?;
-    let high = exponents()
-        .map(|e| (most_square - 2) / 2 - 1 - e)
-        .chain(own.iter().map(|&x| most_square - 1 - exponent(x)))
-        .min()?;
+    let lows = exponents().map(|e| (least_square + 1).div_euclid(2) - e);
+    let low = lows.chain(own.iter().map(|&x| least_square - exponent(x))).max()?;
+    let highs = exponents().map(|e| (most_square - 2) / 2 - 1 - e);
+    let high = highs.chain(own.iter().map(|&x| most_square - 1 - exponent(x))).min()?;
     (low <= high).then_some((low, high))
-}
-
-pub fn mirror<const D: usize>(
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
-    let axis = random.random_range(0..D);
-    let before = match arithmetic {
-        // Half a step of an offset is rounded upwards, and so downwards in the mirror.
-        Arithmetic::F32Cell if bag.largest() == 0.0 => return None,
-        Arithmetic::F32Cell => bag.kept(arithmetic)?,
-        _ => bag.clone(),
-    };
-    let after =
-        before.map(|c| std::array::from_fn(|k| if k == axis { -c[k] } else { c[k] }), |r| r);
-    Some(Claim::same(before, after))
-}
-
-pub fn exchange<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    _: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let exchanged = |mut c: [f64; D]| {
-        c.swap(0, 1);
-        c
-    };
-    Some(Claim::same(bag.clone(), bag.map(exchanged, |r| r)))
-}
-
-pub fn turned<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let mut axes: [usize; D] = std::array::from_fn(|k| k);
-    axes.shuffle(random);
-    Some(Claim::same(bag.clone(), bag.map(|c| axes.map(|k| c[k]), |r| r)))
-}
-
-/// The bag with coordinates that are multiples of 2^-8 of at most 2^12.
-fn dyadic<const D: usize>(bag: &Bag<D>) -> Bag<D> {
-    bag.map(|c| c.map(|x| (x * 256.0).round().clamp(-1048576.0, 1048576.0) / 256.0), |r| r)
-}
-
-pub fn translation<const D: usize>(
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    // 24 bits hold the sums in f32. By cells, steps are of 2^-24 of a diameter.
-    let bits = if arithmetic == Arithmetic::F32 { 22 } else { 40 };
-    let offset: [f64; D] =
-        std::array::from_fn(|_| (random.random_range(-(1i64 << bits)..1 << bits)) as f64 / 256.0);
-    let before = dyadic(bag);
-    let after = before.map(|c| std::array::from_fn(|k| c[k] + offset[k]), |r| r);
-    Some(Claim::same(before, after))
-}
-
-pub fn copy<const D: usize>(
-    bag: &Bag<D>,
-    _: Arithmetic,
-    random: &mut ChaCha8Rng,
-) -> Option<Claim<D>> {
-    let (axis, n) = (random.random_range(0..D), bag.len() as u32);
-    let before = dyadic(bag);
-    let far = before
-        .map(|c| std::array::from_fn(|k| if k == axis { c[k] - 16384.0 } else { c[k] }), |r| r);
-    if 2.0 * bag.largest() > 8000.0 {
-        return None;
-    }
-    let order: Vec<u32> = (0..n).chain(0..n).collect();
-    let mut after = before.chosen(&order);
-    after.centres[n as usize..].copy_from_slice(&far.centres);
-    let both =
-        move |pairs: &Pairs| pairs.iter().flat_map(|&[i, j]| [[i, j], [i + n, j + n]]).collect();
-    Some(Claim { expected: Box::new(both), ..Claim::same(before, after) })
 }

@@ -7,91 +7,37 @@ use contactbench::with_scene;
 use nalgebra::Point;
 use proptest::prelude::*;
 
-/// Centres and radii that are changed and then made to a scene.
-#[derive(Clone, Debug)]
-pub struct Bag<const D: usize> {
-    pub centres: Vec<[f64; D]>,
-    pub radii: Size,
+use super::Flat;
+
+/// A scene with centres and radii changed, each by itself; `None` if that is no scene.
+pub fn map<const D: usize>(
+    scene: &Flat<D>,
+    centre: impl Fn([f64; D]) -> [f64; D],
+    radius: impl Fn(f64) -> f64,
+) -> Option<Flat<D>> {
+    let centres = scene.centres().iter().map(|at| Point::from(centre(*array(at))));
+    let radii = match scene.radii() {
+        Radii::Uniform(r) => Radii::Uniform(radius(*r)),
+        Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| radius(r)).collect()),
+    };
+    Scene::new(centres.collect::<Vec<_>>(), radii).ok()
 }
 
-/// One radius, or one each.
-#[derive(Clone, Debug)]
-pub enum Size {
-    One(f64),
-    Each(Vec<f64>),
-}
-
-impl<const D: usize> Bag<D> {
-    pub fn len(&self) -> usize {
-        self.centres.len()
-    }
-
-    pub fn radius(&self, k: usize) -> f64 {
-        match &self.radii {
-            Size::One(r) => *r,
-            Size::Each(radii) => radii[k],
-        }
-    }
-
-    pub fn largest(&self) -> f64 {
-        match &self.radii {
-            Size::One(r) => *r,
-            Size::Each(radii) => radii.iter().copied().fold(0.0, f64::max),
-        }
-    }
-
-    /// The particles of these numbers, in this order.
-    pub fn chosen(&self, order: &[u32]) -> Bag<D> {
-        let radii = match &self.radii {
-            Size::One(r) => Size::One(*r),
-            Size::Each(radii) => Size::Each(order.iter().map(|&k| radii[k as usize]).collect()),
+/// What an arithmetic keeps of a scene, in f64; by cells in units of the cell. `None` if it cannot
+/// be stored.
+pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>>
+where
+    AnyScene<'static>: From<Flat<D>>,
+{
+    with_scene!(AnyScene::from(scene.clone()).stored(arithmetic).ok()?, scene => {
+        let centre = |k: usize| std::array::from_fn(|axis| array(&scene.centres()[k])[axis].wide());
+        let radii = match scene.radii() {
+            Radii::Uniform(r) => Radii::Uniform(r.wide()),
+            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| r.wide()).collect()),
         };
-        Bag { centres: order.iter().map(|&k| self.centres[k as usize]).collect(), radii }
-    }
-
-    /// Centres and radii changed, each by itself.
-    pub fn map(
-        &self,
-        centre: impl Fn([f64; D]) -> [f64; D],
-        radius: impl Fn(f64) -> f64,
-    ) -> Bag<D> {
-        let radii = match &self.radii {
-            Size::One(r) => Size::One(radius(*r)),
-            Size::Each(radii) => Size::Each(radii.iter().copied().map(radius).collect()),
-        };
-        Bag { centres: self.centres.iter().copied().map(centre).collect(), radii }
-    }
-
-    pub fn scene(&self) -> AnyScene<'static>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
-        let radii = match &self.radii {
-            Size::One(r) => Radii::Uniform(*r),
-            Size::Each(radii) => Radii::Each(radii.clone().into()),
-        };
-        Scene::new(self.centres.iter().copied().map(Point::from).collect::<Vec<_>>(), radii)
-            .unwrap()
-            .into()
-    }
-
-    /// What an arithmetic keeps of the bag, in f64; by cells in units of the cell. `None` if it
-    /// cannot be stored.
-    pub fn kept(&self, arithmetic: Arithmetic) -> Option<Bag<D>>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
-        with_scene!(self.scene().stored(arithmetic).ok()?, scene => {
-            let wide = |x| Real::wide(x);
-            Some(Bag {
-                centres: scene.centres().iter().map(|p| std::array::from_fn(|k| wide(array(p)[k]))).collect(),
-                radii: match scene.radii() {
-                    Radii::Uniform(r) => Size::One(wide(*r)),
-                    Radii::Each(radii) => Size::Each(radii.iter().map(|&r| wide(r)).collect()),
-                },
-            })
-        })
-    }
+        let centres: Vec<_> = (0..scene.len()).map(|k| Point::from(centre(k))).collect();
+        Scene::new(centres, radii).ok()
+    })
 }
 
 /// How the sites of particles become places.
@@ -123,25 +69,14 @@ fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
 }
 
 /// The scenes.
-pub fn bags<const D: usize>() -> impl Strategy<Value = Bag<D>> {
+pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     let shape = prop_oneof![3 => Just(Shape::Lattice), 2 => Just(Shape::Cloud), 1 => Just(Shape::Clusters), 1 => Just(Shape::Line)];
     let spacing = prop_oneof![3 => Just(1.0), 2 => Just(0.25), 2 => Just(0.1), 1 => Just(0.3), 1 => Just(1.0 / 3.0), 1 => Just(3e3)];
     // Radii per spacing: neighbours touch, or those at 2, 3 or (3, 4), or one last bit short of it,
     // or none.
-    let half = 0.5f64;
-    let share = prop::sample::select(vec![
-        0.5,
-        0.5,
-        0.5,
-        1.0,
-        1.5,
-        2.5,
-        0.7,
-        0.3,
-        half.next_up(),
-        half.next_down(),
-        0.0,
-    ]);
+    let (above, below) = (0.5f64.next_up(), 0.5f64.next_down());
+    let shares = [0.5, 0.5, 0.5, 1.0, 1.5, 2.5, 0.7, 0.3, above, below, 0.0];
+    let share = prop::sample::select(shares.to_vec());
     let offset = prop::sample::select(vec![0.0, 0.0, 0.5, -7.0, 0.1, 1e6, -1e6 / 3.0]);
     let far = prop::sample::select(vec![0.0, 0.0, 0.0, 0.0, 300.0, 3e4, 1e12]);
     let particles = prop_oneof![1 => prop::collection::vec(seed::<D>(), 0..4), 6 => prop::collection::vec(seed::<D>(), 4..60)];
@@ -164,12 +99,12 @@ pub fn bags<const D: usize>() -> impl Strategy<Value = Bag<D>> {
                 last[D - 1] = far * spacing;
             }
             let r = share * spacing;
-            let radii = if mixed {
-                Size::Each(particles.iter().map(|seed| seed.size * r).collect())
-            } else {
-                Size::One(r)
+            let radii = match mixed {
+                true => Radii::Each(particles.iter().map(|seed| seed.size * r).collect()),
+                false => Radii::Uniform(r),
             };
-            Bag { centres, radii }
+            let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
+            Scene::new(centres, radii).unwrap()
         },
     )
 }

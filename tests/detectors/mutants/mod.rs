@@ -11,31 +11,42 @@
 //! the number of cases that find a mutant out is that among the light ones. The right ones among
 //! the mutants are tried on light cases, the unchanged detectors on all.
 //!
-//! Lists that are kept while bodies move have mutants and trials of their own ([`rules`]).
-//!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
-/// Declares the mistakes and, after a semicolon, the changes that are none.
+/// Declares the mistakes and, after a semicolon, the changes that are none; those with a number for
+/// each of some.
 macro_rules! ways {
     (
-        $($(#[doc = $wrong:literal])* $mutant:ident,)*;
-        $($(#[doc = $none:literal])* $right:ident,)*
+        $($(#[doc = $wrong:literal])* $mutant:ident $(($of:ty) in $each:expr)?,)*;
+        $($(#[doc = $none:literal])* $right:ident $(($by:ty) in $all:expr)?,)*
     ) => {
         /// One mistake, or none.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        enum Way {
-            $($(#[doc = $wrong])* $mutant,)*
-            $($(#[doc = $none])* $right,)*
+        pub enum Way {
+            $($(#[doc = $wrong])* $mutant $(($of))?,)*
+            $($(#[doc = $none])* $right $(($by))?,)*
         }
 
-        const MUTANTS: &[Way] = &[$(Way::$mutant),*];
-        const RIGHT: &[Way] = &[$(Way::$right),*];
+        /// All that must be found out.
+        pub fn mutants() -> Vec<Way> {
+            let mut all = Vec::new();
+            $(all.extend(ways!(@ $mutant $($each)?));)*
+            all
+        }
+
+        /// All that must not be found out.
+        pub fn right() -> Vec<Way> {
+            let mut all = Vec::new();
+            $(all.extend(ways!(@ $right $($all)?));)*
+            all
+        }
     };
+    (@ $way:ident) => { [Way::$way] };
+    (@ $way:ident $each:expr) => { $each.into_iter().map(Way::$way) };
 }
 
 mod boxes;
 mod reference;
-mod rules;
 mod ways;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -56,14 +56,8 @@ impl<T: Real, const D: usize> Detector<T, D> for Reference<D> {
 
 impl<const D: usize> Reference<D> {
     pub fn new(way: Way) -> Reference<D> {
-        Reference {
-            way,
-            radii: Vec::new(),
-            lists: BTreeMap::new(),
-            numbers: Vec::new(),
-            grid: None,
-            found: Vec::new(),
-        }
+        let (radii, lists, numbers, found) = Default::default();
+        Reference { way, radii, lists, numbers, grid: None, found }
     }
 
     /// Particles on lists by cell; each cell against itself and the mask.
@@ -98,10 +92,9 @@ impl<const D: usize> Reference<D> {
                 continue;
             }
             for (a, &i) in list.iter().enumerate() {
-                let from = if self.way == Way::BothOrders {
-                    0
-                } else {
-                    a + usize::from(self.way != Way::SelfPairs)
+                let from = match self.way {
+                    Way::BothOrders => 0,
+                    way => a + usize::from(way != Way::SelfPairs),
                 };
                 for &j in list[from..].iter().filter(|&&j| i != j || self.way == Way::SelfPairs) {
                     self.test(bodies, i, j, &mut pairs, probe);
@@ -109,14 +102,10 @@ impl<const D: usize> Reference<D> {
             }
             for &offset in &mask {
                 let Some(others) = self.neighbour(central, offset) else { continue };
-                for &i in list {
-                    for &j in self
-                        .counted(others)
-                        .iter()
-                        .filter(|&&j| self.way != Way::OrderedAcross || i < j)
-                    {
-                        self.test(bodies, i, j, &mut pairs, probe);
-                    }
+                let across =
+                    list.iter().flat_map(|&i| self.counted(others).iter().map(move |&j| [i, j]));
+                for [i, j] in across.filter(|[i, j]| self.way != Way::OrderedAcross || i < j) {
+                    self.test(bodies, i, j, &mut pairs, probe);
                 }
             }
         }
@@ -133,10 +122,10 @@ impl<const D: usize> Reference<D> {
     fn make_grid<T: Real>(&self, bodies: &impl Bodies<T, D>) -> Result<Grid<D>, Refusal> {
         let (n, radii) = (self.radii.len(), &self.radii);
         let positions = || (0..bodies.len() as u32).map(|i| bodies.position(i));
-        let low = positions()
-            .fold([f64::INFINITY; D], |low, p| std::array::from_fn(|k| low[k].min(p[k])));
-        let high = positions()
-            .fold([f64::NEG_INFINITY; D], |high, p| std::array::from_fn(|k| high[k].max(p[k])));
+        let corner = |of: fn(f64, f64) -> f64, begin: f64| {
+            positions().fold([begin; D], |most, p| std::array::from_fn(|k| of(most[k], p[k])))
+        };
+        let (low, high) = (corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let reach = match self.way {
             Way::EdgeOfFirst if n > 0 => 2.0 * radii[0],
@@ -204,9 +193,8 @@ impl<const D: usize> Reference<D> {
         let n = self.numbers.len() as u32;
         let from = u32::from(self.way == Way::DropsFirstElement);
         let to = if self.way == Way::DropsLastElement { n.saturating_sub(1) } else { n };
-        (from..to)
-            .filter(|&i| self.way != Way::DropsPoints || self.radii[i as usize] > 0.0)
-            .collect()
+        let kept = |i: &u32| self.way != Way::DropsPoints || self.radii[*i as usize] > 0.0;
+        (from..to).filter(kept).collect()
     }
 
     /// Under which key the list of a cell is kept.
@@ -240,11 +228,11 @@ impl<const D: usize> Reference<D> {
         };
         match self.way {
             Way::FullMask => mask.extend(mask.clone().iter().map(|o| o.map(|d| -d))),
-            Way::MaskWithout(dim, k) if dim == D => drop(mask.remove(k)),
-            Way::MaskRepeats(dim, k) if dim == D => {
+            Way::MaskWithout([dim, k]) if dim == D => drop(mask.remove(k)),
+            Way::MaskRepeats([dim, k]) if dim == D => {
                 mask[k] = mask[(k + 1) % mask.len()].map(|d| -d)
             }
-            Way::Mirrored(dim, k) if dim == D => mask[k] = mask[k].map(|d| -d),
+            Way::Mirrored([dim, k]) if dim == D => mask[k] = mask[k].map(|d| -d),
             _ => {}
         }
         mask
@@ -327,27 +315,21 @@ impl<const D: usize> Reference<D> {
         for i in self.particles() {
             let cell = self.numbers[i as usize];
             let list = &mut table[bucket(cell)];
-            if self.way != Way::BucketsOfOneCell
-                || list.first().is_none_or(|&first| self.numbers[first as usize] == cell)
-            {
+            let free = list.first().is_none_or(|&first| self.numbers[first as usize] == cell);
+            if free || self.way != Way::BucketsOfOneCell {
                 list.push(i);
             }
         }
         let (half, mut pairs) = (self.mask(), Vec::new());
-        let around: Vec<[i32; D]> = half
-            .iter()
-            .copied()
-            .chain(half.iter().map(|o| o.map(|d| -d)))
-            .chain([[0; D]])
-            .collect();
+        let mirrored = half.iter().map(|o| o.map(|d| -d));
+        let around: Vec<[i32; D]> = half.iter().copied().chain(mirrored).chain([[0; D]]).collect();
         for i in self.particles() {
             for offset in &around {
                 let cell =
                     std::array::from_fn(|k| self.numbers[i as usize][k] + i64::from(offset[k]));
-                let in_cell = |&&j: &&u32| {
-                    i < j
-                        && (self.way == Way::BucketsUncompared || self.numbers[j as usize] == cell)
-                };
+                let uncompared = self.way == Way::BucketsUncompared;
+                let in_cell =
+                    |&&j: &&u32| i < j && (uncompared || self.numbers[j as usize] == cell);
                 for &j in table[bucket(cell)].iter().filter(in_cell) {
                     if bodies.touch(i, j, probe) {
                         pairs.push([i, j]);
@@ -364,21 +346,17 @@ impl<const D: usize> Reference<D> {
         bodies: &impl Bodies<T, D>,
         probe: &mut P,
     ) -> Vec<[u32; 2]> {
-        let (x, reach) = (|i: u32| bodies.position(i)[0], bodies.reach());
+        let [x, y] = [0, 1].map(|axis| move |i: u32| bodies.position(i)[axis]);
+        let reach = bodies.reach();
         let mut order: Vec<u32> = (0..bodies.len() as u32).collect();
-        match self.way {
-            Way::SinglePrecisionOrder => {
-                order.sort_by(|&i, &j| (x(i) as f32).total_cmp(&(x(j) as f32)))
-            }
-            _ => order.sort_by(|&i, &j| x(i).total_cmp(&x(j))),
-        }
+        let single = self.way == Way::SinglePrecisionOrder;
+        let key = |i: u32| if single { f64::from(x(i) as f32) } else { x(i) };
+        order.sort_by(|&i, &j| key(i).total_cmp(&key(j)));
         let mut pairs = Vec::new();
         for (a, &i) in order.iter().enumerate() {
             for (after, &j) in order[a + 1..].iter().enumerate() {
                 let stop = match self.way {
-                    Way::BreakOnWrongAxis => {
-                        beyond(bodies.position(i)[1], bodies.position(j)[1], reach)
-                    }
+                    Way::BreakOnWrongAxis => beyond(y(i), y(j), reach),
                     Way::BreakAtReach => x(j) - x(i) >= reach,
                     Way::Window(most) => after >= most,
                     Way::SinglePrecisionBreak => x(j) as f32 - x(i) as f32 > reach as f32,

@@ -2,16 +2,7 @@
 
 use contactbench::detect::book::mask;
 
-/// One mistake, or none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// The grid, right.
-    Grid,
-    /// The spatial hash, right.
-    Hash,
-    /// The sweep along x, right.
-    Sweep,
-
+ways! {
     // Particles.
     /// The last particle is left out.
     DropsLastElement,
@@ -38,7 +29,7 @@ pub enum Way {
     /// A particle that has a contact is not tested further.
     OneContactEach,
     /// A particle keeps so many contacts, as in a table of neighbours.
-    ContactsEach(usize),
+    ContactsEach(usize) in [32, 100],
     /// What is in neighbouring cells is reported untested.
     Untested,
 
@@ -84,9 +75,9 @@ pub enum Way {
     /// Numbers in f32, from zero.
     SinglePrecisionFromZero,
     /// Numbers are kept in so many bits; those of neighbours are not wrapped.
-    Bits(u32),
+    Bits(u32) in [8, 16, 21],
     /// Which cells are done is kept by numbers of so many bits.
-    DoneByBits(u32),
+    DoneByBits(u32) in [16, 21],
     /// Numbers are the bits of a double, so that 0 and -0 differ.
     ZerosDiffer,
     /// No domain is refused, however many cells it has.
@@ -94,17 +85,17 @@ pub enum Way {
 
     // Visiting cells.
     /// The last cell along this axis (0: x, 1: the last one) is not visited.
-    LastUnvisited(usize),
+    LastUnvisited(usize) in [0, 1],
     /// The first cell along this axis is not looked at as a neighbour.
-    FirstUnseen(usize),
+    FirstUnseen(usize) in [0, 1],
     /// In this dimension, cell k of the mask is left out.
-    MaskWithout(usize, usize),
+    MaskWithout([usize; 2]) in masks(),
     /// In this dimension, cell k of the mask is the mirror of the cell after it.
-    MaskRepeats(usize, usize),
+    MaskRepeats([usize; 2]) in masks(),
 
     // Capacity.
     /// At most so many particles in a cell.
-    Capacity(usize),
+    Capacity(usize) in [32, 100, 256, 1024],
     /// The number of particles in a cell is kept in a byte.
     ByteCount,
 
@@ -132,21 +123,28 @@ pub enum Way {
     /// It stops at particles exactly at reach.
     BreakAtReach,
     /// It looks at so many particles that follow.
-    Window(usize),
+    Window(usize) in [32],
     /// Its order is that of x in f32.
     SinglePrecisionOrder,
     /// It stops by a difference in f32.
     SinglePrecisionBreak,
+    ;
 
     // Changes that look wrong and are not.
+    /// The grid, right.
+    Grid,
+    /// The spatial hash, right.
+    Hash,
+    /// The sweep along x, right.
+    Sweep,
     /// Cell k of the mask is replaced by its mirror: the pair of cells comes up from the other
     /// side.
-    Mirrored(usize, usize),
+    Mirrored([usize; 2]) in masks(),
     /// Numbers of so many bits, neighbours wrapped, too: a torus, on which distant cells share a
     /// list and are told apart by the test.
-    Torus(u32),
+    Torus(u32) in [8, 21],
     /// Numbers above this are taken for it: particles of far cells share the last one.
-    Clamped(i64),
+    Clamped(i64) in [40],
 }
 
 impl Way {
@@ -164,7 +162,7 @@ impl Way {
     /// The dimension in which it differs from its algorithm, if it is only one.
     pub fn dim(self) -> Option<usize> {
         match self {
-            Way::MaskWithout(dim, _) | Way::MaskRepeats(dim, _) | Way::Mirrored(dim, _) => {
+            Way::MaskWithout([dim, _]) | Way::MaskRepeats([dim, _]) | Way::Mirrored([dim, _]) => {
                 Some(dim)
             }
             _ => None,
@@ -172,74 +170,8 @@ impl Way {
     }
 }
 
-/// All mutants that must be found out.
-pub fn mutants() -> Vec<Way> {
-    use Way::*;
-    let mut all = vec![DropsLastElement, DropsFirstElement, DropsPoints, ByteElements];
-    all.extend([
-        DropsLastPair,
-        RepeatsLastPair,
-        SelfPairs,
-        BothOrders,
-        FullMask,
-        OrderedAcross,
-        OneContactEach,
-    ]);
-    all.extend([ContactsEach(32), ContactsEach(100), Untested]);
-    all.extend([
-        Strict,
-        RoundedRoot,
-        ExpandedForm,
-        SinglePrecisionTest,
-        RelativeTolerance,
-        AbsoluteTolerance,
-        SumOfSquares,
-    ]);
-    all.extend([LargestRadius, SkipsCoincident]);
-    all.extend([NoMargin, EdgeOfFirst, EdgeOfLast, EdgeOfMean, EdgeHalved, EdgeWithoutSlack]);
-    all.extend([
-        Unsigned,
-        SinglePrecisionCells,
-        SinglePrecisionFromZero,
-        Bits(8),
-        Bits(16),
-        Bits(21),
-        DoneByBits(16),
-        DoneByBits(21),
-    ]);
-    all.extend([
-        ZerosDiffer,
-        NeverRefuses,
-        LastUnvisited(0),
-        LastUnvisited(1),
-        FirstUnseen(0),
-        FirstUnseen(1),
-    ]);
-    all.extend([Capacity(32), Capacity(100), Capacity(256), Capacity(1024), ByteCount]);
-    all.extend([StaleLists, StaleGrid, StaleNumbers, StalePairs, StaleReach]);
-    all.extend([BucketsUncompared, BucketsOfOneCell]);
-    all.extend([
-        BreakOnWrongAxis,
-        BreakAtReach,
-        Window(32),
-        SinglePrecisionOrder,
-        SinglePrecisionBreak,
-    ]);
-    all.extend(of_masks(MaskWithout));
-    all.extend(of_masks(MaskRepeats));
-    all
-}
-
-/// All that must not be found out.
-pub fn right() -> Vec<Way> {
-    use Way::*;
-    let mut all = vec![Grid, Hash, Sweep, Torus(8), Torus(21), Clamped(40)];
-    all.extend(of_masks(Mirrored));
-    all
-}
-
-fn of_masks(way: fn(usize, usize) -> Way) -> impl Iterator<Item = Way> {
-    (0..mask::PLANE.len())
-        .map(move |k| way(2, k))
-        .chain((0..mask::SPACE.len()).map(move |k| way(3, k)))
+/// The cells of the masks: dimension and place.
+fn masks() -> impl Iterator<Item = [usize; 2]> {
+    let cells = |dim, len| (0..len).map(move |k| [dim, k]);
+    cells(2, mask::PLANE.len()).chain(cells(3, mask::SPACE.len()))
 }
