@@ -65,10 +65,9 @@
 //!    [`memory`] says what limit fits the machine.
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
 //! 7. [`periodic`]: scenes that repeat, found by the same detectors, and their truth.
-//! 8. [`track`]: frames of bodies that move, and lists that are kept between them.
-//! 9. [`searcher`]: any detector, in boxes or without.
-//! 10. [`ranks`]: one scene over several processes, or threads, each with a slab of it.
-//! 11. [`wide`]: sixteen floats at a time.
+//! 8. [`searcher`]: any detector, in boxes or without.
+//! 9. [`track`]: frames of bodies that move, and lists that are kept between them.
+//! 10. [`wide`]: sixteen floats at a time.
 //!
 //! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
 //! no file (but for the system's word on its memory), process, figure or command line here; those
@@ -89,7 +88,6 @@ mod parallel;
 pub mod periodic;
 pub mod probe;
 mod radix;
-pub mod ranks;
 pub mod refusal;
 pub mod scene;
 pub mod searcher;

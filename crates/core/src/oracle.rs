@@ -8,21 +8,19 @@
 //! The tests compare the contact test itself with arbitrary-precision arithmetic.
 
 pub use contactbench_terms::errors::{Causes, Errors};
-use rand::SeedableRng;
-use rand::seq::index;
-use rand_chacha::ChaCha8Rng;
 
 use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Bodies, Test, WithBodies, with_stored};
 use crate::crowd;
 use crate::detect::Options;
+use crate::detect::any::AnyDetector;
 use crate::detect::table::{self, Entry};
 use crate::pair_list::{Allowance, PairList};
 use crate::parallel;
 use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Real, array};
-use crate::sink::{Digest, Sink, normalise};
+use crate::sink::{Digest, Sink, normalise, splitmix64};
 use crate::with_scene;
 
 /// Up to this number of particles every pair is tested.
@@ -130,37 +128,97 @@ fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, R
 }
 
 fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, NoTruth> {
-    let options = Options { memory_limit: limit, ..Options::default() };
-    let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
-    for entry in judges(scene) {
+    let n = scene.len();
+    let ask = |detector: &mut dyn AnyDetector| {
         let mut pairs = Vec::new();
-        match entry.make(options).list(scene, test, &mut pairs) {
-            Ok(()) => {}
-            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
-            Err(_) => continue,
-        }
+        detector.list(scene, test, &mut pairs)?;
         normalise(&mut pairs);
-        let Some((earlier, agreed)) = &first else {
-            first = Some((entry.name, pairs));
-            continue;
-        };
-        if *agreed != pairs {
-            return Err(NoTruth::Disagree {
-                first: earlier,
-                second: entry.name,
-                a: agreed.len(),
-                b: pairs.len(),
-            });
+        Ok(pairs)
+    };
+    let tested = |chosen: &[bool]| {
+        let particles = (0..n as u32).filter(|&k| chosen[k as usize]).collect();
+        let mut pairs = rows(scene, test, Rows { particles: Some(particles), limit })?;
+        pairs.dedup(); // pairs of two chosen particles were tested from both sides
+        Ok(pairs)
+    };
+    let sample = Sample { n, particles: SAMPLE };
+    match sample.agreed(&judges(scene), limit, ask, tested, |pair| pair)? {
+        Some(pairs) => Ok(pairs),
+        None if n > LARGEST_BRUTE_FORCE => Err(NoTruth::TooLarge { n }),
+        None => Ok(brute_force(scene, test, limit)?),
+    }
+}
+
+/// Random particles of a scene that are tested against all others.
+pub(crate) struct Sample {
+    /// Particles of the scene.
+    pub n: usize,
+    /// How many of them are drawn, at most.
+    pub particles: usize,
+}
+
+impl Sample {
+    /// The contacts that the first two judges that answer agree on, and the sample with them. All
+    /// lists are in ascending order. None if fewer than two answer.
+    pub fn agreed<C: Copy + PartialEq>(
+        &self,
+        judges: &[&'static Entry],
+        limit: u64,
+        ask: impl Fn(&mut dyn AnyDetector) -> Result<Vec<C>, Refusal>,
+        tested: impl Fn(&[bool]) -> Result<Vec<C>, Refusal>,
+        particles: impl Fn(C) -> [u32; 2],
+    ) -> Result<Option<Vec<C>>, NoTruth> {
+        let options = Options { memory_limit: limit, ..Options::default() };
+        let mut first: Option<(&'static str, Vec<C>)> = None;
+        for entry in judges {
+            let pairs = match ask(&mut *entry.make(options)) {
+                Ok(pairs) => pairs,
+                Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
+                Err(_) => continue,
+            };
+            let Some((first, agreed)) = first.take() else {
+                first = Some((entry.name, pairs));
+                continue;
+            };
+            let (a, b) = (agreed.len(), pairs.len());
+            if agreed != pairs {
+                return Err(NoTruth::Disagree { first, second: entry.name, a, b });
+            }
+            drop(agreed);
+            let chosen = self.chosen();
+            let is_chosen = |k: u32| chosen[k as usize];
+            let of_chosen = |&pair: &C| particles(pair).into_iter().any(is_chosen);
+            let mut theirs = pairs.iter().copied().filter(of_chosen);
+            let mut ours = tested(&chosen)?.into_iter();
+            loop {
+                match (ours.next(), theirs.next()) {
+                    (None, None) => break,
+                    (a, b) if a == b => {}
+                    (a, b) => {
+                        let [i, j] = a.or(b).map_or([0; 2], &particles);
+                        let particle = if is_chosen(i) { i } else { j };
+                        return Err(NoTruth::Sample { particle });
+                    }
+                }
+            }
+            drop(theirs);
+            return Ok(Some(pairs));
         }
-        drop(pairs);
-        let Some((_, pairs)) = first else { break };
-        check_sample(scene, test, &pairs, limit)?;
-        return Ok(pairs);
+        Ok(None)
     }
-    if scene.len() > LARGEST_BRUTE_FORCE {
-        return Err(NoTruth::TooLarge { n: scene.len() });
+
+    fn chosen(&self) -> Vec<bool> {
+        let mut chosen = vec![false; self.n];
+        let mut left = self.particles.min(self.n);
+        for k in 0.. {
+            if left == 0 {
+                break;
+            }
+            let drawn = (splitmix64(k) % self.n as u64) as usize;
+            left -= usize::from(!std::mem::replace(&mut chosen[drawn], true));
+        }
+        chosen
     }
-    Ok(brute_force(scene, test, limit)?)
 }
 
 /// The detectors that are asked for the truth of a scene, the first two that answer.
@@ -170,38 +228,6 @@ fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
         (0..scene.len()).any(|k| scene.radius(k).wide() < large)
     });
     table::judges(if differ { |it| it.differ } else { |it| it.alike })
-}
-
-/// Tests random particles against all others.
-fn check_sample(
-    scene: &AnyScene<'_>,
-    test: Test,
-    pairs: &[[u32; 2]],
-    limit: u64,
-) -> Result<(), NoTruth> {
-    let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
-    let mut particles: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len()))
-        .into_iter()
-        .map(|k| k as u32)
-        .collect();
-    particles.sort_unstable();
-    let mut chosen = vec![false; scene.len()];
-    particles.iter().for_each(|&k| chosen[k as usize] = true);
-    let mut theirs =
-        pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]);
-    let mut ours = rows(scene, test, Rows { particles: Some(particles), limit })?;
-    ours.dedup(); // pairs of two chosen particles were tested from both sides
-    let mut ours = ours.into_iter();
-    loop {
-        match (ours.next(), theirs.next()) {
-            (None, None) => return Ok(()),
-            (a, b) if a == b => {}
-            (a, b) => {
-                let [i, j] = a.or(b).unwrap_or_default();
-                return Err(NoTruth::Sample { particle: if chosen[i as usize] { i } else { j } });
-            }
-        }
-    }
 }
 
 /// Tests all pairs, or the given particles against all others; pairs in ascending order (twice

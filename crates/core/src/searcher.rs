@@ -1,7 +1,7 @@
 //! A detector at work on scenes with boundaries of either kind: what programs in other languages
 //! are given.
 
-use crate::contact::Arithmetic;
+use crate::contact::{Arithmetic, Test};
 use crate::crowd;
 use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
@@ -31,13 +31,36 @@ pub enum LoadError {
     Boxed(#[from] PeriodicError),
 }
 
+/// A scene whose contacts are wanted, and how they are decided.
+#[derive(Clone, Copy)]
+pub enum Frame<'a> {
+    /// In open space.
+    Open(&'a AnyScene<'a>, Test),
+    /// In a periodic box.
+    Boxed(&'a Periodic<'a>, Arithmetic),
+}
+
+impl<'a> Frame<'a> {
+    pub(crate) fn scene(&self) -> &'a AnyScene<'a> {
+        match self {
+            Frame::Open(scene, _) => scene,
+            Frame::Boxed(periodic, _) => periodic.scene(),
+        }
+    }
+}
+
 impl<'a> Loaded<'a> {
+    /// The scene in this arithmetic, in which it was loaded.
+    pub fn frame(&'a self, arithmetic: Arithmetic) -> Frame<'a> {
+        match self {
+            Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
+            Loaded::InBox(scene) => Frame::Boxed(scene, arithmetic),
+        }
+    }
+
     /// How many particles there are.
     pub fn particles(&self) -> usize {
-        match self {
-            Loaded::Open(scene) => scene.len(),
-            Loaded::InBox(periodic) => periodic.scene().len(),
-        }
+        self.scene().len()
     }
 
     /// Refuses a scene whose contacts are sure to take more than `limit` bytes: of particles as
@@ -46,13 +69,14 @@ impl<'a> Loaded<'a> {
     /// # Errors
     /// [`Refusal::Crowd`].
     pub fn within(&self, limit: u64) -> Result<(), Refusal> {
-        crowd::within(
-            match self {
-                Loaded::Open(scene) => scene,
-                Loaded::InBox(periodic) => periodic.scene(),
-            },
-            limit,
-        )
+        crowd::within(self.scene(), limit)
+    }
+
+    fn scene(&self) -> &AnyScene<'a> {
+        match self {
+            Loaded::Open(scene) => scene,
+            Loaded::InBox(periodic) => periodic.scene(),
+        }
     }
 
     /// The scene as detectors get it in an arithmetic.
@@ -74,7 +98,8 @@ impl<'a> Loaded<'a> {
 /// A detector, and what finds its contacts in boxes.
 pub struct Searcher {
     detector: Box<dyn AnyDetector>,
-    finder: Finder,
+    /// Keeps the images if the last scene was in a box.
+    finder: Option<Finder>,
     /// For a list of contacts, in bytes.
     memory_limit: u64,
 }
@@ -83,7 +108,7 @@ impl Searcher {
     /// With empty buffers.
     pub fn new(spec: &DetectorSpec, options: Options) -> Searcher {
         let memory_limit = options.memory_limit;
-        Searcher { detector: spec.make(options), finder: Finder::new(memory_limit), memory_limit }
+        Searcher { detector: spec.make(options), finder: None, memory_limit }
     }
 
     /// What a list of contacts may take, in bytes.
@@ -93,7 +118,7 @@ impl Searcher {
 
     /// How many contacts the last detection in a box has reported, also if it was refused.
     pub fn found_in_box(&self) -> u64 {
-        self.finder.found()
+        self.finder.as_ref().map_or(0, Finder::found)
     }
 
     /// The detector, to be asked otherwise.
@@ -117,17 +142,10 @@ impl Searcher {
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
         contacts.clear();
-        match scene {
-            Loaded::Open(scene) => {
-                self.detector.list(scene, arithmetic.test(), &mut contacts.plain)
-            }
-            Loaded::InBox(scene) => {
-                self.finder.list(scene, &mut *self.detector, arithmetic, contacts)
-            }
-        }
+        self.find(scene.frame(arithmetic), None, contacts)
     }
 
-    /// The same, counted.
+    /// As [`Searcher::list`], with every operation counted.
     ///
     /// # Errors
     /// As [`Searcher::list`].
@@ -139,27 +157,42 @@ impl Searcher {
     ) -> Result<Tally, Refusal> {
         let mut tally = Tally::default();
         contacts.clear();
-        match scene {
-            Loaded::Open(scene) => {
-                let allowance = Allowance::new(self.memory_limit);
-                let pairs = std::mem::take(&mut contacts.plain);
-                let mut list = PairList::behind(pairs, &allowance);
-                let counted = self.detector.count(scene, arithmetic.test(), &mut tally, &mut list);
-                list.end(scene.len(), &mut contacts.plain).and(counted)?;
-            }
-            Loaded::InBox(scene) => {
-                self.finder.count(scene, &mut *self.detector, arithmetic, &mut tally, contacts)?;
-            }
-        }
+        self.find(scene.frame(arithmetic), Some(&mut tally), contacts)?;
         Ok(tally)
     }
 
-    /// The bytes of the last detection by the formulas of detector and images.
-    pub fn formula_bytes(&self, scene: &Loaded<'_>) -> u64 {
-        let images = match scene {
-            Loaded::Open(_) => 0,
-            Loaded::InBox(_) => self.finder.formula_bytes(),
-        };
-        self.detector.formula_bytes() + images
+    /// Appends the contacts to the lists; counts operations if there is a tally.
+    ///
+    /// # Errors
+    /// As [`Searcher::list`]; the lists are then as they were.
+    pub fn find(
+        &mut self,
+        frame: Frame<'_>,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<(), Refusal> {
+        let (limit, detector) = (self.memory_limit, &mut *self.detector);
+        if let Frame::Open(..) = frame {
+            self.finder = None;
+        }
+        match (frame, tally) {
+            (Frame::Open(scene, test), None) => detector.list(scene, test, &mut contacts.plain),
+            (Frame::Open(scene, test), Some(tally)) => {
+                let allowance = Allowance::new(limit);
+                let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
+                let counted = detector.count(scene, test, tally, &mut list);
+                list.end(scene.len(), &mut contacts.plain).and(counted)
+            }
+            (Frame::Boxed(frame, arithmetic), tally) => {
+                let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
+                finder.find(frame, detector, arithmetic, tally, contacts)
+            }
+        }
+    }
+
+    /// The bytes that the memory formulas of the detector, and of images in a box, give for the
+    /// last scene.
+    pub fn formula_bytes(&self) -> u64 {
+        self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }
 }

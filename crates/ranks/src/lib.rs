@@ -1,19 +1,25 @@
 //! One scene over several ranks: what each step costs, what is sent, and whether the contacts are
 //! those of one process. Ranks are processes of MPI (the feature `mpi`) or threads.
 
+pub mod bodies;
 pub mod model;
 #[cfg(feature = "mpi")]
 pub mod mpi;
+pub mod rank;
 pub mod share;
+pub mod slabs;
 pub mod verb;
+pub mod world;
 
 use std::iter::zip;
 use std::time::{Duration, Instant};
 
-use contactbench_core::ranks::{Failure, Numbered, Rank, World, failed, together};
 use serde::Serialize;
 
+use crate::bodies::Numbered;
+use crate::rank::{Failure, Rank, failed, together};
 use crate::share::Share;
+use crate::world::World;
 use contactbench::io::Given;
 use contactbench::record::provenance;
 use contactbench::stats::interval::{Interval, interval, median};

@@ -1,12 +1,14 @@
 //! Ranks that are processes of MPI.
 
-use contactbench_core::ranks::{Failure, World, together};
-use contactbench_core::refusal::{Refusal, reserve};
+use contactbench_core::refusal::reserve;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::environment::Universe;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives};
+
+use crate::rank::{Failure, together};
+use crate::world::World;
 
 /// Most bytes that a rank sends at once: MPI counts them in 32 bits.
 const MOST: usize = 1 << 30;
@@ -112,10 +114,10 @@ struct Room {
 }
 
 impl Room {
-    fn new(going: &[u64], coming: &[u64]) -> Result<Room, Refusal> {
+    fn new(going: &[u64], coming: &[u64]) -> Result<Room, Failure> {
         let some = |bytes: u64| {
             let mut room = Vec::new();
-            reserve(&mut room, bytes as usize).map(|()| room)
+            reserve(&mut room, bytes as usize).map(|()| room).map_err(Failure::from)
         };
         let round = |sizes: &[u64]| some(sizes.iter().sum::<u64>().min(MOST as u64) + 1);
         Ok(Room {

@@ -1,12 +1,14 @@
 //! What each rank makes or reads of a scene.
 
 use anyhow::{Context, ensure};
-use contactbench_core::ranks::{Failure, World, failed};
 
 use contactbench::io::{self, Given};
 use contactbench::scene::origin::Origin;
 use contactbench::scene::spec::Spec;
 use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
+
+use crate::rank::together;
+use crate::world::World;
 
 /// Particles that one rank brings, whoever will own them.
 #[derive(Clone, Debug)]
@@ -59,11 +61,11 @@ impl Dealt for Origin {
     }
 
     fn beside(&self, world: &impl World) -> anyhow::Result<Share> {
-        let given = agreed(world, seeded(self, world.rank()))?;
+        let given = together(world, seeded(self, world.rank()))?;
         let mut width = [width(&given)];
         world.largest(&mut width);
         let first = (given.scene.len() * world.rank()) as u64;
-        let scene = agreed(world, moved(&given, width[0] * world.rank() as f64))?;
+        let scene = together(world, moved(&given, width[0] * world.rank() as f64))?;
         Ok(Share { given: scene.into(), first, frames: 1 })
     }
 
@@ -89,16 +91,6 @@ fn seeded(origin: &Origin, rank: usize) -> anyhow::Result<Given> {
          --each"
     );
     Ok(given)
-}
-
-/// The result of each rank, if none has failed: nobody waits for one that has.
-///
-/// # Errors
-/// That of this rank; [`Failure::Elsewhere`].
-pub fn agreed<T>(world: &impl World, result: anyhow::Result<T>) -> anyhow::Result<T> {
-    let failed = failed(world, result.is_err());
-    let result = result?;
-    failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
 impl Share {

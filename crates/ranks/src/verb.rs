@@ -5,14 +5,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
-#[cfg(feature = "mpi")]
-use contactbench_core::ranks::alike;
-use contactbench_core::ranks::{Failure, World, threads};
-
 use crate::model::{FARTHEST, Growth, Network, Step, step};
+use crate::rank::Failure;
 #[cfg(feature = "mpi")]
-use crate::share::agreed;
+use crate::rank::{alike, together};
 use crate::share::{Dealt, Share};
+use crate::world::{World, threads};
 use crate::{Row, Setting, measure, whole};
 use contactbench::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
@@ -26,7 +24,7 @@ use contactbench::io::Place;
 use contactbench::io::write::append;
 use contactbench::number::{number, percent, plural, times, with_interval};
 use contactbench::present::document::{Block, plain};
-use contactbench::present::table::{Cell, Column, Table};
+use contactbench::present::table::Table;
 #[cfg(feature = "mpi")]
 use contactbench::scene::origin::Origin;
 use contactbench::stats::interval::{COVERAGE, Interval};
@@ -143,12 +141,12 @@ fn by_mpi<'a>(
     // With other steps they would wait for each other, and so they would where one has no file.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
     let origin = match same {
-        true => agreed(&world, options.source.input.origin(name)),
+        true => together(&world, options.source.input.origin(name)),
         false => Err(Failure::Unlike("--steps or --each").into()),
     };
     let share = origin.and_then(|origin| match options.each {
         true => Ok((origin.beside(&world)?, origin)),
-        false => Ok((agreed(&world, origin.share(rank, size))?, origin)),
+        false => Ok((together(&world, origin.share(rank, size))?, origin)),
     });
     let row = share.and_then(|(share, origin)| {
         if rank == 0 {
@@ -287,29 +285,16 @@ fn direction(row: &Row) -> String {
 }
 
 fn table(rows: &[Row]) -> Table {
-    let columns = vec![
-        Column::right("ranks", ""),
-        Column::right("own", "most"),
-        Column::right("halo", "most"),
-        Column::right("sent", "bytes"),
-        Column::right("step", "ms"),
-        Column::right("search", "ms"),
-        Column::right("alone", "ms"),
-        Column::right("memory", "MB"),
-    ];
-    let line = |row: &Row| {
-        vec![
-            Cell::count(row.ranks as u64),
-            Cell::count(row.own[1]),
-            Cell::count(row.halo_most),
-            Cell::count(row.sent_bytes),
-            Cell::number(row.step_ms),
-            Cell::number(row.search_ms),
-            Cell::number(row.alone_ms),
-            Cell::number(row.memory_most as f64 / 1e6),
-        ]
-    };
-    Table::new("", columns).with(rows.iter().map(line))
+    Table::of("", rows)
+        .right("ranks", |row| row.ranks as u64)
+        .unit("own", "most", |row| row.own[1])
+        .unit("halo", "most", |row| row.halo_most)
+        .unit("sent", "bytes", |row| row.sent_bytes)
+        .unit("step", "ms", |row| row.step_ms)
+        .unit("search", "ms", |row| row.search_ms)
+        .unit("alone", "ms", |row| row.alone_ms)
+        .unit("memory", "MB", |row| row.memory_most as f64 / 1e6)
+        .into()
 }
 
 /// A model is worth two digits.
@@ -330,26 +315,15 @@ fn model(rows: &[Row], network: Network) -> Vec<Block> {
         (0..).map_while(move |k| at(1 << k)).collect::<Vec<Step>>()
     };
     let (long, alike) = (of(Growth::Long), of(Growth::Alike));
-    let columns = vec![
-        Column::right("ranks", ""),
-        Column::right("particles", ""),
-        Column::right("long: step", "ms"),
-        Column::right("efficiency", ""),
-        Column::right("alike: halo", ""),
-        Column::right("step", "ms"),
-        Column::right("efficiency", ""),
-    ];
-    let line = |(long, alike): (&Step, &Step)| {
-        vec![
-            Cell::count(long.ranks),
-            Cell::count(long.n as u64),
-            Cell::from(two_digits(long.ms)),
-            Cell::from(percent(long.efficiency)),
-            Cell::count(alike.halo as u64),
-            Cell::from(two_digits(alike.ms)),
-            Cell::from(percent(alike.efficiency)),
-        ]
-    };
+    let table = Table::of("", long.iter().zip(&alike))
+        .right("ranks", |(long, _)| long.ranks)
+        .right("particles", |(long, _)| long.n as u64)
+        .unit("long: step", "ms", |(long, _)| two_digits(long.ms))
+        .right("efficiency", |(long, _)| percent(long.efficiency))
+        .right("alike: halo", |(_, alike)| alike.halo as u64)
+        .unit("step", "ms", |(_, alike)| two_digits(alike.ms))
+        .right("efficiency", |(_, alike)| percent(alike.efficiency))
+        .into();
     let measured = step(row, one_ms, network, Growth::Long, row.ranks as u64);
     let words = format!(
         "Model, not measured: {} own particles in each rank, messages of {} s and {} bytes/s. With \
@@ -363,8 +337,5 @@ fn model(rows: &[Row], network: Network) -> Vec<Block> {
         measured.map_or("no".into(), |step| two_digits(step.search_ms)),
         two_digits(row.step_ms)
     );
-    vec![
-        Block::paragraph(words),
-        Block::Table(Table::new("", columns).with(long.iter().zip(&alike).map(line))),
-    ]
+    vec![Block::paragraph(words), Block::Table(table)]
 }

@@ -6,8 +6,9 @@ use contactbench::detect::table::TABLE;
 use contactbench::scene::Given;
 use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::spec::Spec;
-use contactbench_core::ranks::{Failure, World, threads};
+use contactbench_ranks::rank::Failure;
 use contactbench_ranks::share::Share;
+use contactbench_ranks::world::{World, threads};
 use contactbench_ranks::{Row, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;

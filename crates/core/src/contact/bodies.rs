@@ -2,7 +2,9 @@
 
 use nalgebra::Point;
 
-use super::rule::{AnyRule, Asked, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+use super::rule::{
+    AnyRule, Asked, Couple, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+};
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
@@ -122,7 +124,8 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     #[inline(always)]
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
         probe.count(Op::ContactTest);
-        self.rule.touch(i, j, self.centres.at(i as usize), self.centres.at(j as usize), probe)
+        let (a, b) = (self.centres.at(i as usize), self.centres.at(j as usize));
+        self.rule.touch(Couple { ids: [i, j], a, b }, probe)
     }
 
     fn reach(&self) -> f64 {

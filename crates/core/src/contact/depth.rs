@@ -28,7 +28,7 @@ pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f6
         let depth = 2.0 * reach.abs_diff(distance) as f64 / (s * (s + d));
         return if reach < distance { -depth } else { depth };
     }
-    exact::with_squares(a, b, ra, rb, relative)
+    image::with_squares(a, b, ra, rb, Shift::NONE, relative)
 }
 
 /// The same of the first body and an image of the second: see [`image::compare`].

@@ -2,19 +2,10 @@
 //!
 //! A binary floating-point number is an integer times a power of two. The numbers of one test are
 //! brought to one common power of two; then differences, sums and squares are integers and there is
-//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. Three
-//! widths do the work:
-//!
-//! * *short*: the differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of
-//!   2^-62 of the sum (nearly every pair near tangency), their squares fit 128 bits. The proof is
-//!   below;
-//! * *narrow*: all significant bits of the inputs lie within 124 binary places: differences fit an
-//!   `i128`, their squares and the sum of up to four of them fit 256 bits;
-//! * *wide*: anything else, in fixed point with unit 2^-1074 in 33 words, squares in 66 words.
-//!   Every finite double fits.
-//!
-//! Nothing here allocates. Contacts with images of a periodic box have more terms in a difference:
-//! see [`super::image`].
+//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. Where the
+//! differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the
+//! sum (nearly every pair near tangency), their squares fit 128 bits: the *short* form. Others are
+//! decided as a contact with an image is, of no shift: see [`super::image`]. Nothing here allocates.
 //!
 //! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,
 //! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7): x ± y = h + l
@@ -30,6 +21,8 @@
 //! All of it is exact, so the comparison is.
 
 use std::cmp::Ordering;
+
+use super::image::{Shift, with_squares};
 
 /// How two bodies lie to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -136,36 +129,7 @@ fn two_sum(x: f64, y: f64) -> (f64, f64) {
 /// The comparison for any finite numbers.
 #[cold]
 fn long<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
-    with_squares(a, b, ra, rb, compare_words)
-}
-
-/// Hands |a - b|² and (ra + rb)² to `then`: integers of one unit, as words of which the lowest is
-/// the first; equally many in both.
-pub(super) fn with_squares<O, const D: usize>(
-    a: &[f64; D],
-    b: &[f64; D],
-    ra: f64,
-    rb: f64,
-    then: impl FnOnce(&[u64], &[u64]) -> O,
-) -> O {
-    let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
-    for &x in a.iter().chain(b).chain([&ra, &rb]) {
-        let Parts { mantissa, exponent, .. } = parts(x);
-        if mantissa != 0 {
-            lowest = lowest.min(exponent + mantissa.trailing_zeros() as i32);
-            highest = highest.max(exponent + 64 - mantissa.leading_zeros() as i32);
-        }
-    }
-    if lowest > highest {
-        return then(&[0], &[0]); // every number is zero: two points at the same place
-    }
-    if highest - lowest <= 124 && D <= 4 {
-        let (distance, reach) = narrow(a, b, ra, rb, lowest);
-        then(&words(distance), &words(reach))
-    } else {
-        let (distance, reach) = wide(a, b, ra, rb);
-        then(&distance, &reach)
-    }
+    with_squares(a, b, ra, rb, Shift::NONE, compare_words)
 }
 
 /// The four words of a number of 256 bits.
@@ -188,26 +152,6 @@ pub(super) fn parts(x: f64) -> Parts {
     let (mantissa, exponent) =
         if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
     Parts { negative: x.is_sign_negative(), mantissa, exponent }
-}
-
-/// |a - b|² and (ra + rb)² in units of 2^(2·lowest), as (high, low).
-///
-/// Magnitudes are below 2^124, so differences and the sum of radii are below 2^125, squares below
-/// 2^250, and their sum over at most four dimensions below 2^252.
-fn narrow<const D: usize>(
-    a: &[f64; D],
-    b: &[f64; D],
-    ra: f64,
-    rb: f64,
-    lowest: i32,
-) -> ((u128, u128), (u128, u128)) {
-    let integer = |x: f64| integer(x, lowest);
-    let mut distance = (0, 0);
-    for k in 0..D {
-        distance = add256(distance, square256((integer(a[k]) - integer(b[k])).unsigned_abs()));
-    }
-    let reach = (integer(ra) + integer(rb)).unsigned_abs();
-    (distance, square256(reach))
 }
 
 /// x in units of 2^lowest, of which it is a multiple below 2^127.
@@ -237,32 +181,7 @@ pub(super) fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
     (a.0 + b.0 + u128::from(carry), low)
 }
 
-/// Words of a number in units of 2^-1074: magnitudes stay below 2^2099 after one addition.
-pub(super) const WORDS: usize = 33;
-/// Words of its square.
-pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
-type Word = [u64; WORDS];
-type Square = [u64; SQUARE_WORDS];
-
-/// |a - b|² and (ra + rb)² in units of 2^-2148.
-fn wide<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (Square, Square) {
-    let mut distance: Square = [0; SQUARE_WORDS];
-    for k in 0..D {
-        let (x, y): (Word, Word) = (fixed(a[k]), fixed(b[k]));
-        let mut difference = [0; WORDS];
-        if a[k].is_sign_negative() != b[k].is_sign_negative() {
-            difference = sum(&x, &y);
-        } else if compare_words(&x, &y) == Ordering::Less {
-            subtract(&y, &x, &mut difference);
-        } else {
-            subtract(&x, &y, &mut difference);
-        }
-        distance = sum(&distance, &square(&difference));
-    }
-    (distance, square(&sum(&fixed::<WORDS>(ra), &fixed(rb))))
-}
-
-/// |x| in units of 2^-1074, in at least [`WORDS`] words.
+/// |x| in units of 2^-1074, in at least 33 words.
 pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let Parts { mantissa, exponent, .. } = parts(x);
     let shift = (exponent + 1074) as usize;
@@ -325,16 +244,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_three_widths_agree_where_they_apply() {
+    fn the_short_form_agrees_where_it_applies() {
         let mut in_short = 0;
         let values = [0.0, 1.0, -1.0, 0.1, 3.0, 4.0, 5.0, 1e9, -1e-9, 2.5f64.next_up(), 2.5];
         for &x in &values {
             for &y in &values {
                 for &r in values.iter().filter(|r| **r >= 0.0) {
                     let (a, b) = ([x, 3.0], [y, -1.0]);
-                    let (distance, reach) = wide(&a, &b, r, 2.5);
-                    let truth = compare_words(&distance, &reach);
-                    assert_eq!(long(&a, &b, r, 2.5), truth, "{a:?} {b:?} {r}");
+                    let truth = long(&a, &b, r, 2.5);
                     assert_eq!(compare(&a, &b, r, 2.5), truth, "{a:?} {b:?} {r}");
                     in_short += usize::from(short(&a, &b, r, 2.5).is_some());
                 }

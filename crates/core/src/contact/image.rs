@@ -4,11 +4,11 @@
 //! S are three whole numbers of 32 bits, H three vectors of doubles. The difference along an axis
 //! is a sum of five terms, each a double or a whole number times one; as in [`exact`] they are
 //! integers of one unit, and nothing is rounded: the shifted centre, which no double need hold, is
-//! never computed. Without a shift the test is [`exact::compare`]. With one there are two widths:
+//! never computed. There are two widths:
 //!
 //! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
-//!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1). Where m + s <= 124 it fits an
-//!   `i128`, as does each term; its square is below 2^252, the sum of up to four of them below
+//!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1; without a shift, 2^(m+1)). Where
+//!   m + s <= 124 it fits an `i128`, as does each term; its square is below 2^252, the sum of up to four of them below
 //!   2^254.
 //! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so
 //!   every sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words;
@@ -30,6 +30,9 @@ pub struct Shift<'a, const D: usize> {
 }
 
 impl<const D: usize> Shift<'_, D> {
+    /// The body itself.
+    pub const NONE: Shift<'static, D> = Shift { image: [0; 3], vectors: &[[0.0; D]; 3] };
+
     /// Is it the body itself?
     pub fn is_none(&self) -> bool {
         self.image == [0; 3]
@@ -116,7 +119,6 @@ fn narrow<const D: usize>(
 const WORDS: usize = 34;
 /// Words of its square.
 pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
-const _: () = assert!(WORDS >= exact::WORDS);
 type Word = [u64; WORDS];
 type Square = [u64; SQUARE_WORDS];
 
@@ -169,7 +171,7 @@ mod tests {
     #[test]
     fn both_widths_agree_where_they_apply() {
         let values = [0.0, 1.0, -1.0, 0.1, 3.0, -4.0, 1e9, -1e-9, 2.5f64.next_up(), 2.5];
-        let images = [[1, 0, 0], [-1, 2, 0], [0, 0, 1], [i32::MIN, i32::MAX, -7]];
+        let images = [[0; 3], [1, 0, 0], [-1, 2, 0], [0, 0, 1], [i32::MIN, i32::MAX, -7]];
         let mut narrow = 0;
         for (k, &x) in values.iter().enumerate() {
             for &y in &values {

@@ -6,17 +6,29 @@ use super::{Slack, exact};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Real};
 
+/// Two bodies: their numbers, and where they are.
+#[derive(Clone, Copy)]
+pub struct Couple<'a, T, const D: usize> {
+    /// The numbers.
+    pub ids: [u32; 2],
+    /// The centre of the first.
+    pub a: &'a [T; D],
+    /// The centre of the second.
+    pub b: &'a [T; D],
+}
+
+impl<T, const D: usize> Couple<'_, T, D> {
+    /// What both have of something.
+    #[inline(always)]
+    fn each<R>(&self, of: impl Fn(usize) -> R) -> (R, R) {
+        (of(self.ids[0] as usize), of(self.ids[1] as usize))
+    }
+}
+
 /// Evaluates the contact test for one kind of radii and arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
-    /// Do bodies `i` at `a` and `j` at `b` touch?
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        i: u32,
-        j: u32,
-        a: &[T; D],
-        b: &[T; D],
-        probe: &mut P,
-    ) -> bool;
+    /// Do these two touch?
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, probe: &mut P) -> bool;
 }
 
 #[inline(always)]
@@ -46,15 +58,8 @@ impl<T: Real> RoundedUniform<T> {
 
 impl<T: Real> Rule<T> for RoundedUniform<T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        _: u32,
-        _: u32,
-        a: &[T; D],
-        b: &[T; D],
-        _: &mut P,
-    ) -> bool {
-        square_distance(a, b) <= self.square
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, _: &mut P) -> bool {
+        square_distance(of.a, of.b) <= self.square
     }
 }
 
@@ -66,16 +71,10 @@ pub struct RoundedEach<'a, T> {
 
 impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        i: u32,
-        j: u32,
-        a: &[T; D],
-        b: &[T; D],
-        _: &mut P,
-    ) -> bool {
-        let sum = self.radii[i as usize].plus(self.radii[j as usize]);
-        square_distance(a, b) <= sum * sum
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, _: &mut P) -> bool {
+        let (r, s) = of.each(|k| self.radii[k]);
+        let sum = r.plus(s);
+        square_distance(of.a, of.b) <= sum * sum
     }
 }
 
@@ -128,15 +127,8 @@ impl ExactUniform {
 
 impl Rule<f64> for ExactUniform {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        _: u32,
-        _: u32,
-        a: &[f64; D],
-        b: &[f64; D],
-        probe: &mut P,
-    ) -> bool {
-        decide(a, b, || (self.radius, self.radius), self.band, probe)
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
+        decide(of.a, of.b, || (self.radius, self.radius), self.band, probe)
     }
 }
 
@@ -148,15 +140,8 @@ pub struct ExactEach<'a> {
 
 impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        i: u32,
-        j: u32,
-        a: &[f64; D],
-        b: &[f64; D],
-        probe: &mut P,
-    ) -> bool {
-        decide_each(a, b, self.radii[i as usize], self.radii[j as usize], probe)
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
+        decide_each(of.a, of.b, of.each(|k| self.radii[k]), probe)
     }
 }
 
@@ -164,8 +149,7 @@ impl Rule<f64> for ExactEach<'_> {
 fn decide_each<const D: usize, P: Probe>(
     a: &[f64; D],
     b: &[f64; D],
-    ra: f64,
-    rb: f64,
+    (ra, rb): (f64, f64),
     probe: &mut P,
 ) -> bool {
     let sum = ra + rb;
@@ -196,12 +180,11 @@ impl Asked<'_> {
     /// [`Near`](crate::filter::Near).
     fn touch<const D: usize, P: Probe>(
         &self,
-        [i, j]: [u32; 2],
-        a: &[f64; D],
-        b: &[f64; D],
+        of: Couple<'_, f64, D>,
         sum: f64,
         probe: &mut P,
     ) -> bool {
+        let [i, j] = of.ids;
         if i >= self.owners && j >= self.owners {
             return false;
         }
@@ -209,7 +192,7 @@ impl Asked<'_> {
             sum * (1.0 - self.slack.relative) - self.slack.absolute,
             sum * (1.0 + self.slack.relative) + self.slack.absolute,
         );
-        let square = square_distance(a, b);
+        let square = square_distance(of.a, of.b);
         if square > band(high * high).1 {
             return false;
         }
@@ -240,29 +223,23 @@ pub enum AnyRule<'a, T: Real> {
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(
-        &self,
-        i: u32,
-        j: u32,
-        a: &[T; D],
-        b: &[T; D],
-        probe: &mut P,
-    ) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, probe: &mut P) -> bool {
         let wide = |p: &[T; D]| p.map(Real::wide);
+        let exact = || (wide(of.a), wide(of.b));
         match self {
-            AnyRule::RoundedUniform(rule) => rule.touch(i, j, a, b, probe),
-            AnyRule::RoundedEach(rule) => rule.touch(i, j, a, b, probe),
-            AnyRule::ExactUniform(rule) => rule.touch(i, j, &wide(a), &wide(b), probe),
-            AnyRule::ExactEach(radii) => decide_each(
-                &wide(a),
-                &wide(b),
-                radii[i as usize].wide(),
-                radii[j as usize].wide(),
-                probe,
-            ),
+            AnyRule::RoundedUniform(rule) => rule.touch(of, probe),
+            AnyRule::RoundedEach(rule) => rule.touch(of, probe),
+            AnyRule::ExactUniform(rule) => {
+                let (a, b) = exact();
+                rule.touch(Couple { ids: of.ids, a: &a, b: &b }, probe)
+            }
+            AnyRule::ExactEach(radii) => {
+                let (a, b) = exact();
+                decide_each(&a, &b, of.each(|k| radii[k].wide()), probe)
+            }
             AnyRule::Asked(asked, radii) => {
-                let sum = radii.get(i as usize).wide() + radii.get(j as usize).wide();
-                asked.touch([i, j], &wide(a), &wide(b), sum, probe)
+                let ((a, b), (r, s)) = (exact(), of.each(|k| radii.get(k).wide()));
+                asked.touch(Couple { ids: of.ids, a: &a, b: &b }, r + s, probe)
             }
         }
     }

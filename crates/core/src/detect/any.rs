@@ -15,6 +15,19 @@ use crate::with_stored;
 /// [`Arithmetic`](crate::contact::Arithmetic) asks for. For the exact test a scene in another
 /// storage is widened to f64 first, which is exact.
 pub trait AnyDetector: Send {
+    /// Finds the contacts of what is searched.
+    ///
+    /// # Errors
+    /// What the detector refuses.
+    fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal>;
+
+    /// Most bytes of a list of pairs.
+    fn memory_limit(&self) -> u64;
+
+    /// The bytes that the memory formula gives for the scene of the last call; 0 for detectors
+    /// that declare none.
+    fn formula_bytes(&self) -> u64;
+
     /// The complete list of pairs, appended to `pairs`: what is timed. The list may grow to the
     /// memory limit of the detector's options.
     ///
@@ -25,9 +38,16 @@ pub trait AnyDetector: Send {
         scene: &AnyScene<'_>,
         test: Test,
         pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<(), Refusal>;
+    ) -> Result<(), Refusal> {
+        let allowance = Allowance::new(self.memory_limit());
+        let mut found = PairList::behind(std::mem::take(pairs), &allowance);
+        let result = self.search(&Searched::scene(scene, test), Task::List(&mut found));
+        let listed = found.end(scene.len(), pairs);
+        result.and(listed)
+    }
 
-    /// Hands every contact to `sink`, on one thread.
+    /// Hands every contact to `sink`, on one thread. Counts all the same, so that a third form of
+    /// every detector need not be compiled.
     ///
     /// # Errors
     /// As [`AnyDetector::list`].
@@ -36,7 +56,9 @@ pub trait AnyDetector: Send {
         scene: &AnyScene<'_>,
         test: Test,
         sink: &mut dyn Sink,
-    ) -> Result<(), Refusal>;
+    ) -> Result<(), Refusal> {
+        self.count(scene, test, &mut Tally::default(), sink)
+    }
 
     /// Hands every contact to `sink` and counts every operation. The code is that of
     /// [`AnyDetector::list`], compiled once for all kinds of radii and tests.
@@ -49,54 +71,54 @@ pub trait AnyDetector: Send {
         test: Test,
         tally: &mut Tally,
         sink: &mut dyn Sink,
-    ) -> Result<(), Refusal>;
-
-    /// As [`AnyDetector::list`], for particles and images of them. Pairs go to `sink`, from this
-    /// thread.
-    ///
-    /// # Errors
-    /// What the detector refuses.
-    fn list_images(
-        &mut self,
-        bodies: &Searched<'_>,
-        sink: &mut (dyn Sink + Send),
-    ) -> Result<(), Refusal>;
-
-    /// As [`AnyDetector::count`], for particles and images of them.
-    ///
-    /// # Errors
-    /// What the detector refuses.
-    fn count_images(
-        &mut self,
-        bodies: &Searched<'_>,
-        tally: &mut Tally,
-        sink: &mut dyn Sink,
-    ) -> Result<(), Refusal>;
-
-    /// The bytes that the memory formula gives for the scene of the last call; 0 for detectors
-    /// that declare none.
-    fn formula_bytes(&self) -> u64;
-}
-
-/// What is searched of a periodic scene ([`crate::periodic`]).
-pub enum Searched<'a> {
-    /// Discs and their images, in f64.
-    Plane(Imaged<'a, 2>),
-    /// Spheres and their images, in f64.
-    Space(Imaged<'a, 3>),
-    /// Both in another storage, and how contacts are decided there.
-    Stored(AnyScene<'a>, Test),
-}
-
-impl<'a> From<Imaged<'a, 2>> for Searched<'a> {
-    fn from(bodies: Imaged<'a, 2>) -> Self {
-        Searched::Plane(bodies)
+    ) -> Result<(), Refusal> {
+        self.search(&Searched::scene(scene, test), Task::Count(tally, sink))
     }
 }
 
-impl<'a> From<Imaged<'a, 3>> for Searched<'a> {
-    fn from(bodies: Imaged<'a, 3>) -> Self {
-        Searched::Space(bodies)
+/// What is wanted of a detector.
+pub enum Task<'a, 'p> {
+    /// The contacts alone, from this thread: what is timed.
+    List(&'a mut PairList<'p>),
+    /// The contacts, and every operation counted.
+    Count(&'a mut Tally, &'a mut dyn Sink),
+}
+
+/// What is searched, in either dimension.
+pub enum Searched<'a> {
+    /// Discs.
+    Plane(Of<'a, 2>),
+    /// Spheres.
+    Space(Of<'a, 3>),
+}
+
+/// What is searched, in `D` dimensions.
+pub enum Of<'a, const D: usize> {
+    /// A scene, and how contacts are decided in it.
+    Scene(&'a Stored<'a, D>, Test),
+    /// Particles of a periodic scene and images of them, in f64 ([`crate::periodic`]).
+    Images(Imaged<'a, D>),
+}
+
+impl<'a> Searched<'a> {
+    /// A scene in open space.
+    pub fn scene(scene: &'a AnyScene<'a>, test: Test) -> Searched<'a> {
+        match scene {
+            AnyScene::Plane(scene) => Searched::Plane(Of::Scene(scene, test)),
+            AnyScene::Space(scene) => Searched::Space(Of::Scene(scene, test)),
+        }
+    }
+}
+
+impl<'a> From<Of<'a, 2>> for Searched<'a> {
+    fn from(of: Of<'a, 2>) -> Self {
+        Searched::Plane(of)
+    }
+}
+
+impl<'a> From<Of<'a, 3>> for Searched<'a> {
+    fn from(of: Of<'a, 3>) -> Self {
+        Searched::Space(of)
     }
 }
 
@@ -105,7 +127,6 @@ pub struct Both<A, B> {
     plane: A,
     space: B,
     last_was_space: bool,
-    /// For the list of pairs, in bytes.
     memory_limit: u64,
 }
 
@@ -131,92 +152,16 @@ where
     A: DetectorOfAll<2> + Declare + 'static,
     B: DetectorOfAll<3> + Declare + 'static,
 {
-    fn list(
-        &mut self,
-        scene: &AnyScene<'_>,
-        test: Test,
-        pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<(), Refusal> {
-        self.last_was_space = scene.dim() == 3;
-        let allowance = Allowance::new(self.memory_limit);
-        let mut found = PairList::behind(std::mem::take(pairs), &allowance);
-        let result = match scene {
-            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, &mut Silent, &mut found),
-            AnyScene::Space(scene) => list(&mut self.space, scene, test, &mut Silent, &mut found),
-        };
-        let listed = found.end(scene.len(), pairs);
-        result.and(listed)
-    }
-
-    /// Counts all the same, so that a third form of every detector need not be compiled.
-    fn visit(
-        &mut self,
-        scene: &AnyScene<'_>,
-        test: Test,
-        sink: &mut dyn Sink,
-    ) -> Result<(), Refusal> {
-        self.count(scene, test, &mut Tally::default(), sink)
-    }
-
-    fn count(
-        &mut self,
-        scene: &AnyScene<'_>,
-        test: Test,
-        tally: &mut Tally,
-        mut sink: &mut dyn Sink,
-    ) -> Result<(), Refusal> {
-        self.last_was_space = scene.dim() == 3;
-        match scene {
-            AnyScene::Plane(scene) => run_any(&mut self.plane, scene, test, tally, &mut sink),
-            AnyScene::Space(scene) => run_any(&mut self.space, scene, test, tally, &mut sink),
+    fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal> {
+        self.last_was_space = matches!(searched, Searched::Space(_));
+        match searched {
+            Searched::Plane(of) => search(&mut self.plane, of, task),
+            Searched::Space(of) => search(&mut self.space, of, task),
         }
     }
 
-    fn list_images(
-        &mut self,
-        bodies: &Searched<'_>,
-        sink: &mut (dyn Sink + Send),
-    ) -> Result<(), Refusal> {
-        // All goes on to the sink.
-        let allowance = Allowance::new(0);
-        let mut found = PairList::door(sink, &allowance);
-        match bodies {
-            Searched::Plane(bodies) => {
-                self.last_was_space = false;
-                self.plane.detect(bodies.bodies()?, &mut Silent, &mut found)
-            }
-            Searched::Space(bodies) => {
-                self.last_was_space = true;
-                self.space.detect(bodies.bodies()?, &mut Silent, &mut found)
-            }
-            Searched::Stored(AnyScene::Plane(scene), test) => {
-                self.last_was_space = false;
-                list(&mut self.plane, scene, *test, &mut Silent, &mut found)
-            }
-            Searched::Stored(AnyScene::Space(scene), test) => {
-                self.last_was_space = true;
-                list(&mut self.space, scene, *test, &mut Silent, &mut found)
-            }
-        }
-    }
-
-    fn count_images(
-        &mut self,
-        bodies: &Searched<'_>,
-        tally: &mut Tally,
-        mut sink: &mut dyn Sink,
-    ) -> Result<(), Refusal> {
-        match bodies {
-            Searched::Plane(bodies) => {
-                self.last_was_space = false;
-                self.plane.detect(bodies.bodies()?, tally, &mut sink)
-            }
-            Searched::Space(bodies) => {
-                self.last_was_space = true;
-                self.space.detect(bodies.bodies()?, tally, &mut sink)
-            }
-            Searched::Stored(scene, test) => self.count(scene, *test, tally, sink),
-        }
+    fn memory_limit(&self) -> u64 {
+        self.memory_limit
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -224,39 +169,41 @@ where
     }
 }
 
+/// Lists are compiled for every kind of radii and test where speed depends on it.
+fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
+    detector: &mut X,
+    of: &Of<'_, D>,
+    task: Task<'_, '_>,
+) -> Result<(), Refusal> {
+    match (of, task) {
+        (Of::Scene(scene, test), Task::List(pairs)) if X::DECIDES_FROM_COPIES => {
+            run_any(detector, scene, *test, &mut Silent, pairs)
+        }
+        (Of::Scene(scene, test), Task::List(pairs)) => {
+            run_stored(detector, scene, *test, &mut Silent, pairs)
+        }
+        (Of::Scene(scene, test), Task::Count(tally, mut sink)) => {
+            run_any(detector, scene, *test, tally, &mut sink)
+        }
+        (Of::Images(images), Task::List(pairs)) => {
+            detector.detect(images.bodies()?, &mut Silent, pairs)
+        }
+        (Of::Images(images), Task::Count(tally, mut sink)) => {
+            detector.detect(images.bodies()?, tally, &mut sink)
+        }
+    }
+}
+
 /// A detector that cannot run on this machine: it refuses every scene, for this reason.
 pub struct Refuses(pub Refusal);
 
 impl AnyDetector for Refuses {
-    fn list(&mut self, _: &AnyScene<'_>, _: Test, _: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
+    fn search(&mut self, _: &Searched<'_>, _: Task<'_, '_>) -> Result<(), Refusal> {
         Err(self.0.clone())
     }
 
-    fn visit(&mut self, _: &AnyScene<'_>, _: Test, _: &mut dyn Sink) -> Result<(), Refusal> {
-        Err(self.0.clone())
-    }
-
-    fn count(
-        &mut self,
-        _: &AnyScene<'_>,
-        _: Test,
-        _: &mut Tally,
-        _: &mut dyn Sink,
-    ) -> Result<(), Refusal> {
-        Err(self.0.clone())
-    }
-
-    fn list_images(&mut self, _: &Searched<'_>, _: &mut (dyn Sink + Send)) -> Result<(), Refusal> {
-        Err(self.0.clone())
-    }
-
-    fn count_images(
-        &mut self,
-        _: &Searched<'_>,
-        _: &mut Tally,
-        _: &mut dyn Sink,
-    ) -> Result<(), Refusal> {
-        Err(self.0.clone())
+    fn memory_limit(&self) -> u64 {
+        0
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -316,21 +263,6 @@ pub(crate) fn run_any<const D: usize>(
         return detector.detect(any_bodies(&*scene.widened(), test)?, probe, sink);
     }
     with_stored!(scene, scene => detector.detect(any_bodies(scene, test)?, probe, sink))
-}
-
-/// The list of pairs, compiled for every kind of radii and test where speed depends on it.
-pub(crate) fn list<const D: usize, X: DetectorOfAll<D> + Declare>(
-    detector: &mut X,
-    scene: &Stored<'_, D>,
-    test: Test,
-    probe: &mut impl Probe,
-    pairs: &mut PairList<'_>,
-) -> Result<(), Refusal> {
-    if X::DECIDES_FROM_COPIES {
-        run_any(detector, scene, test, probe, pairs)
-    } else {
-        run_stored(detector, scene, test, probe, pairs)
-    }
 }
 
 struct Run<'a, X, P, S> {

@@ -7,8 +7,8 @@
 pub mod any;
 pub mod book;
 pub mod control;
+mod entry;
 pub mod modern;
-mod parameter;
 pub mod peers;
 #[cfg(test)]
 mod sizes;

@@ -11,10 +11,10 @@ use super::IMAGE_PAIR_BYTES;
 use super::made::Made;
 use crate::contact::Bodies;
 use crate::detect::Detector;
-use crate::detect::any::{Searched, run_any};
+use crate::detect::any::{Of, Searched, run_any};
 use crate::probe::Probe;
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Real, array};
+use crate::scene::{Real, array};
 use crate::sink::{Sink, splitmix64};
 
 /// Fewer images cost less than the estimate.
@@ -92,16 +92,22 @@ pub(super) fn search(
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
-    let mut direct = OfOwners(owners);
     match searched {
-        Searched::Plane(bodies) => direct.detect(bodies.bodies()?, probe, sink),
-        Searched::Space(bodies) => direct.detect(bodies.bodies()?, probe, sink),
-        Searched::Stored(AnyScene::Plane(scene), test) => {
-            run_any(&mut direct, scene, *test, probe, sink)
-        }
-        Searched::Stored(AnyScene::Space(scene), test) => {
-            run_any(&mut direct, scene, *test, probe, sink)
-        }
+        Searched::Plane(of) => of_owners(of, owners, probe, sink),
+        Searched::Space(of) => of_owners(of, owners, probe, sink),
+    }
+}
+
+fn of_owners<const D: usize>(
+    of: &Of<'_, D>,
+    owners: u32,
+    probe: &mut impl Probe,
+    sink: &mut impl Sink,
+) -> Result<(), Refusal> {
+    let mut direct = OfOwners(owners);
+    match of {
+        Of::Images(images) => direct.detect(images.bodies()?, probe, sink),
+        Of::Scene(scene, test) => run_any(&mut direct, scene, *test, probe, sink),
     }
 }
 

@@ -6,12 +6,12 @@ use super::images::Images;
 use super::made::Made;
 use super::stored::Copies;
 use super::{ImagePair, Periodic};
-use crate::contact::{Arithmetic, Asked, Decided, Imaged};
-use crate::detect::any::{AnyDetector, Searched};
+use crate::contact::{Arithmetic, Asked, Decided};
+use crate::detect::any::{AnyDetector, Of, Searched, Task};
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Scene, Stored};
+use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
 use crate::wide::{Kernel, Level, Wide};
 
@@ -92,7 +92,7 @@ impl Finder {
         self.found
     }
 
-    fn find(
+    pub(crate) fn find(
         &mut self,
         periodic: &Periodic<'_>,
         detector: &mut dyn AnyDetector,
@@ -130,22 +130,22 @@ impl Search<'_> {
         buffers: &mut Buffers<D>,
     ) -> Result<(u64, u64), Refusal>
     where
-        for<'x> Searched<'x>: From<Imaged<'x, D>>,
-        for<'x> AnyScene<'x>: From<Stored<'x, D>>,
+        for<'x> Searched<'x>: From<Of<'x, D>>,
     {
         let Search { periodic, detector, arithmetic, limit, tally, contacts, found } = self;
         let made = buffers.images.make(scene, periodic.lattice(), arithmetic, limit)?;
         crowded::within(&made, limit)?;
         let (test, decide) = (arithmetic.test(), |a, b| made.touch(a, b));
-        let searched = match buffers.copies.of(&made, arithmetic)? {
-            Some(stored) => Searched::Stored(stored.into(), test),
+        let stored = buffers.copies.of(&made, arithmetic)?;
+        let searched = Searched::from(match &stored {
+            Some(stored) => Of::Scene(stored, test),
             None if arithmetic == Arithmetic::Exact => {
                 let (slack, owners) = (made.slack(), made.particles());
                 let asked = Asked { slack, owners, decide: &decide };
-                made.imaged(Decided::Asked(asked)).into()
+                Of::Images(made.imaged(Decided::Asked(asked)))
             }
-            None => made.imaged(Decided::Test(test)).into(),
-        };
+            None => Of::Images(made.imaged(Decided::Test(test))),
+        });
         let allowance = Allowance::new(limit);
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
@@ -153,12 +153,17 @@ impl Search<'_> {
         let (owners, spared) = (made.particles(), crowded::spares_images(&made));
         let result = match tally {
             None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
-            None => detector.list_images(&searched, &mut sorted),
+            None => {
+                // All goes on to the sink.
+                let none = Allowance::new(0);
+                let mut door = PairList::door(&mut sorted, &none);
+                detector.search(&searched, Task::List(&mut door))
+            }
             Some(tally) => {
                 tally.add(Op::GhostMade, made.ghosts());
                 match spared {
                     true => crowded::search(&searched, owners, tally, &mut sorted),
-                    false => detector.count_images(&searched, tally, &mut sorted),
+                    false => detector.search(&searched, Task::Count(tally, &mut sorted)),
                 }
             }
         };

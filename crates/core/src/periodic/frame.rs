@@ -36,7 +36,7 @@ use crate::scene::Lattice;
 use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
 
 /// 2^-53.
-pub(crate) const U: f64 = 1.0 / (1u64 << 53) as f64;
+pub const U: f64 = 1.0 / (1u64 << 53) as f64;
 /// 2^-99.
 const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
 /// 2^-1070.
@@ -49,7 +49,8 @@ const BETTER: f64 = 0.75;
 
 /// See the page.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame<const D: usize> {
+pub struct Frame<const D: usize> {
+    /// Whether the box repeats along each vector.
     pub periodic: [bool; 3],
     /// As given; zeros where the box is open.
     pub vectors: [[f64; D]; 3],

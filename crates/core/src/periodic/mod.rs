@@ -45,7 +45,7 @@
 mod contacts;
 mod crowded;
 mod finder;
-pub(crate) mod frame;
+pub mod frame;
 pub mod images;
 pub mod made;
 mod near;
@@ -148,4 +148,4 @@ impl ImagePair {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

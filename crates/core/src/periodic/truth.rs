@@ -27,13 +27,13 @@ use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
 use crate::contact::{Arithmetic, Test};
-use crate::detect::any::Searched;
-use crate::detect::{Options, table};
-use crate::oracle::{self, NoTruth, SAMPLE};
+use crate::detect::any::{AnyDetector, Searched};
+use crate::detect::table;
+use crate::oracle::{self, NoTruth, SAMPLE, Sample};
 use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
-use crate::sink::{Digest, Visit, splitmix64};
+use crate::sink::{Digest, Visit};
 
 /// Up to this number of particles every pair is tested.
 pub const BRUTE_FORCE: usize = 3_000;
@@ -113,7 +113,15 @@ where
     }
     let frame = Frame::new(periodic.lattice())?;
     if scene.len() > BRUTE_FORCE {
-        return agreed(periodic, limit, |chosen| tested(scene, &frame, Some(chosen), limit));
+        let n = scene.len();
+        let ask = |detector: &mut dyn AnyDetector| {
+            super::contacts(periodic, detector, Arithmetic::Exact, limit)
+        };
+        let sample = Sample { n, particles: (TESTS / n).clamp(16, SAMPLE) };
+        let tested = |chosen: &[bool]| tested(scene, &frame, Some(chosen), limit);
+        let agreed =
+            sample.agreed(&table::judges(|it| it.boxed), limit, ask, tested, |p| [p.i, p.j])?;
+        return agreed.ok_or(NoTruth::TooLarge { n });
     }
     Ok(tested(scene, &frame, None, limit)?)
 }
@@ -136,7 +144,7 @@ where
     let mut list = List::new(limit);
     if crowded::is_small(&images) {
         let mut sink = Visit(|a, b| images.pair(a, b).into_iter().for_each(|pair| list.push(pair)));
-        let searched = Searched::Stored(stored, test);
+        let searched = Searched::scene(&stored, test);
         crowded::search(&searched, images.particles(), &mut Silent, &mut sink)?;
         return Ok(list.end(scene.len())?);
     }
@@ -144,47 +152,6 @@ where
     let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
     pairs.for_each(|pair| list.push(pair));
     Ok(list.end(scene.len())?)
-}
-
-/// What two detectors agree on, and testing random particles against all others.
-fn agreed(
-    periodic: &Periodic<'_>,
-    limit: u64,
-    tested: impl Fn(&[bool]) -> Result<Vec<ImagePair>, Refusal>,
-) -> Result<Vec<ImagePair>, NoTruth> {
-    let n = periodic.scene().len();
-    let options = Options { memory_limit: limit, ..Options::default() };
-    let mut first: Option<(&'static str, Vec<ImagePair>)> = None;
-    for entry in table::judges(|it| it.boxed) {
-        let detector = &mut *entry.make(options);
-        let pairs = match super::contacts(periodic, detector, Arithmetic::Exact, limit) {
-            Ok(pairs) => pairs,
-            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
-            Err(_) => continue,
-        };
-        let Some((earlier, agreed)) = &first else {
-            first = Some((entry.name, pairs));
-            continue;
-        };
-        if *agreed != pairs {
-            let (a, b) = (agreed.len(), pairs.len());
-            return Err(NoTruth::Disagree { first: earlier, second: entry.name, a, b });
-        }
-        let mut chosen = vec![false; n];
-        for k in 0..(TESTS / n).clamp(16, SAMPLE) as u64 {
-            chosen[(splitmix64(k) % n as u64) as usize] = true;
-        }
-        let of_chosen = |pair: &&ImagePair| chosen[pair.i as usize] || chosen[pair.j as usize];
-        let (mut theirs, ours) = (pairs.iter().filter(of_chosen), tested(&chosen)?);
-        if let Some(pair) = ours.iter().find(|&ours| theirs.next() != Some(ours)) {
-            return Err(NoTruth::Sample { particle: pair.i });
-        }
-        if let Some(pair) = theirs.next() {
-            return Err(NoTruth::Sample { particle: pair.i });
-        }
-        return Ok(pairs);
-    }
-    Err(NoTruth::TooLarge { n })
 }
 
 /// All pairs tested, or those of the particles that are chosen; in ascending order.

@@ -2,7 +2,6 @@ use nalgebra::Point;
 
 use super::tests::{Draw, tracker};
 use super::*;
-use crate::detect::table::{Role, TABLE};
 use crate::periodic::{self, ImagePair};
 use crate::scene::{Lattice, Radii, Scene};
 
@@ -39,6 +38,17 @@ struct Course {
     named: Named,
     seed: u64,
 }
+
+const TILTED: Course = Course {
+    n: 60,
+    edges: [4.5, 5.0, 4.2],
+    tilt: 0.3,
+    open: false,
+    sizes: false,
+    change: Change::Stays,
+    named: Named::Onwards,
+    seed: 0,
+};
 
 impl Course {
     fn frames<const D: usize>(&self) -> Vec<Periodic<'static>>
@@ -96,6 +106,22 @@ impl Course {
         };
         (0..14).map(frame).collect()
     }
+}
+
+/// Particles of one radius in a box with this corner.
+fn boxed<const D: usize>(
+    centres: impl IntoIterator<Item = [f64; D]>,
+    radius: f64,
+    vectors: [[f64; 3]; 3],
+    periodic: [bool; 3],
+    corner: [f64; 3],
+) -> Periodic<'static>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
+    let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
+    Periodic::new(scene.into(), Lattice::new(vectors, periodic, corner).unwrap()).unwrap()
 }
 
 /// Contacts missed, contacts in all, frames in which a list was built.
@@ -160,43 +186,10 @@ fn safe_rules_miss_nothing_in_boxes_that_stay_or_move() {
     assert!(2 * built < frames, "{built} of {frames}");
 }
 
-#[test]
-fn any_detector_builds_lists_in_boxes() {
-    let of = |change, named| Course {
-        n: 50,
-        edges: [4.0, 4.5, 3.9],
-        tilt: 0.2,
-        open: false,
-        sizes: true,
-        change,
-        named,
-        seed: 5,
-    };
-    for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
-        for course in [of(Change::Stays, Named::Wrapped), of(Change::Sheared(0.03), Named::Anyhow)]
-        {
-            let text = format!("verlet({},skin=0.4)", entry.name);
-            for frames in [course.frames::<2>(), course.frames::<3>()] {
-                let [missed, all, built] = missed(&mut *tracker(&text), &frames);
-                assert!(missed == 0 && all > 200 && built < frames.len(), "{text} {all} {built}");
-            }
-        }
-    }
-}
-
 /// The names of particles do not decide how long a list serves.
 #[test]
 fn lists_serve_as_long_whatever_particles_are_called() {
-    let of = |named| Course {
-        n: 60,
-        edges: [4.5, 5.0, 4.2],
-        tilt: 0.3,
-        open: false,
-        sizes: false,
-        change: Change::Stays,
-        named,
-        seed: 9,
-    };
+    let of = |named| Course { named, seed: 9, ..TILTED };
     let built = [Named::Onwards, Named::Wrapped, Named::Anyhow].map(|named| {
         let [_, _, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &of(named).frames::<3>());
         built
@@ -209,10 +202,8 @@ fn lists_serve_as_long_whatever_particles_are_called() {
 #[test]
 fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
     let frame = |x: f64, tilt: f64| {
-        let scene = Scene::new(vec![Point::from([0.25, 0.5, 0.75])], Radii::Uniform(0.5)).unwrap();
         let vectors = [[x, 0.0, 0.0], [tilt, 1.25, 0.0], [0.0, 0.0, 3.0]];
-        let lattice = Lattice::new(vectors, [true; 3], [0.0; 3]).unwrap();
-        Periodic::new(scene.into(), lattice).unwrap()
+        boxed([[0.25, 0.5, 0.75]], 0.5, vectors, [true; 3], [0.0; 3])
     };
     let pressed = |k: u32| frame(1.5 - 0.0625 * f64::from(k), 0.0);
     let [lost, all, built] = missed(
@@ -243,14 +234,9 @@ fn corners_that_move_do_not_end_a_list() {
             let age = f64::from(k);
             let (tilt, low) = (sheared * 4.0 * age, 0.4 * age);
             let vectors = [[4.0, 0.0, 0.0], [tilt, 4.0, 0.0], [0.1 * age, 0.0, 4.0 - low]];
+            let moved = |at: &[f64; 3]| [at[0] + along * age + sheared * age * at[1], at[1], at[2]];
             let corner = [along * age, 0.0, low];
-            let lattice = Lattice::new(vectors, [true, true, false], corner).unwrap();
-            let centres: Vec<Point<f64, 3>> = first
-                .iter()
-                .map(|at| Point::from([at[0] + along * age + sheared * age * at[1], at[1], at[2]]))
-                .collect();
-            let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-            Periodic::new(scene.into(), lattice).unwrap()
+            boxed(first.iter().map(moved), 0.5, vectors, [true, true, false], corner)
         };
         let frames: Vec<_> = (0..12).map(frame).collect();
         let [lost, all, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &frames);
@@ -264,16 +250,7 @@ fn corners_that_move_do_not_end_a_list() {
 /// one whose fractions are.
 #[test]
 fn lists_serve_in_boxes_that_are_tilted_far() {
-    let of = |tilt, named| Course {
-        n: 60,
-        edges: [4.5, 5.0, 4.2],
-        tilt,
-        open: false,
-        sizes: false,
-        change: Change::Stays,
-        named,
-        seed: 23,
-    };
+    let of = |tilt, named| Course { tilt, named, seed: 23, ..TILTED };
     // The flip of these frames is no part of a box that stays.
     for tilt in [0.45, -0.49] {
         for named in [Named::Wrapped, Named::Anyhow] {
@@ -285,12 +262,9 @@ fn lists_serve_in_boxes_that_are_tilted_far() {
     let frame = |k: u32| {
         let at = [[0.0, 0.5 + 0.02 * f64::from(k)], [1.3, 0.5], [2.6, 0.1]];
         let by = f64::from(k % 2);
-        let centres: Vec<Point<f64, 2>> =
-            at.iter().map(|at| Point::from([at[0] + by * 90.5, at[1] + by * 1.0])).collect();
+        let centres = at.map(|[x, y]: [f64; 2]| [x + by * 90.5, y + by * 1.0]);
         let vectors = [[4.0, 0.0, 0.0], [90.5, 1.0, 0.0], [0.0; 3]];
-        let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
-        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-        Periodic::new(scene.into(), lattice).unwrap()
+        boxed(centres, 0.5, vectors, [true, true, false], [0.0; 3])
     };
     let frames: Vec<_> = (0..14).map(frame).collect();
     let [lost, all, built] = missed(&mut *tracker("verlet(nbs,skin=0.5)"), &frames);
@@ -330,11 +304,9 @@ fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
         let edges = if by_box { [edge, near(edge - gap)] } else { [edge; 2] };
         let frames = [0, 1].map(|k| {
             let of = if by_box { places[0] } else { places[k] };
-            let centres = of.map(|x| Point::from([x, 0.25])).to_vec();
-            let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
             let vectors = [[edges[k], 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 1.0]];
-            let lattice = Lattice::new(vectors, [true, true, false], [offset, 0.0, 0.0]).unwrap();
-            Periodic::new(scene.into(), lattice).unwrap()
+            let (corner, repeats) = ([offset, 0.0, 0.0], [true, true, false]);
+            boxed(of.map(|x| [x, 0.25]), radius, vectors, repeats, corner)
         });
         for rule in ["half-skin", "top-two", "summed"] {
             let mut tracker = tracker(&format!("verlet(direct,skin={skin},rule={rule})"));
@@ -388,20 +360,18 @@ fn what_is_not_for_boxes_says_so() {
 /// What a box did is forgotten with it.
 #[test]
 fn open_space_after_a_box_that_was_pressed_keeps_its_list() {
-    let scene =
-        Scene::new(vec![Point::from([0.5, 0.5]), Point::from([1.5, 0.5])], Radii::Uniform(0.5))
-            .unwrap();
     let mut tracker = tracker("verlet(nbs,skin=0.5)");
+    let frame = |edge: f64| {
+        let vectors = [[edge, 0.0, 0.0], [0.0, edge, 0.0], [0.0, 0.0, edge]];
+        boxed([[0.5, 0.5], [1.5, 0.5]], 0.5, vectors, [true, true, false], [0.0; 3])
+    };
     for edge in [9.0, 8.75] {
-        let lattice = Lattice::along_axes([edge; 3], [true, true, false]).unwrap();
-        let boxed = Periodic::new(scene.clone().into(), lattice).unwrap();
         let mut contacts = Contacts::default();
-        tracker.step_in_box(&boxed, Arithmetic::Exact, None, &mut contacts).unwrap();
+        tracker.step_in_box(&frame(edge), Arithmetic::Exact, None, &mut contacts).unwrap();
         assert_eq!(contacts.len(), 1);
     }
-    let built = (0..3).map(|_| {
-        let frame = scene.clone().into();
-        tracker.step(&frame, Test::Exact, None, &mut Vec::new()).unwrap().built
-    });
-    assert_eq!(built.collect::<Vec<_>>(), [true, false, false]);
+    let (open, _) = frame(9.0).into_parts();
+    let built =
+        [(); 3].map(|()| tracker.step(&open, Test::Exact, None, &mut Vec::new()).unwrap().built);
+    assert_eq!(built, [true, false, false]);
 }

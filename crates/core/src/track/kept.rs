@@ -2,6 +2,7 @@
 
 use nalgebra::Point;
 
+use super::Frame;
 use super::answer::{Answer, Boxed, Open};
 use super::around::Around;
 use super::cells::{self, Room};
@@ -9,13 +10,13 @@ use super::pass::{Each, Pass, Reach, Same};
 use super::places::Unit;
 use super::rule::{Looks, Rule, Ways};
 use super::travel::{TopTwo, at_most};
-use super::{Frame, Search};
 use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
 use crate::pair_list::{PAIR_BYTES, PairList};
 use crate::periodic::{Contacts, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use crate::searcher::Searcher;
 use crate::wide::{Kernel, Level, Spot, Wide};
 
 /// Particles that are handled together.
@@ -117,7 +118,7 @@ impl<const D: usize> Kept<D> {
         scene: &Scene<'_, T, D>,
         corners: Corners<D>,
         list: &Wanted<'_>,
-        search: &mut Search,
+        search: &mut Searcher,
         mut tally: Option<&mut Tally>,
     ) -> Result<bool, Refusal>
     where
@@ -125,7 +126,7 @@ impl<const D: usize> Kept<D> {
     {
         self.age = None;
         let Wanted { half, rounding, rule, lattice } = *list;
-        let (n, skin, limit) = (scene.len(), 2.0 * half, search.limit);
+        let (n, skin, limit) = (scene.len(), 2.0 * half, search.memory_limit());
         let rounding = rounding + self.around.begin(lattice, n, corners)?;
         let largest = scene.largest_radius().wide();
         if rounding > 4.0 * (largest + half) {
@@ -191,11 +192,11 @@ impl<const D: usize> Kept<D> {
             shifted: std::mem::take(&mut self.around.through),
         };
         let listed = match lattice {
-            None => search.list(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
+            None => search.find(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
             Some(lattice) => match Periodic::new(wider, *lattice) {
                 Ok(wider) => {
                     let frame = Frame::Boxed(&wider, Arithmetic::Exact);
-                    search.list(frame, tally, &mut contacts)
+                    search.find(frame, tally, &mut contacts)
                 }
                 Err(_) => Err(Refusal::Range),
             },

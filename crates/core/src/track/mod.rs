@@ -56,30 +56,12 @@ pub use spec::{FORMS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
 use crate::contact::{Arithmetic, Test};
-use crate::detect::any::AnyDetector;
-use crate::pair_list::{Allowance, PairList};
-use crate::periodic::{Contacts, Finder, Periodic};
+use crate::periodic::{Contacts, Periodic};
 use crate::probe::Tally;
 use crate::refusal::Refusal;
 use crate::scene::AnyScene;
-
-/// A frame whose contacts are wanted.
-#[derive(Clone, Copy)]
-pub enum Frame<'a> {
-    /// In open space.
-    Open(&'a AnyScene<'a>, Test),
-    /// In a periodic box.
-    Boxed(&'a Periodic<'a>, Arithmetic),
-}
-
-impl<'a> Frame<'a> {
-    fn scene(&self) -> &'a AnyScene<'a> {
-        match self {
-            Frame::Open(scene, _) => scene,
-            Frame::Boxed(periodic, _) => periodic.scene(),
-        }
-    }
-}
+pub use crate::searcher::Frame;
+use crate::searcher::Searcher;
 
 /// Finds the contacts of frames: scenes of the same particles, one after the other.
 pub trait Tracker: Send {
@@ -91,7 +73,7 @@ pub trait Tracker: Send {
     /// a `tally` every operation is counted, which takes time.
     ///
     /// # Errors
-    /// What the detector and [`Finder::list`] refuse, and [`Refusal::Pairs`];
+    /// What the detector and [`Finder::list`](crate::periodic::Finder::list) refuse, and [`Refusal::Pairs`];
     /// [`Refusal::Rounded`] from trackers that keep lists, which decide in exact arithmetic in a
     /// box. `contacts` is then as it was, and the next frame is taken as the first.
     fn find(
@@ -155,7 +137,7 @@ pub struct Step {
 }
 
 /// Calls its detector in every frame.
-struct EveryStep(Search);
+struct EveryStep(Searcher);
 
 impl Tracker for EveryStep {
     fn find(
@@ -164,78 +146,15 @@ impl Tracker for EveryStep {
         tally: Option<&mut Tally>,
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal> {
-        self.0.begin(frame);
-        self.0.step(frame, tally, contacts)
+        let (started, before) = (Instant::now(), contacts.len());
+        self.0.find(frame, tally, contacts)?;
+        let listed = contacts.len() - before;
+        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
     }
 
     fn forget(&mut self) {}
 
     fn formula_bytes(&self) -> u64 {
         self.0.formula_bytes()
-    }
-}
-
-/// A detector, and what it needs in boxes.
-struct Search {
-    detector: Box<dyn AnyDetector>,
-    /// Most bytes of a list of contacts.
-    limit: u64,
-    /// Keeps the images if the last frame was in a box.
-    finder: Option<Finder>,
-}
-
-impl Search {
-    fn new(detector: Box<dyn AnyDetector>, limit: u64) -> Search {
-        Search { detector, limit, finder: None }
-    }
-
-    /// Begins a frame: images are kept for frames in boxes alone.
-    fn begin(&mut self, frame: Frame<'_>) {
-        if let Frame::Open(..) = frame {
-            self.finder = None;
-        }
-    }
-
-    /// A step without a kept list.
-    fn step(
-        &mut self,
-        frame: Frame<'_>,
-        tally: Option<&mut Tally>,
-        contacts: &mut Contacts,
-    ) -> Result<Step, Refusal> {
-        let (started, before) = (Instant::now(), contacts.len());
-        self.list(frame, tally, contacts)?;
-        let listed = contacts.len() - before;
-        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
-    }
-
-    /// Lists the contacts of a frame; counts operations if there is a tally.
-    fn list(
-        &mut self,
-        frame: Frame<'_>,
-        tally: Option<&mut Tally>,
-        contacts: &mut Contacts,
-    ) -> Result<(), Refusal> {
-        let (limit, detector) = (self.limit, &mut *self.detector);
-        match (frame, tally) {
-            (Frame::Open(scene, test), None) => detector.list(scene, test, &mut contacts.plain),
-            (Frame::Open(scene, test), Some(tally)) => {
-                let allowance = Allowance::new(limit);
-                let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
-                let counted = detector.count(scene, test, tally, &mut list);
-                list.end(scene.len(), &mut contacts.plain).and(counted)
-            }
-            (Frame::Boxed(frame, arithmetic), tally) => {
-                let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
-                match tally {
-                    Some(tally) => finder.count(frame, detector, arithmetic, tally, contacts),
-                    None => finder.list(frame, detector, arithmetic, contacts),
-                }
-            }
-        }
-    }
-
-    fn formula_bytes(&self) -> u64 {
-        self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }
 }

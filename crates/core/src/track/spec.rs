@@ -6,10 +6,12 @@ use std::fmt;
 use super::rule::Rule;
 use super::tuner::Costs;
 use super::verlet::Verlet;
-use super::{EveryStep, Search, Tracker};
+use super::{EveryStep, Tracker};
 use crate::contact::{Margin, Test};
 use crate::detect::Options;
 use crate::detect::spec::{self, DetectorSpec, SpecError};
+use crate::searcher::Searcher;
+use contactbench_terms::grammar::{self, Spec};
 
 /// A tracker over a detector of the table. Its text ([`fmt::Display`]) is the normal form, and
 /// [`parse`] gives the spec back.
@@ -50,9 +52,9 @@ impl TrackerSpec {
     /// A tracker that has seen no frame. Its lists may take the memory limit of `options`, and its
     /// detector as much.
     pub fn make(&self, options: Options) -> Box<dyn Tracker> {
-        let search = Search::new(self.detector().make(options), options.memory_limit);
+        let search = EveryStep(Searcher::new(self.detector(), options));
         match self {
-            TrackerSpec::EveryStep(_) => Box::new(EveryStep(search)),
+            TrackerSpec::EveryStep(_) => Box::new(search),
             TrackerSpec::Verlet { detector, skin, rule } => {
                 Box::new(Verlet::new(search, Costs::of(detector.entry.speed), *skin, *rule))
             }
@@ -134,43 +136,12 @@ pub enum TrackerError {
     /// Another form.
     #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
     Form(String),
-    /// Not a length.
-    #[error(
-        "'{text}': skin cannot be '{value}'; it is a number of at least 0, in diameters, or auto"
-    )]
-    Skin {
-        /// The whole text.
-        text: String,
-        /// As given.
-        value: String,
-    },
-    /// No such rule.
-    #[error(
-        "'{text}': rule cannot be '{value}'; it is half-skin, top-two, summed, every-K or \
-         lammps-DELAY-EVERY-yes (or -no)"
-    )]
-    Rule {
-        /// The whole text.
-        text: String,
-        /// As given.
-        value: String,
-    },
     /// A skin that nobody looks after.
-    #[error(
-        "'{text}': skin=auto goes with half-skin, top-two or summed, which look where bodies go"
-    )]
-    Auto {
-        /// The whole text.
-        text: String,
-    },
-    /// One parameter, two values.
-    #[error("'{text}': {name} is given twice; leave out one of the two")]
-    Twice {
-        /// The whole text.
-        text: String,
-        /// The parameter.
-        name: &'static str,
-    },
+    #[error("'{0}': skin=auto goes with half-skin, top-two or summed, which look where bodies go")]
+    Auto(String),
+    /// A parameter that is given twice, or cannot have this value.
+    #[error(transparent)]
+    Grammar(#[from] grammar::Error),
     /// The detector in it.
     #[error(transparent)]
     Detector(#[from] SpecError),
@@ -185,53 +156,37 @@ const SKIN: Skin = Skin::Diameters(0.1);
 /// # Errors
 /// Other forms, and what is wrong with the detector.
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
-    let whole = || text.to_string();
-    let Some((name, rest)) = text.trim().split_once('(') else {
-        if matches!(text.trim(), "every-step" | "verlet") {
-            return Err(TrackerError::Form(whole()));
+    let given = Spec::parse_tracker(text);
+    match (given.name, &given.over) {
+        ("every-step" | "verlet", None) => Err(TrackerError::Form(text.into())),
+        (_, None) => Ok(TrackerSpec::EveryStep(spec::parse(text)?)),
+        ("verlet", Some(over)) if given.stray.is_none() => verlet(&given, over),
+        ("every-step", Some(over)) if given.stray.is_none() && given.params.is_empty() => {
+            Ok(TrackerSpec::EveryStep(spec::parse(over)?))
         }
-        return Ok(TrackerSpec::EveryStep(spec::parse(text)?));
-    };
-    let inner = rest.strip_suffix(')').ok_or_else(|| TrackerError::Form(whole()))?;
-    match name.trim() {
-        "every-step" => Ok(TrackerSpec::EveryStep(spec::parse(inner)?)),
-        "verlet" => verlet(text, inner),
-        _ => Err(TrackerError::Form(whole())),
+        _ => Err(TrackerError::Form(text.into())),
     }
 }
 
-/// What is not a parameter of trackers belongs to the detector.
-fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
-    let whole = || text.to_string();
-    let (mut skin, mut rule, mut detector) = (None, None, Vec::new());
-    for piece in inner.split(',') {
-        let twice = |name| TrackerError::Twice { text: whole(), name };
-        match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
-            Some(("skin", value)) => {
-                let wrong = || TrackerError::Skin { text: whole(), value: value.into() };
-                let thick = match value {
-                    "auto" => Skin::Auto,
-                    _ => Skin::Diameters(length(value).ok_or_else(wrong)?),
-                };
-                if skin.replace(thick).is_some() {
-                    return Err(twice("skin"));
-                }
-            }
-            Some(("rule", value)) => {
-                let wrong = || TrackerError::Rule { text: whole(), value: value.into() };
-                if rule.replace(value.parse().map_err(|()| wrong())?).is_some() {
-                    return Err(twice("rule"));
-                }
-            }
-            _ => detector.push(piece),
-        }
+fn verlet(given: &Spec<'_>, over: &str) -> Result<TrackerSpec, TrackerError> {
+    given.form("")?;
+    let skin = match given.get("skin") {
+        None => SKIN,
+        Some("auto") => Skin::Auto,
+        Some(value) => Skin::Diameters(length(value).ok_or_else(|| {
+            let allowed = "a number of at least 0, in diameters, or auto";
+            given.wrong("skin", value, &["auto"], allowed)
+        })?),
+    };
+    let rule = given.get("rule").map_or(Ok(Rule::TopTwo), |value| {
+        let allowed = "half-skin, top-two, summed, every-K or lammps-DELAY-EVERY-yes (or -no)";
+        let words = ["half-skin", "top-two", "summed"];
+        value.parse().map_err(|()| given.wrong("rule", value, &words, allowed))
+    })?;
+    if skin == Skin::Auto && !matches!(rule, Rule::HalfSkin | Rule::TopTwo | Rule::Summed) {
+        return Err(TrackerError::Auto(given.text.into()));
     }
-    let (skin, rule) = (skin.unwrap_or(SKIN), rule.unwrap_or(Rule::TopTwo));
-    let looks = matches!(rule, Rule::HalfSkin | Rule::TopTwo | Rule::Summed);
-    if skin == Skin::Auto && !looks {
-        return Err(TrackerError::Auto { text: whole() });
-    }
-    Ok(TrackerSpec::Verlet { detector: spec::parse(&detector.join(","))?, skin, rule })
+    Ok(TrackerSpec::Verlet { detector: spec::parse(over)?, skin, rule })
 }
 
 /// A number of at least 0; -0 becomes 0.

@@ -231,7 +231,7 @@ pub(super) fn grid(apart: f64) -> AnyScene<'static> {
 }
 
 #[test]
-fn other_particles_other_radii_and_refusals_begin_anew() {
+fn other_particles_and_other_radii_begin_anew() {
     let plane = frames::<2>(60, false, Motion::Few, 1);
     let space = frames::<3>(60, false, Motion::Few, 2);
     let sizes = frames::<2>(60, true, Motion::Few, 1);
@@ -254,47 +254,41 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
         Arithmetic::Exact,
     );
     assert_eq!([lost, all], [0, 1]);
-    // A refusal for too many contacts: the same particles, farther apart, begin a new list.
-    let room = Options { memory_limit: 3_000, threads: 1 };
-    let mut tracker_of_few = parse("verlet(direct,skin=0)").unwrap().make(room);
+}
+
+/// After a refusal the pairs are as they were, and the next frame is the first.
+#[test]
+fn refusals_begin_anew() {
+    let make =
+        |text: &str, memory_limit| parse(text).unwrap().make(Options { memory_limit, threads: 1 });
+    let mut pairs = vec![[7, 8]];
+    let mut step = |tracker: &mut dyn Tracker, frame: &AnyScene<'_>| {
+        let step = tracker.step(frame, Test::Exact, None, &mut pairs);
+        assert_eq!(pairs, [[7, 8]]);
+        step.map(|step| step.built)
+    };
+    // Too many contacts: the same particles, farther apart, begin a new list.
     let (near, far) = (grid(0.5), grid(2.5));
-    assert!(tracker_of_few.step(&far, Test::Exact, None, &mut Vec::new()).unwrap().built);
-    let refused = tracker_of_few.step(&near, Test::Exact, None, &mut Vec::new()).unwrap_err();
+    let mut of_few = make("verlet(direct,skin=0)", 3_000);
+    assert_eq!(step(&mut *of_few, &far), Ok(true));
+    let refused = step(&mut *of_few, &near).unwrap_err();
     assert!(matches!(refused, Refusal::Pairs { .. } | Refusal::Listed { .. }), "{refused}");
-    assert!(tracker_of_few.step(&far, Test::Exact, None, &mut Vec::new()).unwrap().built);
-    let listed = parse("verlet(direct,skin=9)").unwrap().make(room).step(
-        &far,
-        Test::Exact,
-        None,
-        &mut Vec::new(),
-    );
-    assert!(listed.unwrap_err().to_string().contains("within a skin of"));
-    let arrays = Options { memory_limit: 1_000, threads: 1 };
-    let arrays = parse("verlet(direct,skin=0)").unwrap().make(arrays).step(
-        &far,
-        Test::Exact,
-        None,
-        &mut Vec::new(),
-    );
-    assert!(matches!(arrays.unwrap_err(), Refusal::Memory { detector: "verlet", .. }));
+    assert_eq!(step(&mut *of_few, &far), Ok(true));
+    let listed = step(&mut *make("verlet(direct,skin=9)", 3_000), &far).unwrap_err();
+    assert!(listed.to_string().contains("within a skin of"), "{listed}");
+    let arrays = step(&mut *make("verlet(direct,skin=0)", 1_000), &far).unwrap_err();
+    assert!(matches!(arrays, Refusal::Memory { detector: "verlet", .. }), "{arrays}");
     // Too large a skin, and too many pairs.
     let mut huge = tracker("verlet(nbs,skin=1e308)");
-    let mut pairs = vec![[7, 8]];
     for _ in 0..2 {
-        let refused =
-            huge.step(&grown(2.5), Test::Exact, None, &mut pairs).unwrap_err().to_string();
-        assert!(refused.contains("skin"), "{refused}");
-        assert_eq!(pairs, [[7, 8]]);
+        let refused = step(&mut *huge, &far).unwrap_err();
+        assert!(refused.to_string().contains("skin"), "{refused}");
     }
-    let few = Options { memory_limit: 300, threads: 1 };
+    let alone = Scene::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap().into();
     for text in ["verlet(direct,skin=9)", "verlet(direct,skin=0)", "direct"] {
-        let mut tracker = parse(text).unwrap().make(few);
-        assert!(tracker.step(&plane[0], Test::Exact, None, &mut pairs).is_err(), "{text}");
-        assert_eq!(pairs, [[7, 8]], "{text}");
-        let alone: AnyScene<'_> =
-            Scene::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap().into();
-        let step = tracker.step(&alone, Test::Exact, None, &mut pairs).unwrap();
-        assert!(step.built && pairs == [[7, 8]], "{text}");
+        let mut tracker = make(text, 300);
+        assert!(step(&mut *tracker, &near).is_err(), "{text}");
+        assert_eq!(step(&mut *tracker, &alone), Ok(true), "{text}");
     }
 }
 

@@ -6,7 +6,7 @@ use super::kept::{Kept, Wanted};
 use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{Costs, LEAST, Served, Tuner};
-use super::{Frame, Search, Step, Tracker};
+use super::{EveryStep, Frame, Step, Tracker};
 use crate::contact::{Arithmetic, Bodies, Test, any_bodies};
 use crate::filter::bounds;
 use crate::pair_list::{Allowance, PairList};
@@ -14,6 +14,7 @@ use crate::periodic::{Contacts, List};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Lattice, Real, Scene};
+use crate::searcher::Searcher;
 use crate::with_stored;
 
 /// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
@@ -25,7 +26,7 @@ use crate::with_stored;
 /// more, 20 for each listed pair through a face, 16 for each particle that has another name than
 /// when the list was built, and images while it is built.
 pub(super) struct Verlet {
-    search: Search,
+    search: EveryStep,
     skin: Skin,
     rule: Rule,
     tuner: Tuner,
@@ -36,7 +37,7 @@ pub(super) struct Verlet {
 }
 
 impl Verlet {
-    pub fn new(search: Search, costs: Costs, skin: Skin, rule: Rule) -> Verlet {
+    pub fn new(search: EveryStep, costs: Costs, skin: Skin, rule: Rule) -> Verlet {
         Verlet {
             search,
             skin,
@@ -64,7 +65,7 @@ impl Verlet {
             Frame::Boxed(periodic, _) => (Some(periodic.lattice()), Test::Exact),
         };
         let settings = Settings { rule: self.rule, touching: self.touching, test };
-        let work = Work { skin, search: &mut self.search, lattice, tally };
+        let work = Work { skin, search: &mut self.search.0, lattice, tally };
         let (plane, space) = (&mut self.plane, &mut self.space);
         match (frame, frame.scene()) {
             (Frame::Open(..), AnyScene::Plane(scene)) => {
@@ -100,7 +101,6 @@ impl Tracker for Verlet {
             return Err(Refusal::Rounded { arithmetic: arithmetic.name() });
         }
         let before = contacts.len();
-        self.search.begin(frame);
         let mut step = Ok(None);
         if self.tuner.direct == 0 {
             step = self.with_list(frame, tally.as_deref_mut(), contacts);
@@ -117,7 +117,7 @@ impl Tracker for Verlet {
                 Frame::Open(scene, test) => Frame::Open(scene, test.safe()),
                 boxed @ Frame::Boxed(..) => boxed,
             };
-            self.search.step(frame, tally, contacts)
+            self.search.find(frame, tally, contacts)
         });
         match &step {
             Ok(_) => self.touching = contacts.len() - before,
@@ -146,7 +146,7 @@ enum Thick<'a> {
 /// Who builds a list.
 struct Work<'a> {
     skin: Thick<'a>,
-    search: &'a mut Search,
+    search: &'a mut Searcher,
     /// The box, if there is one.
     lattice: Option<&'a Lattice>,
     tally: Option<&'a mut Tally>,
@@ -183,7 +183,7 @@ impl Settings {
     {
         let bodies = any_bodies(scene, self.test)?;
         let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
-        let allowance = Allowance::new(work.search.limit);
+        let allowance = Allowance::new(work.search.memory_limit());
         let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let exact = kept.pass(bodies, &mut list);
         work.tally(&step, exact);
@@ -206,7 +206,7 @@ impl Settings {
         let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
         let pass =
             |plain: &mut PairList<'_>, shifted: &mut List| kept.pass_in_box(scene, plain, shifted);
-        let exact = contacts.gather(work.search.limit, scene.len(), pass)?;
+        let exact = contacts.gather(work.search.memory_limit(), scene.len(), pass)?;
         work.tally(&step, exact);
         Ok(Some(step))
     }

@@ -34,7 +34,7 @@ use recorder::{Names, Recorder, Step};
 
 use contactbench_core::contact::{Arithmetic, any_bodies};
 use contactbench_core::detect::book::binary_tree::BinaryTree;
-use contactbench_core::detect::book::nbs2d::Nbs2d;
+use contactbench_core::detect::book::nbs::Nbs;
 use contactbench_core::detect::book::screening::Screening;
 use contactbench_core::detect::book::sorting::Sorting;
 use contactbench_core::detect::{Declare, Detector, Options};
@@ -158,7 +158,7 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
     let (probe, sink) = (&mut recorder, &mut contacts);
     let options = Options::default();
     match algorithm {
-        Algorithm::Nbs => Nbs2d::with(options).detect(bodies, probe, sink),
+        Algorithm::Nbs => Nbs::<2>::with(options).detect(bodies, probe, sink),
         Algorithm::Sorting => Sorting::<2>::with(options).detect(bodies, probe, sink),
         Algorithm::Screening => {
             Detector::<f64, 2>::detect(&mut Screening::with(options), bodies, probe, sink)

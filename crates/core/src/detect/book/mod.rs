@@ -6,11 +6,7 @@ pub mod direct;
 mod golden;
 pub mod list;
 pub mod mask;
-#[expect(dead_code, reason = "`lists` goes with the next change of this timed code")]
-pub mod nbs2d;
-#[expect(dead_code, reason = "`lists` goes with the next change of this timed code")]
-pub mod nbs3d;
+pub mod nbs;
 pub mod nbs_levels;
-#[expect(dead_code, reason = "`lists` goes with the next change of this timed code")]
 pub mod screening;
 pub mod sorting;

@@ -9,8 +9,7 @@
 //! ```
 //!
 //! 1. The largest radius, half of it, and so on part the radii into classes, at most 32. Particles
-//!    are put in order of classes. Where there is one class, it is plain [`super::nbs2d`] or
-//!    [`super::nbs3d`].
+//!    are put in order of classes. Where there is one class, it is plain [`super::nbs`].
 //! 2. Each class is detected by plain NBS, as if there were no other.
 //! 3. For each class but the last its particles (A) and all smaller ones inside its box (F) are
 //!    put on two sets of lists of layers, in cells as wide as an A and an F can reach. A loop over
@@ -28,7 +27,7 @@
 //!   4(2cz + 2cy + 2cx + 3N) + 4N` in 3D, for M particles in the largest class, the most cells n.
 //!   along each axis of any class by itself, and c. with the smaller ones.
 //! * Refuses more than 2^31 - 1 particles, and scenes over the memory limit.
-//! * Deviations from the book: as for [`super::nbs2d`]; the cells of a class are at most about as
+//! * Deviations from the book: as for [`super::nbs`]; the cells of a class are at most about as
 //!   many along an axis as it has particles, but at least 64, so that the memory is proportional to
 //!   N in any domain.
 

@@ -80,7 +80,12 @@ impl Screening {
     ) -> Result<(), Refusal> {
         self.prepare(cells, bodies.len())?;
         let n = bodies.len() as u32;
-        let offsets = offsets(cells, mask);
+        // How far each cell of the mask lies from a central cell in the array.
+        let offsets = mask.map(|cell| {
+            (0..D)
+                .rev()
+                .fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize)
+        });
         probe.note(|| Event::Begin(Part::Cells));
         self.push(bodies, cells, probe);
         probe.note(|| Event::Begin(Part::Search));
@@ -89,7 +94,9 @@ impl Screening {
             let cell = cells.place(bodies.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 probe.note(|| Event::Central { cell: cells.of_place(cell) });
-                self.check(bodies, cell, central, offsets, probe, sink);
+                let heads =
+                    offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
+                self.e.check(0, bodies, central, heads, probe, sink);
             }
         }
         probe.note(|| Event::Begin(Part::RemoveCells));
@@ -100,44 +107,12 @@ impl Screening {
         Ok(())
     }
 
-    /// Checks the cell at a place of the array, whose list begins with `central`, against itself
-    /// and the contact mask.
-    #[inline(always)]
-    pub(crate) fn check<T: Real, const D: usize, const M: usize>(
-        &self,
-        bodies: &impl Bodies<T, D>,
-        cell: usize,
-        central: u32,
-        offsets: [isize; M],
-        probe: &mut impl Probe,
-        sink: &mut impl Sink,
-    ) {
-        let heads = offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
-        self.e.check(0, bodies, central, heads, probe, sink);
-    }
-
-    /// The lists of the cells, which are of kind 0.
-    pub(crate) fn lists(&mut self) -> (&mut Heads, &mut Links<1>) {
-        (&mut self.c, &mut self.e)
-    }
-
-    /// What both arrays take.
-    pub(crate) fn bytes<const D: usize>(cells: &Cells<D>, n: usize) -> u64 {
-        cells.volume().saturating_add(n as u64).saturating_mul(4)
-    }
-
-    pub(crate) fn prepare<const D: usize>(
-        &mut self,
-        cells: &Cells<D>,
-        n: usize,
-    ) -> Result<(), Refusal> {
+    fn prepare<const D: usize>(&mut self, cells: &Cells<D>, n: usize) -> Result<(), Refusal> {
         numbered("screening", n)?;
-        let needed = Screening::bytes(cells, n);
+        let needed = cells.volume().saturating_add(n as u64).saturating_mul(4);
         within(&self.options, "screening", needed, || {
-            format!(
-                "{n} particles, {} cells",
-                cells.count.map(|count| count.to_string()).join(" x ")
-            )
+            let counts = cells.count.map(|count| count.to_string());
+            format!("{n} particles, {} cells", counts.join(" x "))
         })?;
         self.formula = needed;
         self.c.prepare(cells.volume() as usize);
@@ -155,17 +130,6 @@ impl Screening {
             self.c.push(cells.place(bodies.position(k), probe), k, &mut self.e, 0, probe);
         }
     }
-}
-
-/// How far each cell of a mask lies from a central cell in the array.
-#[inline(always)]
-pub(crate) fn offsets<const D: usize, const M: usize>(
-    cells: &Cells<D>,
-    mask: [[i32; D]; M],
-) -> [isize; M] {
-    mask.map(|cell| {
-        (0..D).rev().fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize)
-    })
 }
 
 #[cfg(test)]

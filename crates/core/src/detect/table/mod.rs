@@ -1,13 +1,11 @@
 //! The table of all detectors. An algorithm that has a line here is in the command line, every
 //! experiment and every test.
 
-use std::collections::BTreeMap;
-
 use super::any::{AnyDetector, Both, Refuses};
 use super::book::nbs_levels::NbsLevels;
-use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
+use super::book::{binary_tree, direct, nbs, screening, sorting};
+pub use super::entry::{Beside, Entry, Group, Judge, Parameter, Params, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
-pub use super::parameter::{Beside, Parameter};
 #[cfg(feature = "peers")]
 use super::peers::Peer;
 pub use super::spec::{DetectorSpec, SpecError, parse};
@@ -15,156 +13,34 @@ use super::streamed::{Form, Streamed};
 use super::{Options, Refusal, control, peers};
 use crate::wide::Level;
 
-/// What a detector is there for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// Finds all contacts.
-    Detector,
-    /// Reports nothing, on purpose: what is left of a measurement without a detector.
-    Nothing,
-    /// The same code as another detector: what two measurements of the same thing differ by.
-    Twin(&'static str),
-    /// A library that people use: finds all contacts, but is not held to our rules about memory and
-    /// refusals.
-    Peer,
-}
-
-/// Detectors that experiments name together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
-    /// Of Munjiza's book.
-    Book,
-    /// Grids, trees and sweeps as they are used today.
-    Modern,
-    /// NBS for caches and vector registers.
-    Streamed,
-    /// Controls of the measurement.
-    Controls,
-    /// More twins of detectors, where the noise is to be known well.
-    Twins,
-    /// Libraries that people use.
-    Peers,
-}
-
-impl Group {
-    /// All groups, in the order of the table.
-    pub const ALL: [Group; 6] =
-        [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Twins, Group::Peers];
-
-    /// The name in experiments.
-    pub fn name(self) -> &'static str {
-        match self {
-            Group::Book => "@book",
-            Group::Modern => "@modern",
-            Group::Streamed => "@streamed",
-            Group::Controls => "@controls",
-            Group::Twins => "@twins",
-            Group::Peers => "@peers",
-        }
-    }
-}
-
-/// How the times of a detector usually compare with those of the others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Speed {
-    /// About as fast as looking at a list of pairs twenty times.
-    Fast,
-    /// Some times as long.
-    Usual,
-    /// So long that it is asked last.
-    Slow,
-}
-
-/// The places of a detector among those that are asked for the truth, from 1; 0: it is not asked.
-/// Judges that are asked together are of different families, the fast ones first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Judge {
-    /// Where sizes are alike.
-    pub alike: u8,
-    /// Where sizes differ: cells as large as the largest particle hold nearly all others.
-    pub differ: u8,
-    /// Among the images of a periodic box.
-    pub boxed: u8,
-}
-
-impl Judge {
-    /// A detector that is not asked.
-    pub const NOT: Judge = Judge { alike: 0, differ: 0, boxed: 0 };
-}
-
-/// Values given to a detector's parameters, by name; those left at their defaults are absent.
-pub type Params = BTreeMap<String, String>;
-
-/// One line of the table.
-pub struct Entry {
-    /// The name in records, experiments and on the command line.
-    pub name: &'static str,
-    /// Detector or control.
-    pub role: Role,
-    /// Which group it belongs to.
-    pub group: Group,
-    /// What it does, in a few words.
-    pub summary: &'static str,
-    /// Cost for N particles.
-    pub cost: &'static str,
-    /// Memory in bytes: n.. are cells per axis (borders included), N particles.
-    pub memory: &'static str,
-    /// What it refuses or does badly.
-    pub limits: &'static str,
-    /// Can use more than one thread.
-    pub threads: bool,
-    /// How the detector's times usually compare with those of other detectors.
-    pub speed: Speed,
-    /// Where the truth of a scene is asked of it.
-    pub judge: Judge,
-    /// What its user may choose.
-    pub parameters: &'static [Parameter],
-    /// How it is made; see [`Entry::make`] and [`DetectorSpec::make`].
-    pub constructor: fn(&Params, Options) -> Box<dyn AnyDetector>,
-}
-
-impl Entry {
-    /// A detector with empty buffers and all parameters at their defaults.
-    pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
-        (self.constructor)(&Params::new(), options)
-    }
-
-    /// True for detectors, whose answers must be right; false for the control that reports nothing.
-    pub fn must_be_right(&self) -> bool {
-        self.role != Role::Nothing
-    }
-
-    /// True for the code of this project, which allocates and refuses as its documentation says;
-    /// false for peers.
-    pub fn is_ours(&self) -> bool {
-        self.role != Role::Peer
-    }
-}
-
 #[cfg(feature = "peers")]
 const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetector>) -> Entry {
     let Peer { name, summary, cost, limits } = *peer;
-    Entry {
-        name,
-        role: Role::Peer,
-        group: Group::Peers,
-        summary,
-        cost,
-        memory: "the library's own",
-        limits,
-        threads: false,
-        speed: Speed::Slow,
-        judge: Judge::NOT,
-        parameters: &[],
-        constructor,
-    }
+    let (role, group, speed) = (Role::Peer, Group::Peers, Speed::Slow);
+    let memory = "the library's own";
+    Entry { name, role, group, summary, cost, memory, limits, speed, constructor, ..PLAIN }
 }
+
+/// What most entries have in common.
+const PLAIN: Entry = Entry {
+    name: "",
+    role: Role::Detector,
+    group: Group::Book,
+    summary: "",
+    cost: "",
+    memory: "",
+    limits: "",
+    threads: false,
+    speed: Speed::Usual,
+    judge: Judge::NOT,
+    parameters: &[],
+    constructor: Both::<direct::Direct, direct::Direct>::boxed,
+};
 
 /// All detectors and controls.
 pub static TABLE: &[Entry] = &[
     Entry {
         name: "direct",
-        role: Role::Detector,
         group: Group::Book,
         summary: "tests every pair",
         cost: "N(N-1)/2 contact tests",
@@ -172,62 +48,53 @@ pub static TABLE: &[Entry] = &[
         limits: "time: hopeless at scale",
         threads: true,
         speed: Speed::Slow,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<direct::Direct, direct::Direct>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "binary-tree",
-        role: Role::Detector,
         group: Group::Book,
         summary: "halves space in turn along the axes, lists in the leaves",
         cost: "N log N",
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31; the memory limit",
-        threads: false,
         speed: Speed::Slow,
         judge: Judge { alike: 3, differ: 0, boxed: 0 },
-        parameters: &[],
         constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "screening",
-        role: Role::Detector,
         group: Group::Book,
         summary: "one list head for every cell of the domain",
         cost: "N",
         memory: "4(nx ny [nz] + N)",
         limits: "memory: loose packs and far-away particles are refused",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 4, differ: 0, boxed: 0 },
-        parameters: &[],
         constructor: Both::<screening::Screening, screening::Screening>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "sorting",
-        role: Role::Detector,
         group: Group::Book,
         summary: "sorts integerised coordinates, finds mask cells by binary search",
         cost: "N log N",
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31; the memory limit",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 2, differ: 4, boxed: 4 },
-        parameters: &[],
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "nbs",
-        role: Role::Detector,
         group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
         memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels \
                  about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 1, differ: 3, boxed: 3 },
         parameters: &[Parameter {
@@ -239,10 +106,10 @@ pub static TABLE: &[Entry] = &[
                       smaller ones",
         }],
         constructor: nbs,
+        ..PLAIN
     },
     Entry {
         name: "streamed-nbs",
-        role: Role::Detector,
         group: Group::Streamed,
         summary: "NBS for caches and vector registers: layers sorted by cell, two at a time, \
                   sixteen tests in one go; in classes where sizes differ",
@@ -270,10 +137,10 @@ pub static TABLE: &[Entry] = &[
             },
         ],
         constructor: streamed,
+        ..PLAIN
     },
     Entry {
         name: "cell-grid",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "copies sorted by cell, rows of cells side by side",
         cost: "N + cells",
@@ -281,33 +148,27 @@ pub static TABLE: &[Entry] = &[
         limits: "memory: loose packs and far-away particles are refused",
         threads: true,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "hash-grid",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "copies sorted by a hash of their cell, bricks of cells side by side",
         cost: "N",
         memory: "4(B + 513) + 24N in 2D, 4(B + 1025) + 32N in 3D; B the power of two from N up",
         limits: "cells per axis < 2^31; the memory limit",
-        threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "hgrid",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "a hashed grid for every class of sizes, large bodies searched in the fine grids",
         cost: "N in each level, whatever the ratio of sizes",
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 0, differ: 2, boxed: 0 },
         parameters: &[
@@ -332,48 +193,42 @@ pub static TABLE: &[Entry] = &[
             },
         ],
         constructor: hgrid,
+        ..PLAIN
     },
     Entry {
         name: "sweep",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "sorts along the longest axis, compares what overlaps along a second",
         cost: "N log N key comparisons, N^(2 - 1/D) of bounds in a box",
         memory: "32N in 2D, 40N in 3D",
         limits: "time: many particles in 3D; the memory limit",
-        threads: false,
         speed: Speed::Slow,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<sweep::Sweep<2>, sweep::Sweep<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "kd-tree",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "halves the particles in turn at medians, boxes around halves",
         cost: "N log N",
         memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 0, differ: 1, boxed: 0 },
-        parameters: &[],
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "bvh",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "sorts along a Morton curve, boxes around neighbours on it",
         cost: "N log N",
         memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit; clumps far from the rest are slow",
-        threads: false,
         speed: Speed::Usual,
         judge: Judge { alike: 0, differ: 0, boxed: 1 },
-        parameters: &[],
         constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "nothing",
@@ -383,11 +238,9 @@ pub static TABLE: &[Entry] = &[
         cost: "0",
         memory: "0",
         limits: "finds nothing",
-        threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<control::Nothing, control::Nothing>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "nbs-twin",
@@ -397,11 +250,9 @@ pub static TABLE: &[Entry] = &[
         cost: "N",
         memory: "as nbs",
         limits: "as nbs",
-        threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
-        constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+        constructor: Both::<nbs::Nbs<2>, nbs::Nbs<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "cell-grid-twin",
@@ -413,9 +264,8 @@ pub static TABLE: &[Entry] = &[
         limits: "as cell-grid",
         threads: true,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
+        ..PLAIN
     },
     Entry {
         name: "streamed-nbs-twin",
@@ -427,9 +277,8 @@ pub static TABLE: &[Entry] = &[
         limits: "as streamed-nbs",
         threads: true,
         speed: Speed::Usual,
-        judge: Judge::NOT,
-        parameters: &[],
         constructor: streamed,
+        ..PLAIN
     },
     #[cfg(feature = "peers")]
     peer(&peers::KIDDO, Both::<peers::kiddo::Kiddo<2>, peers::kiddo::Kiddo<3>>::boxed),
@@ -466,9 +315,9 @@ pub fn judges(place: fn(&Judge) -> u8) -> Vec<&'static Entry> {
 /// `nbs` with its parameter.
 fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     if params.contains_key("levels") {
-        Both::<NbsLevels<nbs2d::Nbs2d, 2>, NbsLevels<nbs3d::Nbs3d, 3>>::boxed(params, options)
+        Both::<NbsLevels<nbs::Nbs<2>, 2>, NbsLevels<nbs::Nbs<3>, 3>>::boxed(params, options)
     } else {
-        Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed(params, options)
+        Both::<nbs::Nbs<2>, nbs::Nbs<3>>::boxed(params, options)
     }
 }
 

@@ -5,9 +5,9 @@ use super::super::images::Images;
 use super::super::stored::stored;
 use super::*;
 use crate::contact::{Bodies, any_bodies};
-use crate::probe::{Op, Silent};
+use crate::probe::Silent;
 use crate::scene::array;
-use crate::with_stored;
+use crate::with_scene;
 
 /// What has been compared.
 #[derive(Debug, Default)]
@@ -94,13 +94,8 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         let periodic = bag.periodic();
         let frame = Frame::<D>::new(periodic.lattice()).unwrap();
         let n = bag.centres.len();
-        let scene = Scene::new(
-            bag.centres.iter().copied().map(nalgebra::Point::from).collect::<Vec<_>>(),
-            bag.radii.clone(),
-        );
-        let scene = scene.unwrap();
-        let mut centres = Vec::new();
-        let (mut radii, mut names) = (Vec::new(), Vec::new());
+        let scene = bag.scene();
+        let (mut centres, mut radii, mut names) = (Vec::new(), Vec::new(), Vec::new());
         let mut images = Images::default();
         let Ok(made) = images.make(&scene, periodic.lattice(), arithmetic, LIMIT) else {
             panic!("{bag:?}")
@@ -118,14 +113,9 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         };
         (0..n).for_each(|k| add(k, [0; 3]));
         for k in 0..n {
-            for x in 0..=most[0] {
-                for y in -most[1]..=most[1] {
-                    for z in -most[2]..=most[2] {
-                        if [x, y, z] > [0; 3] {
-                            add(k, [x, y, z]);
-                        }
-                    }
-                }
+            for (x, y) in (0..=most[0]).flat_map(|x| (-most[1]..=most[1]).map(move |y| (x, y))) {
+                let images = (-most[2]..=most[2]).map(|z| [x, y, z]);
+                images.filter(|&image| image > [0; 3]).for_each(|image| add(k, image));
             }
         }
         let open = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
@@ -135,28 +125,14 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
             let ((i, from), (j, to)) = (names[a as usize], names[b as usize]);
             ImagePair::new(i, j, std::array::from_fn(|v| to[v] - from[v]))
         };
-        fn all<T: crate::scene::Real, const D: usize>(
-            bodies: impl Bodies<T, D>,
-            n: usize,
-            mut touch: impl FnMut(u32, u32),
-        ) {
+        with_scene!(&open, scene => {
+            let bodies = any_bodies(scene, arithmetic.test()).unwrap();
             for a in 0..n as u32 {
-                for b in a + 1..bodies.len() as u32 {
-                    if bodies.touch(a, b, &mut Silent) {
-                        touch(a, b);
-                    }
-                }
+                let others = a + 1..bodies.len() as u32;
+                let touching = others.filter(|&b| bodies.touch(a, b, &mut Silent));
+                found.extend(touching.map(|b| pair(a, b)));
             }
-        }
-        let test = arithmetic.test();
-        match &open {
-            AnyScene::Plane(open) => with_stored!(open, scene => {
-                all(any_bodies(scene, test).unwrap(), n, |a, b| found.push(pair(a, b)));
-            }),
-            AnyScene::Space(open) => with_stored!(open, scene => {
-                all(any_bodies(scene, test).unwrap(), n, |a, b| found.push(pair(a, b)));
-            }),
-        }
+        });
         found.sort_unstable();
         let truth = truth(&periodic, arithmetic, LIMIT).unwrap().pairs;
         assert_eq!(truth, found, "{arithmetic}: {bag:?}");
@@ -192,34 +168,6 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         }
     }
     assert!((1500..4500).contains(&touching), "{touching}");
-}
-
-/// Images are few where the box is large, and all are counted.
-#[test]
-fn images_are_made_near_the_faces_only() {
-    let random = &mut ChaCha8Rng::seed_from_u64(3);
-    let centres: Vec<[f64; 3]> =
-        (0..1000).map(|_| std::array::from_fn(|_| 20.0 * random.random::<f64>())).collect();
-    let bag = Bag {
-        centres,
-        radii: Radii::Uniform(0.5),
-        vectors: [[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]],
-        periodic: [true; 3],
-        origin: [0.0; 3],
-    };
-    let (periodic, mut detector) = (bag.periodic(), TABLE[5].make(OPTIONS));
-    let (digest, tally) = count(&mut *detector, &periodic, Arithmetic::Exact);
-    // A layer of 1 around the box holds a third of the box's volume; half of it is made.
-    let ghosts = tally.get(Op::GhostMade);
-    assert!((120..220).contains(&ghosts), "{ghosts}");
-    let truth = truth(&periodic, Arithmetic::Exact, LIMIT).unwrap();
-    assert_eq!(digest, truth.digest);
-    assert!(tally.get(Op::ContactTest) > 0 && tally.get(Op::ExactTest) == 0);
-    let AnyScene::Space(Stored::F64(scene)) = periodic.scene() else { panic!("made in space") };
-    let mut images = Images::default();
-    let images = images.make(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
-    assert_eq!((images.ghosts(), images.places().len() as u64), (ghosts, 1000 + ghosts));
-    assert!(images.slack().absolute > 0.0 && images.slack().absolute < 1e-13);
 }
 
 /// Above so many particles detectors are the truth, held to a sample.

@@ -27,7 +27,7 @@ const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
 /// A periodic scene in pieces.
 #[derive(Clone, Debug)]
-pub(crate) struct Bag<const D: usize> {
+struct Bag<const D: usize> {
     centres: Vec<[f64; D]>,
     radii: Radii<'static, f64>,
     vectors: [[f64; 3]; 3],
@@ -39,11 +39,11 @@ impl<const D: usize> Bag<D>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    pub(crate) fn lattice(&self) -> Lattice {
+    fn lattice(&self) -> Lattice {
         Lattice::new(self.vectors, self.periodic, self.origin).unwrap()
     }
 
-    pub(crate) fn scene(&self) -> Scene<'static, f64, D> {
+    fn scene(&self) -> Scene<'static, f64, D> {
         let centres: Vec<_> = self.centres.iter().copied().map(nalgebra::Point::from).collect();
         Scene::new(centres, self.radii.clone()).unwrap()
     }
@@ -100,7 +100,7 @@ where
 
 /// How the numbers of a random box are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Numbers {
+enum Numbers {
     /// Any.
     Real,
     /// Multiples of 2^-8 and not large: sums and small multiples are exact.
@@ -109,7 +109,7 @@ pub(crate) enum Numbers {
 
 /// A random scene of up to some twenty particles: boxes of all shapes, from much smaller than the
 /// reach to larger, along axes, tilted and wild; particles in it and far from it.
-pub(crate) fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
+fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let tidy = |x: f64| if numbers == Numbers::Dyadic { (x * 256.0).round() / 256.0 } else { x };
     let edge = [0.7, 1.5, 3.0, 6.0][random.random_range(0..4)];

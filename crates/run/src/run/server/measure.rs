@@ -149,8 +149,7 @@ impl Server {
                 steps.push(self.contacts.digest(), &seen.step);
                 let of_frame = match (&self.tracker, &self.frame) {
                     (Some(tracker), _) => tracker.formula_bytes(),
-                    (None, Some((_, scene))) => self.searcher.formula_bytes(scene),
-                    (None, None) => 0,
+                    (None, _) => self.searcher.formula_bytes(),
                 };
                 formula = formula.max(of_frame);
             }

@@ -1,9 +1,16 @@
-use super::*;
-use crate::detect::Options;
-use crate::detect::spec::parse;
-use crate::periodic;
-use crate::periodic::tests::{Bag, Numbers, random};
-use crate::sink::splitmix64;
+//! Slabs and what is sent between them, on scenes where both are known.
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::spec::parse;
+use contactbench_core::periodic::{Contacts, ImagePair, without_shift};
+use contactbench_core::refusal::Refusal;
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::sink::{Digest, splitmix64};
+use contactbench_ranks::bodies::Numbered;
+use contactbench_ranks::rank::{Failure, Rank, Traffic, together};
+use contactbench_ranks::world::{Thread, World, threads};
 
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
@@ -36,7 +43,7 @@ where
             traffic = rank.refresh(world)?;
             together(world, rank.search(&mut searcher, &mut contacts))?;
         }
-        let plain = periodic::without_shift(&contacts.plain);
+        let plain = without_shift(&contacts.plain);
         let pairs = plain.chain(contacts.shifted.iter().copied());
         let named = |p: ImagePair| ImagePair::new(rank.id(p.i), rank.id(p.j), p.image);
         Ok((pairs.map(named).collect(), rank.digest(&contacts), traffic, rank.halo()))
@@ -72,6 +79,7 @@ where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
     let expected = whole(scene, lattice);
+    let differ = (1..scene.len()).any(|k| scene.radius(k) != scene.radius(0));
     let mut seen = [0; 2];
     for ranks in [1, 2, 3, 4, 8] {
         let found = ask(scene, lattice, detector, ranks);
@@ -90,7 +98,7 @@ where
             sum: sum.sum.wrapping_add(rank.1.sum),
         });
         assert_eq!(sum, digest);
-        let each = 4 + 8 * (D as u64 + u64::from(scene.radii_differ()));
+        let each = 4 + 8 * (D as u64 + u64::from(differ));
         for (_, _, traffic, _) in &found {
             assert_eq!(traffic.bytes, traffic.particles * each);
             assert!(traffic.partners < ranks as u64);
@@ -104,38 +112,6 @@ where
         seen = [seen[0] + expected.len() as u64, seen[1] + sent];
     }
     seen
-}
-
-impl<const D: usize> Scene<'_, f64, D> {
-    fn radii_differ(&self) -> bool {
-        let mut radii = (0..self.len()).map(|k| self.radius(k));
-        radii.next().is_none_or(|first| radii.any(|r| r != first))
-    }
-}
-
-fn in_boxes<const D: usize>(seeds: std::ops::Range<u64>) -> [u64; 2]
-where
-    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
-{
-    let mut seen = [0; 2];
-    for seed in seeds {
-        let bag: Bag<D> = random(seed, [Numbers::Real, Numbers::Dyadic][seed as usize / 4 % 2]);
-        let detector = ["streamed-nbs", "nbs", "kd-tree", "direct"][seed as usize % 4];
-        let scene = bag.scene();
-        for lattice in [None, Some(bag.lattice())] {
-            let [contacts, sent] = agree(&scene, lattice, detector, &bag);
-            seen = [seen[0] + contacts, seen[1] + sent];
-        }
-    }
-    seen
-}
-
-#[test]
-fn ranks_find_every_contact_once_whatever_the_box() {
-    let [contacts, sent] = in_boxes::<2>(0..120);
-    assert!(contacts > 10_000 && sent > 5_000, "{contacts} {sent}");
-    let [contacts, sent] = in_boxes::<3>(0..120);
-    assert!(contacts > 10_000 && sent > 5_000, "{contacts} {sent}");
 }
 
 /// A lattice in touch: borders of slabs are places of particles, and of many at once.
@@ -193,7 +169,7 @@ fn a_body_larger_than_slabs_is_sent_to_all_that_it_reaches() {
 fn what_one_rank_refuses_ends_all() {
     let failures = threads(3, |world| {
         let refused = Refusal::Exhausted { bytes: 1 };
-        together(world, if world.rank() == 1 { Err(refused) } else { Ok(()) })
+        together(world, if world.rank() == 1 { Err(Failure::Here(refused)) } else { Ok(()) })
     })
     .unwrap();
     let here = Failure::Here(Refusal::Exhausted { bytes: 1 });

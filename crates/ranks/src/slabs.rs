@@ -17,12 +17,14 @@
 //! the largest of these, twice, and some more for the sums here, is the slack. On the circle the
 //! slab of j is reached from i downwards, from its own place, or upwards, through the face.
 
-use crate::periodic::frame::{Frame, U};
-use crate::ranks::bodies::Numbered;
-use crate::ranks::{Failure, World};
-use crate::refusal::Refusal;
-use crate::scene::Lattice;
-use crate::sink::splitmix64;
+use contactbench_core::periodic::frame::{Frame, U};
+use contactbench_core::refusal::Refusal;
+use contactbench_core::scene::Lattice;
+use contactbench_core::sink::splitmix64;
+
+use crate::bodies::Numbered;
+use crate::rank::Failure;
+use crate::world::World;
 
 /// Places that each rank contributes to the sample.
 const SAMPLE: usize = 512;
@@ -47,7 +49,7 @@ enum Along<const D: usize> {
 
 impl<const D: usize> Slabs<D> {
     /// Slabs with about equally many of the particles that the ranks hold together.
-    pub(super) fn new(
+    pub fn new(
         world: &impl World,
         bodies: &Numbered<D>,
         largest_radius: f64,
@@ -78,21 +80,21 @@ impl<const D: usize> Slabs<D> {
     }
 
     /// Learns the largest radius in each slab from what the ranks own.
-    pub(super) fn settle(&mut self, world: &impl World, largest: f64) {
+    pub fn settle(&mut self, world: &impl World, largest: f64) {
         self.largest = vec![f64::NEG_INFINITY; world.size()];
         self.largest[world.rank()] = largest;
         world.largest(&mut self.largest);
     }
 
     /// The rank that owns what is at `x`.
-    pub(super) fn owner(&self, x: &[f64; D]) -> usize {
+    pub fn owner(&self, x: &[f64; D]) -> usize {
         let place = self.along.place(x);
         self.borders.partition_point(|&border| border <= place)
     }
 
     /// Names the ranks below `rank`, its owner, among whose particles some may touch a particle at
     /// `x` of radius `r`; each once.
-    pub(super) fn reached(&self, rank: usize, x: &[f64; D], r: f64, send: &mut dyn FnMut(usize)) {
+    pub fn reached(&self, rank: usize, x: &[f64; D], r: f64, send: &mut dyn FnMut(usize)) {
         let place = self.along.place(x);
         // Not apart where nothing can be said, as of numbers that are none.
         let apart = |gap: f64, radius: f64| gap > self.along.reach(r + radius);

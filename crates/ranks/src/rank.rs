@@ -11,7 +11,7 @@
 //!   So each rank sends its particles near a border downwards, and those below look among their own
 //!   and what they were sent, for contacts with at least one of their own.
 //! * **The halo** is what may touch something in the slab below, or in those below that, where
-//!   bodies are larger than slabs: no size is refused. It is proved in [`slabs`].
+//!   bodies are larger than slabs: no size is refused. It is proved in [`crate::slabs`].
 //! * **In a box that repeats** the first slab is the last one's neighbour, and ranks get particles
 //!   as they were given, with the box: each makes the images that it needs, as in one process, and
 //!   a contact is decided for the given numbers.
@@ -21,20 +21,16 @@
 //!
 //! Numbers of contacts and digests of the ranks add up to those of one process ([`Rank::digest`]).
 
-pub mod bodies;
-pub mod slabs;
-pub mod world;
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::periodic::{Contacts, ImagePair, Periodic, PeriodicError};
+use contactbench_core::refusal::Refusal;
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
+use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::sink::Digest;
 
-pub use bodies::Numbered;
-pub use slabs::Slabs;
-pub use world::{Thread, World, threads};
-
-use crate::contact::Arithmetic;
-use crate::periodic::{Contacts, ImagePair, Periodic, PeriodicError};
-use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
-use crate::searcher::{Loaded, Searcher};
-use crate::sink::Digest;
+use crate::bodies::Numbered;
+use crate::slabs::Slabs;
+use crate::world::World;
 
 /// Why ranks do not answer. All of them end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -70,13 +66,10 @@ pub fn failed(world: &impl World, here: bool) -> Option<usize> {
 ///
 /// # Errors
 /// That of this rank, or the number of the highest that has failed.
-pub fn together<T, E: Into<Failure>>(
-    world: &impl World,
-    result: Result<T, E>,
-) -> Result<T, Failure> {
+pub fn together<T, E: From<Failure>>(world: &impl World, result: Result<T, E>) -> Result<T, E> {
     let failed = failed(world, result.is_err());
-    let result = result.map_err(Into::into)?;
-    failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank)))
+    let result = result?;
+    failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
 /// Are these numbers, none of which is NaN, the same in all ranks?
@@ -194,17 +187,14 @@ where
         Ok(traffic)
     }
 
-    /// Own particles.
     pub fn own(&self) -> usize {
         self.own
     }
 
-    /// Particles of other ranks.
     pub fn halo(&self) -> usize {
         self.bodies.len() - self.own
     }
 
-    /// How particles are dealt out.
     pub fn slabs(&self) -> &Slabs<D> {
         &self.slabs
     }
@@ -219,7 +209,7 @@ where
     ///
     /// # Errors
     /// What the detector refuses.
-    pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Refusal> {
+    pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
             // In the numbers of the whole scene, as it is told to users.
@@ -239,7 +229,7 @@ where
     /// the lists of contacts.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
-        (self.bodies.len() * each) as u64 + searcher.formula_bytes(&self.loaded())
+        (self.bodies.len() * each) as u64 + searcher.formula_bytes()
     }
 
     /// Number and digest of contacts of this rank, in the numbers of the whole scene. Both add up.
@@ -263,6 +253,3 @@ where
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

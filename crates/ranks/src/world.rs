@@ -4,7 +4,7 @@ use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crate::ranks::Failure;
+use crate::rank::Failure;
 
 /// The ranks that work on one scene, as one of them sees them. All of them call the same functions
 /// in the same order, as in MPI.
@@ -20,7 +20,7 @@ pub trait World {
     /// Part k goes to rank k. In the place of each is then what came from that rank.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`](crate::refusal::Refusal) in any rank: no room for what comes.
+    /// [`Refusal::Exhausted`](contactbench_core::Refusal) in any rank: no room for what comes.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 
@@ -47,7 +47,6 @@ struct Table {
     /// The first that panicked.
     lost: Option<usize>,
     numbers: Vec<Vec<u64>>,
-    reals: Vec<Vec<f64>>,
     mail: Vec<Vec<Vec<u8>>>,
 }
 
@@ -67,7 +66,6 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
         left: None,
         lost: None,
         numbers: vec![Vec::new(); size],
-        reals: vec![Vec::new(); size],
         mail: vec![Vec::new(); size],
     };
     let shared = Arc::new(Shared { size, table: Mutex::new(table), turned: Condvar::new() });
@@ -144,6 +142,17 @@ impl Thread {
         self.wait();
         taken
     }
+
+    /// Hands the numbers of all ranks to `take`, each with its place in the list.
+    fn all(&self, mine: Vec<u64>, mut take: impl FnMut(usize, u64)) {
+        self.meet(
+            |table, rank| table.numbers[rank] = mine,
+            |table, _| {
+                let all = table.numbers.iter().flat_map(|of| of.iter().enumerate());
+                all.for_each(|(k, &number)| take(k, number));
+            },
+        );
+    }
 }
 
 impl Drop for Thread {
@@ -169,26 +178,12 @@ impl World for Thread {
     fn sum(&self, numbers: &mut [u64]) {
         let mine = numbers.to_vec();
         numbers.fill(0);
-        self.meet(
-            |table, rank| table.numbers[rank] = mine,
-            |table, _| {
-                for (sum, k) in table.numbers.iter().flat_map(|of| of.iter().zip(0..)) {
-                    numbers[k] = numbers[k].wrapping_add(*sum);
-                }
-            },
-        );
+        self.all(mine, |k, number| numbers[k] = numbers[k].wrapping_add(number));
     }
 
     fn largest(&self, numbers: &mut [f64]) {
-        let mine = numbers.to_vec();
-        self.meet(
-            |table, rank| table.reals[rank] = mine,
-            |table, _| {
-                for (x, k) in table.reals.iter().flat_map(|of| of.iter().zip(0..)) {
-                    numbers[k] = numbers[k].max(*x);
-                }
-            },
-        );
+        let mine = numbers.iter().map(|x| x.to_bits()).collect();
+        self.all(mine, |k, bits| numbers[k] = numbers[k].max(f64::from_bits(bits)));
     }
 
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {

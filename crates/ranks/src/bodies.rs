@@ -2,9 +2,10 @@
 
 use nalgebra::Point;
 
-use crate::ranks::Failure;
-use crate::refusal::{Refusal, reserve};
-use crate::scene::{Radii, Scene, SceneError, array};
+use contactbench_core::refusal::reserve;
+use contactbench_core::scene::{Radii, Scene, SceneError, array};
+
+use crate::rank::Failure;
 
 /// Particles of a scene that is larger, each with its number there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +20,7 @@ impl<const D: usize> Numbered<D> {
     /// The particles of a scene, numbered from `first`, with a radius each.
     ///
     /// # Errors
-    /// [`SceneError::TooMany`] if a number would be above 2^32 - 2; [`Refusal::Exhausted`].
+    /// [`SceneError::TooMany`] if a number would be above 2^32 - 2; no memory.
     pub fn new(scene: &Scene<'_, f64, D>, first: u64) -> Result<Numbered<D>, Failure> {
         let n = first.saturating_add(scene.len() as u64);
         if n > u64::from(u32::MAX) {
@@ -33,63 +34,61 @@ impl<const D: usize> Numbered<D> {
         Ok(bodies)
     }
 
-    /// How many there are.
     pub fn len(&self) -> usize {
         self.ids.len()
     }
 
-    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
 
-    pub(super) fn truncate(&mut self, len: usize) {
+    pub fn truncate(&mut self, len: usize) {
         self.ids.truncate(len);
         self.centres.truncate(len);
         self.radii.truncate(len);
     }
 
-    fn reserve(&mut self, further: usize, radii: bool) -> Result<(), Refusal> {
+    fn reserve(&mut self, further: usize, radii: bool) -> Result<(), Failure> {
         reserve(&mut self.ids, further)?;
         reserve(&mut self.centres, further)?;
-        reserve(&mut self.radii, if radii { further } else { 0 })
+        Ok(reserve(&mut self.radii, if radii { further } else { 0 })?)
     }
 
     /// Bytes of one on its way.
-    pub(super) const fn bytes(radii: bool) -> usize {
+    pub const fn bytes(radii: bool) -> usize {
         size_of::<u32>() + (D + radii as usize) * size_of::<f64>()
     }
 
-    pub(super) fn ids(&self) -> &[u32] {
+    pub fn ids(&self) -> &[u32] {
         &self.ids
     }
 
-    pub(super) fn places(&self) -> impl Iterator<Item = &[f64; D]> {
+    pub fn places(&self) -> impl Iterator<Item = &[f64; D]> {
         self.centres.iter().map(array)
     }
 
-    pub(super) fn at(&self, k: usize) -> &[f64; D] {
+    pub fn at(&self, k: usize) -> &[f64; D] {
         array(&self.centres[k])
     }
 
-    pub(super) fn radii(&self) -> &[f64] {
+    pub fn radii(&self) -> &[f64] {
         &self.radii
     }
 
     /// All of them, with this radius, or one each.
-    pub(super) fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
+    pub fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
         let each = || Radii::Each((&self.radii[..]).into());
         // They have all come from scenes; with one radius for each if there is not one for all.
         Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
     }
 
     /// Letters to so many ranks: `to` names the ranks that are to get particle k.
-    pub(super) fn letters(
+    pub fn letters(
         &self,
         ranks: usize,
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
-    ) -> Result<Vec<Vec<u8>>, Refusal> {
+    ) -> Result<Vec<Vec<u8>>, Failure> {
         // Who is to get what is asked once: of the halo the answer is mostly nobody.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
@@ -129,7 +128,7 @@ impl<const D: usize> Numbered<D> {
     }
 
     /// Appends what letters hold.
-    pub(super) fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Refusal> {
+    pub fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Failure> {
         let size = Self::bytes(radii);
         self.reserve(letters.iter().map(|letter| letter.len() / size).sum(), radii)?;
         for body in letters.iter().flat_map(|letter| letter.chunks_exact(size)) {
