@@ -90,13 +90,7 @@ pub unsafe extern "C" fn contactbench_tracker_step(
         let tracker = unsafe { there(tracker) }?;
         let arithmetic = tracker.arithmetic;
         let step = |search: &mut Box<dyn Tracker>, scene: &Loaded<'_>, contacts: &mut Contacts| {
-            let step = match scene {
-                Loaded::Open(scene) => {
-                    search.step(scene, arithmetic.test(), None, &mut contacts.plain)
-                }
-                Loaded::InBox(scene) => search.step_in_box(scene, arithmetic, None, contacts),
-            };
-            step.map(|step| step.built)
+            search.find(scene.frame(arithmetic), None, contacts).map(|step| step.built)
         };
         // SAFETY: what the caller promises of the scene.
         unsafe { tracker.handle.contacts(scene, step) }

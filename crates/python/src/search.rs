@@ -323,12 +323,8 @@ impl Verlet {
             let arrays = held.arrays();
             let scene = loaded(&arrays, arithmetic, limit)?;
             let mut contacts = room(&arrays, limit);
-            let step = by(crew, || match &scene {
-                Loaded::Open(scene) => {
-                    tracker.step(scene, arithmetic.test(), None, &mut contacts.plain)
-                }
-                Loaded::InBox(scene) => tracker.step_in_box(scene, arithmetic, None, &mut contacts),
-            })?;
+            let frame = scene.frame(arithmetic);
+            let step = by(crew, || tracker.find(frame, None, &mut contacts))?;
             tidy(&mut contacts);
             Ok((contacts, boxed(&scene), step))
         };

@@ -244,7 +244,7 @@ fn compare(
 ) -> Counts {
     let (mut counts, mut tally) = (Counts::default(), Tally::default());
     let mut contacts = Contacts::default();
-    let found = finder.count(periodic, detector, arithmetic, &mut tally, &mut contacts);
+    let found = finder.find(periodic, detector, arithmetic, Some(&mut tally), &mut contacts);
     counts.add(What::Refused, u64::from(found.is_err()));
     counts.add(What::Pairs, expected.len() as u64);
     counts.add(What::Exact, tally.get(Op::ExactTest));

@@ -58,21 +58,6 @@ impl Finder {
         self.find(periodic, detector, arithmetic, None, contacts)
     }
 
-    /// As [`Finder::list`], and counts every operation, the images that are made among them.
-    ///
-    /// # Errors
-    /// As [`Finder::list`].
-    pub fn count(
-        &mut self,
-        periodic: &Periodic<'_>,
-        detector: &mut dyn AnyDetector,
-        arithmetic: Arithmetic,
-        tally: &mut Tally,
-        contacts: &mut Contacts,
-    ) -> Result<(), Refusal> {
-        self.find(periodic, detector, arithmetic, Some(tally), contacts)
-    }
-
     /// The bytes that images take by the formula, for the scene of the last call, 0 if it was
     /// refused: `16 + 8D` for each image, `8D + 8` for each particle near the lower faces of the
     /// box; `8D + 13` for each particle if some are outside of it; 8 for each body if they have
@@ -92,7 +77,12 @@ impl Finder {
         self.found
     }
 
-    pub(crate) fn find(
+    /// As [`Finder::list`]; counts every operation, the images that are made among them, if there is
+    /// a tally.
+    ///
+    /// # Errors
+    /// As [`Finder::list`].
+    pub fn find(
         &mut self,
         periodic: &Periodic<'_>,
         detector: &mut dyn AnyDetector,

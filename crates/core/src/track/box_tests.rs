@@ -2,7 +2,8 @@ use nalgebra::Point;
 
 use super::tests::{Draw, tracker};
 use super::*;
-use crate::periodic::{self, ImagePair};
+use crate::contact::Arithmetic;
+use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::{Lattice, Radii, Scene};
 
 const LIMIT: u64 = 1 << 28;
@@ -131,7 +132,8 @@ fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
     for frame in frames {
         let truth = periodic::truth(frame, Arithmetic::Exact, LIMIT).unwrap().pairs;
         contacts.clear();
-        let step = tracker.step_in_box(frame, Arithmetic::Exact, None, &mut contacts).unwrap();
+        let step =
+            tracker.find(Frame::Boxed(frame, Arithmetic::Exact), None, &mut contacts).unwrap();
         let found = contacts.sorted(frame.scene().len(), LIMIT).unwrap();
         assert!(found.windows(2).all(|two| two[0] < two[1]), "one twice");
         assert!(found.iter().all(|pair| truth.binary_search(pair).is_ok()), "one that is not");
@@ -313,8 +315,9 @@ fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
             let mut contacts = Contacts::default();
             let mut step = |frame| {
                 contacts.clear();
-                let step =
-                    tracker.step_in_box(frame, Arithmetic::Exact, None, &mut contacts).unwrap();
+                let step = tracker
+                    .find(Frame::Boxed(frame, Arithmetic::Exact), None, &mut contacts)
+                    .unwrap();
                 (step.listed, contacts.sorted(2, LIMIT).unwrap())
             };
             let (listed, _) = step(&frames[0]);
@@ -336,7 +339,7 @@ fn what_is_not_for_boxes_says_so() {
     let mut contacts = Contacts::default();
     let mut step = |text: &str, arithmetic| {
         contacts.clear();
-        let step = tracker(text).step_in_box(&boxed, arithmetic, None, &mut contacts);
+        let step = tracker(text).find(Frame::Boxed(&boxed, arithmetic), None, &mut contacts);
         step.map(|_| contacts.len()).map_err(|refusal| refusal.to_string())
     };
     assert_eq!(step("every-step(nbs)", Arithmetic::F32), Ok(2));
@@ -350,7 +353,8 @@ fn what_is_not_for_boxes_says_so() {
         let step = tracker.step(&scene.clone().into(), Test::Exact, None, &mut pairs).unwrap();
         assert!(step.built && pairs.is_empty());
         let mut contacts = Contacts::default();
-        let step = tracker.step_in_box(&boxed, Arithmetic::Exact, None, &mut contacts).unwrap();
+        let step =
+            tracker.find(Frame::Boxed(&boxed, Arithmetic::Exact), None, &mut contacts).unwrap();
         assert!(step.built && contacts.shifted.len() == 2, "{contacts:?}");
         contacts.shifted.sort();
         assert_eq!(contacts.shifted[0], ImagePair { i: 0, j: 0, image: [0, 1, 0] });
@@ -367,7 +371,7 @@ fn open_space_after_a_box_that_was_pressed_keeps_its_list() {
     };
     for edge in [9.0, 8.75] {
         let mut contacts = Contacts::default();
-        tracker.step_in_box(&frame(edge), Arithmetic::Exact, None, &mut contacts).unwrap();
+        tracker.find(Frame::Boxed(&frame(edge), Arithmetic::Exact), None, &mut contacts).unwrap();
         assert_eq!(contacts.len(), 1);
     }
     let (open, _) = frame(9.0).into_parts();

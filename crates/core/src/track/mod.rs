@@ -55,8 +55,8 @@ pub use rule::Rule;
 pub use spec::{FORMS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
-use crate::contact::{Arithmetic, Test};
-use crate::periodic::{Contacts, Periodic};
+use crate::contact::Test;
+use crate::periodic::Contacts;
 use crate::probe::Tally;
 use crate::refusal::Refusal;
 use crate::scene::AnyScene;
@@ -98,20 +98,6 @@ pub trait Tracker: Send {
         let step = self.find(Frame::Open(frame, test), tally, &mut contacts);
         *pairs = contacts.plain;
         step
-    }
-
-    /// As [`Tracker::find`], of a frame in a periodic box.
-    ///
-    /// # Errors
-    /// As [`Tracker::find`].
-    fn step_in_box(
-        &mut self,
-        frame: &Periodic<'_>,
-        arithmetic: Arithmetic,
-        tally: Option<&mut Tally>,
-        contacts: &mut Contacts,
-    ) -> Result<Step, Refusal> {
-        self.find(Frame::Boxed(frame, arithmetic), tally, contacts)
     }
 
     /// The next frame is taken as the first; buffers stay.

@@ -6,6 +6,7 @@ use crate::detect::Options;
 use crate::detect::table::TABLE;
 use crate::oracle;
 use crate::periodic;
+use crate::periodic::Periodic;
 use crate::scene::{Lattice, Radii, Scene};
 use crate::sink::{normalise, splitmix64};
 
@@ -325,7 +326,7 @@ fn a_box_so_long_that_rounding_exceeds_the_radii_has_no_list() {
             let (mut tracker, mut built) = (tracker(name), 0);
             for _ in 0..3 {
                 let mut found = Contacts::default();
-                let step = tracker.step_in_box(&frame, Arithmetic::Exact, None, &mut found);
+                let step = tracker.find(Frame::Boxed(&frame, Arithmetic::Exact), None, &mut found);
                 let step = step.unwrap();
                 built += usize::from(step.built);
                 assert_eq!(found.sorted(12, 1 << 20).unwrap(), truth, "{length}, {name}");

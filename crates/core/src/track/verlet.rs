@@ -7,9 +7,9 @@ use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{Costs, LEAST, Served, Tuner};
 use super::{EveryStep, Frame, Step, Tracker};
-use crate::contact::{Arithmetic, Bodies, Test, any_bodies};
+use crate::contact::{AnyBodies, Arithmetic, Bodies, Test, any_bodies};
 use crate::filter::bounds;
-use crate::pair_list::{Allowance, PairList};
+use crate::pair_list::PairList;
 use crate::periodic::{Contacts, List};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
@@ -64,25 +64,35 @@ impl Verlet {
             Frame::Open(_, test) => (None, test),
             Frame::Boxed(periodic, _) => (Some(periodic.lattice()), Test::Exact),
         };
-        let settings = Settings { rule: self.rule, touching: self.touching, test };
-        let work = Work { skin, search: &mut self.search.0, lattice, tally };
+        let (rule, touching, search) = (self.rule, self.touching, &mut self.search.0);
+        let work = Work { rule, touching, test, skin, search, lattice, tally };
         let (plane, space) = (&mut self.plane, &mut self.space);
         match (frame, frame.scene()) {
             (Frame::Open(..), AnyScene::Plane(scene)) => {
                 space.forget();
-                with_stored!(scene, scene => settings.open(plane, scene, work, contacts))
+                with_stored!(scene, scene => {
+                    work.step(plane, scene, contacts, |kept, bodies, plain, _| kept.pass(bodies, plain))
+                })
             }
             (Frame::Open(..), AnyScene::Space(scene)) => {
                 plane.forget();
-                with_stored!(scene, scene => settings.open(space, scene, work, contacts))
+                with_stored!(scene, scene => {
+                    work.step(space, scene, contacts, |kept, bodies, plain, _| kept.pass(bodies, plain))
+                })
             }
             (Frame::Boxed(..), AnyScene::Plane(scene)) => {
                 space.forget();
-                settings.boxed(plane, &scene.widened(), work, contacts)
+                let scene = &scene.widened();
+                work.step(plane, scene, contacts, |kept, _, plain, shifted| {
+                    kept.pass_in_box(scene, plain, shifted)
+                })
             }
             (Frame::Boxed(..), AnyScene::Space(scene)) => {
                 plane.forget();
-                settings.boxed(space, &scene.widened(), work, contacts)
+                let scene = &scene.widened();
+                work.step(space, scene, contacts, |kept, _, plain, shifted| {
+                    kept.pass_in_box(scene, plain, shifted)
+                })
             }
         }
     }
@@ -143,9 +153,14 @@ enum Thick<'a> {
     By(&'a mut Tuner),
 }
 
-/// Who builds a list.
+/// What a step has to do.
 struct Work<'a> {
+    rule: Rule,
+    /// Contacts of the frame before.
+    touching: u64,
+    test: Test,
     skin: Thick<'a>,
+    /// Who builds a list.
     search: &'a mut Searcher,
     /// The box, if there is one.
     lattice: Option<&'a Lattice>,
@@ -153,72 +168,37 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// A list was looked at, and so many of its pairs took exact arithmetic.
-    fn tally(self, step: &Step, exact: u64) {
+    /// Hands the listed pairs that touch to the lists by `pass`, which returns how many of them
+    /// took exact arithmetic. None if the detector is to be called without a list.
+    fn step<'a, T: Real, const D: usize>(
+        mut self,
+        kept: &mut Kept<D>,
+        scene: &'a Scene<'_, T, D>,
+        contacts: &mut Contacts,
+        pass: impl FnOnce(&Kept<D>, AnyBodies<'a, T, D>, &mut PairList<'_>, &mut List) -> u64,
+    ) -> Result<Option<Step>, Refusal>
+    where
+        for<'b> AnyScene<'b>: From<Scene<'b, f64, D>>,
+    {
+        let bodies = any_bodies(scene, self.test)?;
+        let Some(step) = self.ready(kept, scene, &bodies)? else { return Ok(None) };
+        let limit = self.search.memory_limit();
+        let exact = contacts
+            .gather(limit, scene.len(), |plain, shifted| pass(kept, bodies, plain, shifted))?;
         if let Some(tally) = self.tally {
             tally.add(Op::ContactTest, step.listed);
             tally.add(Op::ExactTest, exact);
         }
-    }
-}
-
-struct Settings {
-    rule: Rule,
-    /// Contacts of the frame before.
-    touching: u64,
-    test: Test,
-}
-
-impl Settings {
-    /// None if the detector is to be called without a list.
-    fn open<T: Real, const D: usize>(
-        &self,
-        kept: &mut Kept<D>,
-        scene: &Scene<'_, T, D>,
-        mut work: Work<'_>,
-        contacts: &mut Contacts,
-    ) -> Result<Option<Step>, Refusal>
-    where
-        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
-    {
-        let bodies = any_bodies(scene, self.test)?;
-        let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
-        let allowance = Allowance::new(work.search.memory_limit());
-        let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
-        let exact = kept.pass(bodies, &mut list);
-        work.tally(&step, exact);
-        list.end(scene.len(), &mut contacts.plain)?;
-        Ok(Some(step))
-    }
-
-    /// The same in a periodic box.
-    fn boxed<const D: usize>(
-        &self,
-        kept: &mut Kept<D>,
-        scene: &Scene<'_, f64, D>,
-        mut work: Work<'_>,
-        contacts: &mut Contacts,
-    ) -> Result<Option<Step>, Refusal>
-    where
-        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
-    {
-        let bodies = any_bodies(scene, self.test)?;
-        let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
-        let pass =
-            |plain: &mut PairList<'_>, shifted: &mut List| kept.pass_in_box(scene, plain, shifted);
-        let exact = contacts.gather(work.search.memory_limit(), scene.len(), pass)?;
-        work.tally(&step, exact);
         Ok(Some(step))
     }
 
     /// Brings particles to their places, and builds a list if it is due. None if the detector is to
     /// be asked without one.
     fn ready<T: Real, const D: usize>(
-        &self,
+        &mut self,
         kept: &mut Kept<D>,
         scene: &Scene<'_, T, D>,
         bodies: &impl Bodies<T, D>,
-        work: &mut Work<'_>,
     ) -> Result<Option<Step>, Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
@@ -226,13 +206,13 @@ impl Settings {
         let (largest, slack) = (scene.largest_radius().wide(), bodies.slack());
         let rounding = 2.0 * largest * slack.relative + slack.absolute;
         let mut step = Step { built: true, ..Step::default() };
-        if let Some((age, ways)) = kept.follow(scene, work.lattice, self.rule, rounding) {
+        if let Some((age, ways)) = kept.follow(scene, self.lattice, self.rule, rounding) {
             let nearer = kept.nearer(2.0 * largest);
             let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
             let due = self.rule.is_due(age, &ways, left);
             (step.built, step.dangerous) = (due.build, due.dangerous);
-            if let Thick::By(tuner) = &mut work.skin {
-                let served = self.served(kept, scene, age, self.rule.gone(&ways) + nearer);
+            let served = self.served(kept, scene, age, self.rule.gone(&ways) + nearer);
+            if let Thick::By(tuner) = &mut self.skin {
                 step.built |= tuner.is_too_thick(&served);
                 if step.built {
                     tuner.learn(&served);
@@ -247,20 +227,20 @@ impl Settings {
             let corners = bounds(bodies);
             loop {
                 let half = largest
-                    * match &work.skin {
+                    * match &self.skin {
                         Thick::Given(skin) => *skin,
                         Thick::By(tuner) => tuner.skin,
                     };
-                let list = Wanted { half, rounding, rule: self.rule, lattice: work.lattice };
-                let tally = work.tally.as_deref_mut();
-                let built = kept.build(scene, corners, &list, work.search, tally);
+                let list = Wanted { half, rounding, rule: self.rule, lattice: self.lattice };
+                let tally = self.tally.as_deref_mut();
+                let built = kept.build(scene, corners, &list, self.search, tally);
                 let refusal = match built {
                     Ok(true) => break,
                     Ok(false) => return Ok(None),
                     Err(refusal) => refusal,
                 };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
-                match &mut work.skin {
+                match &mut self.skin {
                     Thick::Given(_) => return Err(refusal),
                     Thick::By(tuner) if too_long && tuner.skin > LEAST => tuner.thinner(),
                     // Without a list there may be room.

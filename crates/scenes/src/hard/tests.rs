@@ -109,7 +109,7 @@ fn last_answer(
                 let mut finder = Finder::new(1 << 30);
                 let tally = &mut Tally::default();
                 [
-                    finder.count(&step, &mut *detector, arithmetic, tally, &mut counted),
+                    finder.find(&step, &mut *detector, arithmetic, Some(tally), &mut counted),
                     finder.list(&step, &mut *detector, arithmetic, &mut listed),
                 ]
             }

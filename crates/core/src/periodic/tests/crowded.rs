@@ -74,8 +74,8 @@ fn too_many_contacts_are_foreseen_in_a_box() {
     let mut detector = table("streamed-nbs");
     let mut finder = Finder::new(1 << 26);
     let periodic = bag.periodic();
-    let refused =
-        finder.count(&periodic, &mut *detector, Arithmetic::Exact, &mut tally, &mut contacts);
+    let (exact, counted) = (Arithmetic::Exact, Some(&mut tally));
+    let refused = finder.find(&periodic, &mut *detector, exact, counted, &mut contacts);
     let Err(Refusal::Crowd { particles: 500, each, .. }) = refused else { panic!("{refused:?}") };
     // A ball of radius 6 has some 905 of each particle.
     assert!((700.0..1100.0).contains(&(each / 500.0)), "{each}");

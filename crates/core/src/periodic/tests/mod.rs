@@ -82,7 +82,7 @@ fn count(
 ) -> (Digest, Tally) {
     let (mut tally, mut contacts) = (Tally::default(), Contacts::default());
     let mut finder = Finder::new(LIMIT);
-    finder.count(periodic, detector, arithmetic, &mut tally, &mut contacts).unwrap();
+    finder.find(periodic, detector, arithmetic, Some(&mut tally), &mut contacts).unwrap();
     (contacts.digest(), tally)
 }
 
