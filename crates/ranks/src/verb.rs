@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, bail, ensure};
 use crate::model::{FARTHEST, Growth, Network, Step, step};
 use crate::rank::Failure;
 #[cfg(feature = "mpi")]
@@ -12,6 +11,7 @@ use crate::rank::{alike, together};
 use crate::share::{Dealt, Share};
 use crate::world::{World, threads};
 use crate::{Row, Setting, measure, whole};
+use anyhow::{Context, bail, ensure};
 use contactbench::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
 use contactbench::cli::shared::input::tell;
