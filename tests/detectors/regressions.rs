@@ -7,39 +7,27 @@ use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::Options;
 use contactbench::detect::table::{Entry, TABLE};
-use contactbench::scene::{AnyScene, Given};
+use contactbench::scene::Given;
 use contactbench::{io, oracle};
 
 fn files() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/regressions");
-    let files: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files
-        .into_iter()
-        .filter(|path| path.extension().is_some_and(|ending| ending == "csv" || ending == "xyz"))
-        .collect()
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_scene =
+        |path: &PathBuf| path.extension().is_some_and(|ending| ending == "csv" || ending == "xyz");
+    files.filter(is_scene).collect()
 }
 
 fn given(path: &Path) -> Given {
     io::given(path, io::Options::default()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
-fn scene(path: &Path) -> AnyScene<'static> {
-    given(path).open("a regression").unwrap_or_else(|error| panic!("{error:#}"))
-}
-
-/// Detectors may refuse: arrays for very many cells would fill a small machine.
-fn limits() -> Limits {
-    Limits {
-        options: Options { memory_limit: 64 << 20, ..Options::default() },
-        ..Limits::default()
-    }
-}
-
 #[test]
 fn all_detectors_are_right_on_all_files() {
-    let detectors: Vec<&'static Entry> =
-        TABLE.iter().filter(|entry| entry.must_be_right()).collect();
+    let detectors: Vec<&Entry> = TABLE.iter().filter(|entry| entry.must_be_right()).collect();
+    // Detectors may refuse: arrays for very many cells would fill a small machine.
+    let options = Options { memory_limit: 64 << 20, ..Options::default() };
+    let limits = Limits { options, ..Limits::default() };
     assert!(files().len() >= 5);
     for path in files() {
         let text = std::fs::read_to_string(&path).unwrap();
@@ -51,16 +39,11 @@ fn all_detectors_are_right_on_all_files() {
             path.display()
         );
         let name = path.display().to_string();
-        let report =
-            check::check_scene(&given(&path), &name, &detectors, &Arithmetic::SAFE, &limits())
-                .unwrap();
+        let (scene, all) = (given(&path), &Arithmetic::SAFE);
+        let report = check::check_scene(&scene, &name, &detectors, all, &limits).unwrap();
         for failure in &report.failures {
-            println!(
-                "{} with {} arithmetic on {name}: {}",
-                failure.detector,
-                failure.arithmetic.name(),
-                failure.found
-            );
+            let (detector, arithmetic) = (&failure.detector, failure.arithmetic.name());
+            println!("{detector} with {arithmetic} arithmetic on {name}: {}", failure.found);
         }
         assert!(report.failures.is_empty() && report.cases >= 2, "{name}");
     }
@@ -70,11 +53,9 @@ fn all_detectors_are_right_on_all_files() {
 #[test]
 fn the_files_hold_the_pairs_that_they_name() {
     let pairs = |name: &str, arithmetic| {
-        let path = files()
-            .into_iter()
-            .find(|path| path.file_stem().is_some_and(|stem| stem == name))
-            .unwrap();
-        oracle::truth(&scene(&path), arithmetic).unwrap().pairs
+        let is_it = |path: &PathBuf| path.file_stem().is_some_and(|stem| stem == name);
+        let path = files().into_iter().find(is_it).unwrap();
+        oracle::truth(&given(&path).open("a regression").unwrap(), arithmetic).unwrap().pairs
     };
     assert_eq!(pairs("three-discs", Arithmetic::Exact), [[0, 1]]);
     assert_eq!(pairs("three-discs", Arithmetic::F64), [[0, 1], [1, 2]]);

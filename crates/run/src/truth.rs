@@ -4,7 +4,6 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, NoTruth};
 use contactbench_core::periodic::{self, ImagePair, Truth, without_shift};
 use contactbench_core::searcher::Loaded;
-use contactbench_core::track::Frame;
 
 /// Finds the contacts, in ascending order; lists of them may take `limit` bytes.
 pub(crate) fn truth(
@@ -27,12 +26,5 @@ pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
     match scene {
         Loaded::Open(scene) => oracle::depth_of(scene, [pair.i, pair.j]),
         Loaded::InBox(periodic) => periodic::depth(periodic, pair),
-    }
-}
-
-pub(crate) fn frame<'a>(scene: &'a Loaded<'_>, arithmetic: Arithmetic) -> Frame<'a> {
-    match scene {
-        Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
-        Loaded::InBox(periodic) => Frame::Boxed(periodic, arithmetic),
     }
 }

@@ -144,7 +144,7 @@ impl Follower {
         let Follower { tracker, tracked, contacts } = self;
         contacts.clear();
         let started = Instant::now();
-        let step = tracker.find(truth::frame(frame, arithmetic), None, contacts)?;
+        let step = tracker.find(frame.frame(arithmetic), None, contacts)?;
         tracked.times.push(started.elapsed());
         tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;

@@ -19,7 +19,6 @@ use anyhow::Context;
 use crate::plan::detectors;
 use crate::run::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
-use crate::truth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, Refusal};
 use contactbench_core::periodic::{Contacts, ImagePair};
@@ -183,7 +182,7 @@ impl Server {
             }),
             (Some(tracker), tally) => {
                 contacts.clear();
-                tracker.find(truth::frame(scene, *arithmetic), tally, contacts)
+                tracker.find(scene.frame(*arithmetic), tally, contacts)
             }
         };
         let ns = start.elapsed().as_nanos() as u64;
