@@ -53,4 +53,3 @@ pub use contactbench_terms::{grammar, nearest, number, text};
 pub use contactbench_views as views;
 
 pub mod cli;
-pub mod shown;

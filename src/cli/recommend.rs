@@ -13,18 +13,20 @@ use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
-use crate::shown::recommendation;
 use contactbench_core::contact::Arithmetic;
 use contactbench_io::Given;
 use contactbench_io::boxes::along;
 use contactbench_record::record::row::Outcome;
+use contactbench_record::stats::interval::ratio;
 use contactbench_report::document::indented;
+use contactbench_report::table::Table;
 use contactbench_run::recommend::race::{self, Question};
-use contactbench_run::recommend::standing::{Race, Standing};
-use contactbench_run::recommend::verdict::Verdict;
+use contactbench_run::recommend::standing::{Race, Standing, fastest};
+use contactbench_run::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
+use contactbench_run::recommend::words;
 use contactbench_run::run::interrupt;
 use contactbench_scenes::spec::Spec;
-use contactbench_terms::number::plural;
+use contactbench_terms::number::{number, plural, with_interval};
 
 /// Options of `recommend`.
 #[derive(clap::Args)]
@@ -80,7 +82,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let n = scene.len();
     let mut out = terminal::out();
     if options.json {
-        let mut value = recommendation::as_json(verdict.as_ref(), &race, n);
+        let mut value = words::as_json(verdict.as_ref(), &race, n);
         let about = json!({
             "scene": name,
             "dim": scene.dim(),
@@ -109,15 +111,11 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
              blocks",
             race.blocks
         )?;
-        write!(
-            out,
-            "{}",
-            recommendation::table(&race, verdict.as_ref(), n).plain(terminal::width())
-        )?;
+        write!(out, "{}", table(&race, verdict.as_ref(), n).plain(terminal::width()))?;
         match &verdict {
             Some(verdict) => {
                 writeln!(out)?;
-                tell(&mut out, &recommendation::sentence(verdict, &race, n))?;
+                tell(&mut out, &words::sentence(verdict, &race, n))?;
             }
             None => writeln!(
                 out,
@@ -173,4 +171,48 @@ fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     } else {
         Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history())
     }
+}
+
+/// All who were asked, fastest first; those without a time at the end.
+fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
+    let mut standings: Vec<&Standing> = race.standings.iter().collect();
+    let rank =
+        |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
+    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
+    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    standings
+}
+
+/// Why it has no time; none if it has one.
+fn why_out(standing: &Standing) -> Option<String> {
+    match standing.outcome {
+        _ if !standing.times.is_empty() => None,
+        outcome if outcome.is_good() => Some(format!("out: {}", standing.reason)),
+        outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
+    }
+}
+
+/// The detectors, fastest first; those without a time at the end. An interval of absolute times
+/// would hold in one run alone.
+fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
+    let base = fastest(&race.standings).map(|k| &race.standings[k]);
+    let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);
+    let name = |standing: &Standing| match standing.entry.name {
+        name if choice == Some(name) => format!("{name} <"),
+        name => name.into(),
+    };
+    let to_fastest = |standing: &Standing| match base {
+        Some(base) if base.entry.name == standing.entry.name => Some("1".into()),
+        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
+        None => None,
+    };
+    Table::of("", ranked(race, n))
+        .left("detector", name)
+        .right("time / fastest", to_fastest)
+        .right("ns per particle in this run", |standing| {
+            per_particle(standing, n).map(|time| number(time.median))
+        })
+        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
+        .left("error", |standing| why_out(standing).unwrap_or_else(|| words::error(standing)))
+        .into()
 }

@@ -113,9 +113,8 @@ def contacts(
     """
     centres, radii, edges = arrays(x, r, box)
     most = native.limit_for(len(centres)) if centres.ndim == 2 else None
-    return native.Detector(_named(detector), arithmetic, _threads(threads), most).contacts(
-        centres, radii, edges
-    )
+    search = native.Search(_named(detector), False, arithmetic, _threads(threads), most)
+    return search.contacts(centres, radii, edges)
 
 
 class Detector:
@@ -152,8 +151,8 @@ class Detector:
         threads: int = 1,
         memory_limit: int | None = None,
     ) -> None:
-        self._native = native.Detector(
-            _named(detector), arithmetic, _threads(threads), limit(memory_limit)
+        self._native = native.Search(
+            _named(detector), False, arithmetic, _threads(threads), limit(memory_limit)
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -260,7 +259,9 @@ class Verlet:
     ) -> None:
         tracker = f"verlet({_named(detector)},rule={rule},skin={skin})"
         self._asked = (detector, skin, rule, arithmetic, threads, memory_limit)
-        self._native = native.Verlet(tracker, arithmetic, _threads(threads), limit(memory_limit))
+        self._native = native.Search(
+            tracker, True, arithmetic, _threads(threads), limit(memory_limit)
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy, or what is unpickled, has no list: its next frame is the first."""

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use contactbench::check::contender::{Answer, Contender};
-use contactbench::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::AnyScene;
+use contactbench_run::check::contender::{Answer, Contender};
+use contactbench_run::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};
 use pyo3::prelude::*;

@@ -6,7 +6,6 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::Contacts;
 use contactbench_core::refusal::reserve;
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, Storage, array, points};
-use contactbench_core::sink::smaller_first;
 use contactbench_core::with_scene;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
@@ -154,11 +153,6 @@ pub fn answer(
     pairs.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
     pairs.shrink_to_fit();
     Ok((rows(py, pairs.into_flattened(), 2)?, images))
-}
-
-/// Brings the pairs into the form in which they are given; needs no Python.
-pub fn tidy(contacts: &mut Contacts) {
-    smaller_first(&mut contacts.plain);
 }
 
 /// Numbers as rows of an array, which takes their memory.

@@ -27,7 +27,7 @@ mod _contactbench {
     #[pymodule_export]
     use super::record::{load, scene};
     #[pymodule_export]
-    use super::search::{Detector, Verlet, limit_for};
+    use super::search::{Search, limit_for};
     #[pymodule_export]
     use super::verify::verify;
     use pyo3::prelude::*;

@@ -7,7 +7,7 @@
 
 use std::alloc::{GlobalAlloc, Layout};
 
-use contactbench::run::alloc::Counting;
+use contactbench_run::run::alloc::Counting;
 
 /// The allocator of the program, which asks for large pages.
 pub struct Pages;

@@ -1,15 +1,15 @@
 //! Which detector for a scene.
 
-use std::process::ExitCode;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
-use clap::Parser;
-use contactbench::cli::{Cli, Verb, runner};
-use contactbench::recommend::race::{self, Question};
-use contactbench::recommend::verdict::Verdict;
-use contactbench::scene::Given;
-use contactbench::shown::recommendation;
+use contactbench_core::detect::Options;
 use contactbench_core::memory::limit_for;
+use contactbench_run::recommend::race::{self, Question};
+use contactbench_run::recommend::verdict::Verdict;
+use contactbench_run::recommend::words::as_json;
+use contactbench_run::run::server::Server;
+use contactbench_scenes::Given;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
@@ -61,18 +61,31 @@ pub fn recommend(
             program,
         };
         let race = by_threads(threads, || Ok(race::run(&question, &mut |_| stop.look())?))?;
-        Ok(recommendation::as_json(Verdict::new(&race).as_ref(), &race, arrays.len()).to_string())
+        Ok(as_json(Verdict::new(&race).as_ref(), &race, arrays.len()).to_string())
     })
 }
 
 /// Serves as a runner, with the arguments of `contactbench runner`, until the end of the input.
 #[pyfunction]
-pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<bool> {
+pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
     work(py, || {
-        let arguments = std::iter::once("contactbench".to_string()).chain(arguments);
-        match Cli::try_parse_from(arguments).map_err(Failure::value)?.verb {
-            Some(Verb::Runner(options)) => Ok(runner::serve(&options)? == ExitCode::SUCCESS),
-            _ => Err(Failure::value("a runner is started by the verb 'runner'")),
+        let [verb, pairs @ ..] = &arguments[..] else { return Err(Failure::value("no arguments")) };
+        let pairs = pairs.as_chunks::<2>().0.iter();
+        let given: BTreeMap<&str, &str> = pairs.map(|[name, value]| (&**name, &**value)).collect();
+        let of = |name: &str| {
+            let value = given.get(name).copied().filter(|_| verb == "runner");
+            value.ok_or_else(|| Failure::value(format!("a runner needs {name}; see PROTOCOL.md")))
+        };
+        let whole = |name| of(name)?.parse::<u64>().map_err(Failure::value);
+        let threads = whole("--threads")? as usize;
+        let options = Options { memory_limit: whole("--memory-limit")?, threads };
+        if threads > 1 {
+            // Fails only if there is a pool already; nothing before this call makes one.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
+        let arithmetic = arithmetic(of("--arithmetic")?)?;
+        let mut server = Server::new(of("--detector")?, arithmetic, options)?;
+        let served = server.serve(std::io::stdin().lock(), std::io::stdout().lock());
+        served.map_err(|error| Failure::value(format!("the harness is gone: {error}")))
     })
 }

@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use contactbench::record::column::COLUMNS;
-use contactbench::record::folder;
-use contactbench::record::provenance;
-use contactbench::record::role::Role;
-use contactbench::record::row::{self, Record, Row};
-use contactbench::record::value::AxisValue;
-use contactbench::scene::Given;
-use contactbench::scene::spec::Spec;
+use contactbench_record::record::column::COLUMNS;
+use contactbench_record::record::folder;
+use contactbench_record::record::provenance;
+use contactbench_record::record::role::Role;
+use contactbench_record::record::row::{self, Record, Row};
+use contactbench_record::record::value::AxisValue;
+use contactbench_scenes::Given;
+use contactbench_scenes::spec::Spec;
 use pyo3::prelude::*;
 
 use crate::failure::{Failure, by_threads, work};

@@ -12,22 +12,16 @@ use contactbench_core::pair_list::PAIR_BYTES;
 use contactbench_core::periodic::Contacts;
 use contactbench_core::probe::Op;
 use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::sink::smaller_first;
 use contactbench_core::track::{self, Tracker, TrackerSpec};
 use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
 use crate::failure::{Failure, patient, pool};
-use crate::given::{Arrays, Edges, Held, answer, arithmetic, tidy};
+use crate::given::{Arrays, Edges, Held, answer, arithmetic};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
-
-/// Returns the detector of that name, if it can use this many threads.
-fn detector(text: &str, threads: usize) -> Result<DetectorSpec, Failure> {
-    let spec = spec::parse(text).map_err(Failure::value)?;
-    usable(&spec, threads)?;
-    Ok(spec)
-}
 
 fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
     if spec.entry.is_control() {
@@ -41,18 +35,6 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
         )));
     }
     Ok(())
-}
-
-/// One thread needs no pool.
-fn crew(threads: usize) -> Result<Option<ThreadPool>, Failure> {
-    if threads == 1 { Ok(None) } else { pool(threads).map(Some) }
-}
-
-fn by<R: Send>(crew: &Option<ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
-    match crew {
-        Some(pool) => pool.install(work),
-        None => work(),
-    }
 }
 
 /// Refuses a scene whose pairs are sure to be too many.
@@ -74,14 +56,6 @@ fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
     // Who has no room now finds out while the list grows.
     let _ = contacts.plain.try_reserve_exact(arrays.len().saturating_mul(4).min(most));
     contacts
-}
-
-/// In a box its dimension: so many numbers has an image.
-fn boxed(loaded: &Loaded<'_>) -> Option<usize> {
-    match loaded {
-        Loaded::Open(_) => None,
-        Loaded::InBox(periodic) => Some(periodic.scene().dim()),
-    }
 }
 
 /// Bytes for one detection of so many particles, if nobody says how many.
@@ -146,102 +120,18 @@ impl<T> Owned<T> {
     }
 }
 
-/// See the class of the package.
-#[pyclass(frozen)]
-pub struct Detector {
-    spec: DetectorSpec,
-    arithmetic: Arithmetic,
-    threads: usize,
-    limit: u64,
-    searcher: Owned<Search>,
+/// What is searched with.
+enum Spec {
+    Detector(DetectorSpec),
+    Tracker(TrackerSpec),
 }
 
-type Search = (Searcher, Option<ThreadPool>);
-
-impl Detector {
-    fn fresh(&self) -> Result<Search, Failure> {
-        let options = Options { memory_limit: self.limit, threads: self.threads };
-        Ok((Searcher::new(&self.spec, options), crew(self.threads)?))
-    }
+enum Finder {
+    Detector(Searcher),
+    Tracker(Box<dyn Tracker>),
 }
 
-#[pymethods]
-impl Detector {
-    #[new]
-    fn new(
-        detector: &str,
-        arithmetic: &str,
-        threads: usize,
-        memory_limit: Option<u64>,
-    ) -> Result<Detector, Failure> {
-        let spec = self::detector(detector, threads)?;
-        let limit = memory_limit.unwrap_or_else(memory::default_limit);
-        let options = Options { memory_limit: limit, threads };
-        let searcher = Owned::new((Searcher::new(&spec, options), crew(threads)?), threads);
-        Ok(Detector { arithmetic: self::arithmetic(arithmetic)?, spec, threads, limit, searcher })
-    }
-
-    /// The name with its parameters.
-    #[getter]
-    fn name(&self) -> String {
-        self.spec.to_string()
-    }
-
-    #[getter]
-    fn arithmetic(&self) -> &'static str {
-        self.arithmetic.name()
-    }
-
-    #[getter]
-    fn threads(&self) -> usize {
-        self.threads
-    }
-
-    #[getter]
-    fn memory_limit(&self) -> u64 {
-        self.limit
-    }
-
-    fn contacts(
-        &self,
-        py: Python<'_>,
-        x: PyReadonlyArrayDyn<'_, f64>,
-        r: PyReadonlyArrayDyn<'_, f64>,
-        edges: Option<Edges>,
-    ) -> PyResult<Answer> {
-        let held = Held::new(&x, &r, edges)?;
-        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
-        let search = move |(searcher, crew): &mut Search| {
-            let arrays = held.arrays();
-            let scene = loaded(&arrays, arithmetic, limit)?;
-            let mut contacts = room(&arrays, limit);
-            by(crew, || searcher.list(&scene, arithmetic, &mut contacts))?;
-            tidy(&mut contacts);
-            Ok((contacts, boxed(&scene)))
-        };
-        let (found, boxed) = self.searcher.patient(py, long, || self.fresh(), search)?;
-        answer(py, found, boxed)
-    }
-
-    /// How often each operation happens, without those that do not.
-    fn count(
-        &self,
-        py: Python<'_>,
-        x: PyReadonlyArrayDyn<'_, f64>,
-        r: PyReadonlyArrayDyn<'_, f64>,
-        edges: Option<Edges>,
-    ) -> PyResult<BTreeMap<&'static str, u64>> {
-        let held = Held::new(&x, &r, edges)?;
-        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
-        let search = move |(searcher, _): &mut Search| {
-            let scene = loaded(&held.arrays(), arithmetic, limit)?;
-            let tally = searcher.count(&scene, arithmetic, &mut Contacts::default())?;
-            let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
-            Ok(counted.filter(|&(_, count)| count > 0).collect())
-        };
-        self.searcher.patient(py, long, || self.fresh(), search)
-    }
-}
+type Working = (Finder, Option<ThreadPool>);
 
 /// What a tracker has done.
 #[derive(Clone, Copy, Default)]
@@ -253,23 +143,39 @@ struct Done {
     built: bool,
 }
 
-type Course = (Box<dyn Tracker>, Option<ThreadPool>);
-
-/// See the class of the package.
+/// What the classes `Detector` and `Verlet` of the package hold.
 #[pyclass(frozen)]
-pub struct Verlet {
-    spec: TrackerSpec,
+pub struct Search {
+    spec: Spec,
     arithmetic: Arithmetic,
-    limit: u64,
+    #[pyo3(get)]
     threads: usize,
-    course: Owned<Course>,
+    #[pyo3(get)]
+    memory_limit: u64,
+    finder: Owned<Working>,
     done: Mutex<Done>,
 }
 
-impl Verlet {
-    fn fresh(&self) -> Result<Course, Failure> {
-        let options = Options { memory_limit: self.limit, threads: self.threads };
-        Ok((self.spec.make(options), crew(self.threads)?))
+fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Failure> {
+    let options = Options { memory_limit, threads };
+    let finder = match spec {
+        Spec::Detector(spec) => Finder::Detector(Searcher::new(spec, options)),
+        Spec::Tracker(spec) => Finder::Tracker(spec.make(options)),
+    };
+    // One thread needs no pool.
+    Ok((finder, if threads == 1 { None } else { Some(pool(threads)?) }))
+}
+
+impl Search {
+    /// Does work that may take long.
+    fn patient<R: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        long: bool,
+        work: impl FnOnce(&mut Working) -> Result<R, Failure> + Send + 'static,
+    ) -> PyResult<R> {
+        let fresh = || fresh(&self.spec, self.memory_limit, self.threads);
+        self.finder.patient(py, long, fresh, work)
     }
 
     fn done(&self) -> MutexGuard<'_, Done> {
@@ -278,36 +184,42 @@ impl Verlet {
 }
 
 #[pymethods]
-impl Verlet {
+impl Search {
+    /// Of a detector, or of a tracker if it `tracks`.
     #[new]
     fn new(
-        tracker: &str,
+        text: &str,
+        tracks: bool,
         arithmetic: &str,
         threads: usize,
         memory_limit: Option<u64>,
-    ) -> Result<Verlet, Failure> {
-        let spec = track::parse(tracker).map_err(Failure::value)?;
-        usable(spec.detector(), threads)?;
-        let limit = memory_limit.unwrap_or_else(memory::default_limit);
-        let arithmetic = self::arithmetic(arithmetic)?;
-        let made = spec.make(Options { memory_limit: limit, threads });
-        let course = Owned::new((made, crew(threads)?), threads);
-        Ok(Verlet { spec, arithmetic, limit, threads, course, done: Mutex::default() })
+    ) -> Result<Search, Failure> {
+        let spec = match tracks {
+            true => Spec::Tracker(track::parse(text).map_err(Failure::value)?),
+            false => Spec::Detector(spec::parse(text).map_err(Failure::value)?),
+        };
+        match &spec {
+            Spec::Detector(spec) => usable(spec, threads)?,
+            Spec::Tracker(spec) => usable(spec.detector(), threads)?,
+        }
+        let memory_limit = memory_limit.unwrap_or_else(memory::default_limit);
+        let finder = Owned::new(fresh(&spec, memory_limit, threads)?, threads);
+        let (arithmetic, done) = (self::arithmetic(arithmetic)?, Mutex::default());
+        Ok(Search { spec, arithmetic, threads, memory_limit, finder, done })
     }
 
+    /// The name with its parameters.
     #[getter]
     fn name(&self) -> String {
-        self.spec.to_string()
+        match &self.spec {
+            Spec::Detector(spec) => spec.to_string(),
+            Spec::Tracker(spec) => spec.to_string(),
+        }
     }
 
     #[getter]
     fn arithmetic(&self) -> &'static str {
         self.arithmetic.name()
-    }
-
-    #[getter]
-    fn memory_limit(&self) -> u64 {
-        self.limit
     }
 
     fn contacts(
@@ -318,37 +230,71 @@ impl Verlet {
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
         let held = Held::new(&x, &r, edges)?;
-        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
-        let search = move |(tracker, crew): &mut Course| {
+        let (arithmetic, limit, long) = (self.arithmetic, self.memory_limit, held.are_many());
+        let search = move |(finder, crew): &mut Working| {
             let arrays = held.arrays();
             let scene = loaded(&arrays, arithmetic, limit)?;
             let mut contacts = room(&arrays, limit);
-            let frame = scene.frame(arithmetic);
-            let step = by(crew, || tracker.find(frame, None, &mut contacts))?;
-            tidy(&mut contacts);
-            Ok((contacts, boxed(&scene), step))
+            let find = || match finder {
+                Finder::Detector(searcher) => {
+                    searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
+                }
+                Finder::Tracker(tracker) => {
+                    tracker.find(scene.frame(arithmetic), None, &mut contacts).map(Some)
+                }
+            };
+            let step = match crew {
+                Some(pool) => pool.install(find),
+                None => find(),
+            }?;
+            smaller_first(&mut contacts.plain);
+            // In a box its dimension: an image has this many numbers.
+            let boxed = match &scene {
+                Loaded::Open(_) => None,
+                Loaded::InBox(periodic) => Some(periodic.scene().dim()),
+            };
+            Ok((contacts, boxed, step))
         };
-        let (found, boxed, step) = self.course.patient(py, long, || self.fresh(), search)?;
-        let mut done = self.done();
-        done.steps += 1;
-        done.builds += u64::from(step.built);
-        done.dangerous += u64::from(step.dangerous);
-        (done.listed, done.built) = (step.listed, step.built);
-        drop(done);
+        let (found, boxed, step) = self.patient(py, long, search)?;
+        if let Some(step) = step {
+            let mut done = self.done();
+            done.steps += 1;
+            done.builds += u64::from(step.built);
+            done.dangerous += u64::from(step.dangerous);
+            (done.listed, done.built) = (step.listed, step.built);
+        }
         answer(py, found, boxed)
+    }
+
+    /// Of a detector: how often each operation happens, without those that do not.
+    fn count(
+        &self,
+        py: Python<'_>,
+        x: PyReadonlyArrayDyn<'_, f64>,
+        r: PyReadonlyArrayDyn<'_, f64>,
+        edges: Option<Edges>,
+    ) -> PyResult<BTreeMap<&'static str, u64>> {
+        let held = Held::new(&x, &r, edges)?;
+        let (arithmetic, limit, long) = (self.arithmetic, self.memory_limit, held.are_many());
+        self.patient(py, long, move |(finder, _)| {
+            let Finder::Detector(searcher) = finder else {
+                return Err(Failure::value("a tracker counts no operations"));
+            };
+            let scene = loaded(&held.arrays(), arithmetic, limit)?;
+            let tally = searcher.count(&scene, arithmetic, &mut Contacts::default())?;
+            let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
+            Ok(counted.filter(|&(_, count)| count > 0).collect())
+        })
     }
 
     /// The next frame is taken as the first.
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
-        self.course.patient(
-            py,
-            true,
-            || self.fresh(),
-            |(tracker, _)| {
+        self.patient(py, true, |(finder, _)| {
+            if let Finder::Tracker(tracker) = finder {
                 tracker.forget();
-                Ok(())
-            },
-        )
+            }
+            Ok(())
+        })
     }
 
     /// Steps, builds, dangerous builds, pairs listed in the last step, and whether that built.

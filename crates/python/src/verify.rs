@@ -1,13 +1,13 @@
 //! Lists of pairs, held to the truth.
 
-use contactbench::check::verify::{
-    Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
-};
-use contactbench::scene::Given;
 use contactbench_core::memory::limit_for;
 use contactbench_core::oracle::{Causes, Errors};
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
 use contactbench_core::scene::Lattice;
+use contactbench_run::check::verify::{
+    Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
+};
+use contactbench_scenes::Given;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -106,8 +106,8 @@ fn held(
     let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
     let space = Periodic::new(scene, lattice.unwrap_or(Lattice::OPEN)).map_err(Failure::value)?;
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
-    let found = contactbench::check::verify::verify(&job)?;
-    let reading = contactbench::check::verify::explain(&job, &found, None)?;
+    let found = contactbench_run::check::verify::verify(&job)?;
+    let reading = contactbench_run::check::verify::explain(&job, &found, None)?;
     // Of a list in a box without images nobody knows which are meant.
     if terms.arithmetic == Default::default()
         || terms.allowed != Allowed::default()

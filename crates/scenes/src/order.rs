@@ -10,7 +10,7 @@ use contactbench_core::with_scene;
 use contactbench_terms::nearest::hint;
 
 /// The order of the particles in a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Order {
     /// A seeded random permutation.
     #[default]

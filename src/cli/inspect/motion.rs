@@ -3,7 +3,7 @@
 use crate::cli::inspect::{Inspect, Line};
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
-use crate::shown::tracking;
+use crate::cli::shared::tracking;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::memory;
 use contactbench_io as io;

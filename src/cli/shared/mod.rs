@@ -10,4 +10,5 @@ pub mod limit;
 pub mod progress;
 pub mod scene;
 pub mod sequence;
+pub mod tracking;
 pub mod values;

@@ -8,3 +8,4 @@
 pub mod race;
 pub mod standing;
 pub mod verdict;
+pub mod words;

@@ -1,15 +1,15 @@
-//! What `recommend` prints: a sentence, a table, and all of it for programs.
+//! A recommendation in words, and all of it for programs.
 
 use serde_json::{Value, json};
 
 use contactbench_record::stats::interval::{Interval, ratio};
-use contactbench_report::table::Table;
-use contactbench_run::recommend::standing::{Race, Standing, fastest};
-use contactbench_run::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use contactbench_terms::number::{number, with_interval};
 
+use crate::recommend::standing::{Race, Standing, fastest};
+use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
+
 /// Its answer against exact decisions on the scene as given, in words.
-fn error(standing: &Standing) -> String {
+pub fn error(standing: &Standing) -> String {
     match standing.errors {
         None => "not compared".into(),
         Some(errors) if errors.wrong() == 0 => "exact".into(),
@@ -67,50 +67,6 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
         _ => "\n  the same once more has no times: nothing is decided".into(),
     };
     text
-}
-
-/// All who were asked, fastest first; those without a time at the end.
-fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
-    let mut standings: Vec<&Standing> = race.standings.iter().collect();
-    let rank =
-        |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
-    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
-    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
-    standings
-}
-
-/// Why it has no time; none if it has one.
-fn why_out(standing: &Standing) -> Option<String> {
-    match standing.outcome {
-        _ if !standing.times.is_empty() => None,
-        outcome if outcome.is_good() => Some(format!("out: {}", standing.reason)),
-        outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
-    }
-}
-
-/// The detectors, fastest first; those without a time at the end. An interval of absolute times
-/// would hold in one run alone.
-pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    let base = fastest(&race.standings).map(|k| &race.standings[k]);
-    let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);
-    let name = |standing: &Standing| match standing.entry.name {
-        name if choice == Some(name) => format!("{name} <"),
-        name => name.into(),
-    };
-    let to_fastest = |standing: &Standing| match base {
-        Some(base) if base.entry.name == standing.entry.name => Some("1".into()),
-        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
-        None => None,
-    };
-    Table::of("", ranked(race, n))
-        .left("detector", name)
-        .right("time / fastest", to_fastest)
-        .right("ns per particle in this run", |standing| {
-            per_particle(standing, n).map(|time| number(time.median))
-        })
-        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
-        .left("error", |standing| why_out(standing).unwrap_or_else(|| error(standing)))
-        .into()
 }
 
 fn numbers(interval: Interval) -> Value {
