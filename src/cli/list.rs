@@ -66,27 +66,27 @@ impl What {
     ];
 
     /// Its name in JSON, and the title of its table.
-    fn names(self) -> (&'static str, &'static str) {
+    fn names(self) -> [&'static str; 2] {
         match self {
-            What::Detectors => (
+            What::Detectors => [
                 "detectors",
                 "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; parameters \
                  with their values, the default first)",
-            ),
-            What::Arithmetics => ("arithmetics", "ARITHMETICS"),
-            What::Scenes => (
+            ],
+            What::Arithmetics => ["arithmetics", "ARITHMETICS"],
+            What::Scenes => [
                 "scenes",
                 "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)",
-            ),
+            ],
             What::Motions => {
-                ("motions", "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)")
+                ["motions", "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)"]
             }
-            What::Trackers => ("trackers", "TRACKERS (skins in diameters of the largest particle)"),
+            What::Trackers => ["trackers", "TRACKERS (skins in diameters of the largest particle)"],
             What::Experiments => {
-                ("experiments", "EXPERIMENTS (* part of the standard reproduction)")
+                ["experiments", "EXPERIMENTS (* part of the standard reproduction)"]
             }
             What::HardCases => {
-                ("hard_cases", "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")")
+                ["hard_cases", "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")"]
             }
         }
     }
@@ -113,7 +113,7 @@ impl What {
             .chain(more.then(|| (String::new(), vec![libraries])))
             .collect();
         let lines = |lines: &[String]| [lines, &[String::new()]].concat();
-        let table = Table::of(self.names().1, &rows).left("", |row| row.0.as_str());
+        let table = Table::of(self.names()[1], &rows).left("", |row| row.0.as_str());
         Ok(table.left("", |row| lines(&row.1)).into())
     }
 }
@@ -126,7 +126,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
         let mut all = Map::new();
         for what in wanted {
             let items = what.items()?.into_iter().map(|item| item.json);
-            all.insert(what.names().0.into(), items.collect());
+            all.insert(what.names()[0].into(), items.collect());
         }
         terminal::json(&Value::Object(all))?;
     } else {
@@ -149,81 +149,71 @@ fn dims(dims: &[u32]) -> String {
 }
 
 fn detector(it: &table::Entry) -> Item {
-    let about = [
-        it.summary.to_string(),
-        format!("cost: {}; memory: {}", it.cost, it.memory),
-        format!("limits: {}", it.limits),
-    ];
-    let line =
-        |it: &table::Parameter| format!("{} [{}]: {}", it.name, it.values.join(", "), it.meaning);
-    let parameter = |it: &table::Parameter| {
-        json!({
-            "name": it.name,
-            "meaning": it.meaning,
-            "values": it.values,
-            "default": it.default(),
+    let table::Entry { name, summary, cost, memory, limits, threads, .. } = *it;
+    let about =
+        [summary.into(), format!("cost: {cost}; memory: {memory}"), format!("limits: {limits}")];
+    let (lines, parameters): (Vec<String>, Vec<Value>) = it
+        .parameters
+        .iter()
+        .map(|it| {
+            let table::Parameter { name, meaning, values, .. } = *it;
+            let default = it.default();
+            let json = json!({
+                "name": name, "meaning": meaning, "values": values, "default": default,
+            });
+            (format!("{name} [{}]: {meaning}", values.join(", ")), json)
         })
-    };
+        .unzip();
     let json = json!({
-        "name": it.name,
-        "summary": it.summary,
-        "cost": it.cost,
-        "memory": it.memory,
-        "limits": it.limits,
-        "threads": it.threads,
-        "parameters": it.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "name": name,
+        "summary": summary,
+        "cost": cost,
+        "memory": memory,
+        "limits": limits,
+        "threads": threads,
+        "parameters": parameters,
     });
-    let lines = about.into_iter().chain(it.parameters.iter().map(line)).collect();
-    Item { name: it.name.into(), lines, json }
+    Item { name: name.into(), lines: about.into_iter().chain(lines).collect(), json }
 }
 
 fn scene(it: &Generator) -> Item {
-    let defaults = |parameter: &Parameter| -> Vec<(String, String)> {
-        let default = |dim: u32| parameter.default[dim as usize - 2].to_string();
-        it.dims.iter().map(|&dim| (format!("{dim}D"), default(dim))).collect()
-    };
-    let line = |parameter: &Parameter| {
-        let mut values: Vec<String> = defaults(parameter).into_iter().map(|it| it.1).collect();
-        values.dedup();
-        format!("{} [{}]: {}", parameter.name, values.join(", "), parameter.meaning)
-    };
+    let Generator { name, summary, dims, .. } = *it;
     let parameter = |parameter: &Parameter| {
-        json!({
-            "name": parameter.name,
-            "meaning": parameter.meaning,
-            "defaults": defaults(parameter).into_iter().collect::<BTreeMap<_, _>>(),
-        })
+        let Parameter { name, meaning, .. } = *parameter;
+        let default = |&dim: &u32| parameter.default[dim as usize - 2].to_string();
+        let mut values: Vec<String> = dims.iter().map(default).collect();
+        let named = dims.iter().map(|dim| (format!("{dim}D"), default(dim)));
+        let defaults: BTreeMap<String, String> = named.collect();
+        values.dedup();
+        let json = json!({ "name": name, "meaning": meaning, "defaults": defaults });
+        (format!("{name} [{}]: {meaning}", values.join(", ")), json)
     };
-    let json = json!({
-        "name": it.name,
-        "summary": it.summary,
-        "dims": it.dims,
-        "parameters": it.params().map(parameter).collect::<Vec<_>>(),
-    });
-    let summary = format!("{} ({})", it.summary, dims(it.dims));
-    let lines = std::iter::once(summary).chain(it.params().map(line)).collect();
-    Item { name: it.name.into(), lines, json }
+    let (lines, parameters): (Vec<String>, Vec<Value>) = it.params().map(parameter).unzip();
+    let json = json!({ "name": name, "summary": summary, "dims": dims, "parameters": parameters });
+    let summary = format!("{summary} ({})", self::dims(dims));
+    Item { name: name.into(), lines: std::iter::once(summary).chain(lines).collect(), json }
 }
 
 fn experiment(it: &Experiment) -> Item {
-    let mark = if it.standard { "*" } else { "" };
+    let Experiment { name, title, question, standard, detectors, .. } = it;
+    let mark = if *standard { "*" } else { "" };
     let json = json!({
-        "name": it.name,
-        "title": it.title,
-        "question": it.question,
-        "standard": it.standard,
-        "detectors": it.detectors,
+        "name": name,
+        "title": title,
+        "question": question,
+        "standard": standard,
+        "detectors": detectors,
     });
-    let lines = vec![it.title.clone(), it.question.clone()];
-    Item { name: format!("{mark}{}", it.name), lines, json }
+    Item { name: format!("{mark}{name}"), lines: vec![title.clone(), question.clone()], json }
 }
 
 fn hard_case(it: &Case) -> Item {
+    let Case { name, group, dims, reason, source, .. } = *it;
     let (contacts, known) = match it.expect {
         Expect::Contacts(contacts) => {
             let of_dim = |&dim: &u32| contacts[usize::from(dim == 3)];
-            let words: Vec<String> = it.dims.iter().map(|dim| of_dim(dim).to_string()).collect();
-            let known = it.dims.iter().map(|dim| (format!("{dim}D"), of_dim(dim)));
+            let words: Vec<String> = dims.iter().map(|dim| of_dim(dim).to_string()).collect();
+            let known = dims.iter().map(|dim| (format!("{dim}D"), of_dim(dim)));
             (format!("contacts: {}", words.join(", ")), json!(known.collect::<BTreeMap<_, _>>()))
         }
         Expect::Oracle => {
@@ -233,14 +223,13 @@ fn hard_case(it: &Case) -> Item {
         Expect::Invalid => ("must be refused".into(), json!("must be refused")),
     };
     let json = json!({
-        "name": it.name,
-        "group": it.group.name(),
-        "dims": it.dims,
+        "name": name,
+        "group": group,
+        "dims": dims,
         "contacts": known,
-        "reason": it.reason,
-        "source": it.source,
+        "reason": reason,
+        "source": source,
     });
-    let about = format!("{}, {}; {contacts}", it.group.name(), dims(it.dims));
-    let lines = vec![about, it.reason.into(), format!("source: {}", it.source)];
-    Item { name: it.name.into(), lines, json }
+    let about = format!("{group}, {}; {contacts}", self::dims(dims));
+    Item { name: name.into(), lines: vec![about, reason.into(), format!("source: {source}")], json }
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow, ensure};
 use serde_json::Value;
 
 pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
-use crate::generate::{Inputs, file, table};
+use crate::generate::{Inputs, file, hard, table};
 use crate::motion::{self, Frames, Motion};
 pub use crate::order::Order;
 use crate::order::{morton, shuffled};
@@ -182,11 +182,12 @@ impl Spec {
     /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order:
     /// none, but for hard cases of several steps. A detector may refuse them.
     pub fn history(&self) -> anyhow::Result<Vec<Given>> {
-        Ok(self
-            .by(|generator, inputs| (generator.history)(inputs))?
-            .into_iter()
-            .map(|given| self.ordered(given))
-            .collect())
+        if self.name != hard::NAME {
+            return Ok(Vec::new());
+        }
+        let mut steps = self.by(|_, inputs| hard::steps(inputs))?;
+        steps.pop();
+        Ok(steps.into_iter().map(|given| self.ordered(given)).collect())
     }
 
     fn by<O>(

@@ -25,8 +25,7 @@ pub fn in_any_box(given: &Given) -> anyhow::Result<Periodic<'static>> {
 /// # Errors
 /// A scene that f64 cannot store.
 pub fn in_open_space(scene: &AnyScene<'_>) -> anyhow::Result<Periodic<'static>> {
-    let open = Lattice::along_axes([1.0; 3], [false; 3])?;
-    Ok(Periodic::new(scene.stored(Arithmetic::F64)?, open)?)
+    Ok(Periodic::new(scene.stored(Arithmetic::F64)?, Lattice::OPEN)?)
 }
 
 /// Centre and radius of a particle; in the plane the third coordinate is 0.

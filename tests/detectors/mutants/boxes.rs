@@ -4,7 +4,7 @@
 use contactbench::contact::Arithmetic;
 use contactbench::contact::image::{Shift, compare};
 use contactbench::periodic::{self, ImagePair, Periodic};
-use contactbench::scene::hard::{Case, Group, cases};
+use contactbench::scene::hard::{Case, cases};
 use contactbench::scene::{AnyScene, Lattice, Scene, array};
 use rayon::prelude::*;
 
@@ -238,7 +238,7 @@ impl<'a, const D: usize> Search<'a, D> {
 /// Hard cases with the truth of their last step.
 fn trials() -> Vec<(&'static str, Periodic<'static>, Vec<ImagePair>)> {
     let mut trials = Vec::new();
-    for case in cases().filter(|case: &&Case| case.group == Group::Boxes) {
+    for case in cases().filter(|case: &&Case| case.group == "boxes") {
         for &dim in case.dims {
             let steps = case.steps(dim).unwrap();
             let periodic = steps[steps.len() - 1].periodic().unwrap().unwrap();

@@ -20,63 +20,53 @@
 //! So neighbours that should be D apart are exactly D apart, at the very border of the closed
 //! contact test.
 
-use crate::generate::table::{Generator, Kind, Parameter, no_history, number};
+use crate::generate::table::{Generator, Kind, Make, Parameter, number};
 use crate::generate::{DIAMETER, Inputs, assemble};
 use contactbench_io::Given;
 
-pub const PACK_A: Generator = Generator {
-    name: "pack-a",
-    dims: &[2],
-    summary: "the book's pack A: columns D apart, rows 2D apart",
-    own_n: false,
-    params: &[&[DIAMETER]],
-    make: |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
-    history: no_history,
-};
+pub const PACK_A: Generator = of_book(
+    "pack-a",
+    "the book's pack A: columns D apart, rows 2D apart",
+    &[&[DIAMETER]],
+    |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
+);
 
-pub const PACK_B: Generator = Generator {
-    name: "pack-b",
-    dims: &[2],
-    summary: "the book's pack B: columns S apart, rows 2D apart",
-    own_n: false,
-    params: &[&[DIAMETER, S]],
-    make: |inputs| {
+pub const PACK_B: Generator =
+    of_book("pack-b", "the book's pack B: columns S apart, rows 2D apart", SPACED, |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, 2.0 * j])
-    },
-    history: no_history,
-};
+    });
 
-pub const PACK_C: Generator = Generator {
-    name: "pack-c",
-    dims: &[2],
-    summary: "the book's pack C: columns and rows S apart",
-    own_n: false,
-    params: &[&[DIAMETER, S]],
-    make: |inputs| {
+pub const PACK_C: Generator =
+    of_book("pack-c", "the book's pack C: columns and rows S apart", SPACED, |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, j * s])
-    },
-    history: no_history,
-};
+    });
 
-pub const PACK_D: Generator = Generator {
-    name: "pack-d",
-    dims: &[2],
-    summary: "the book's pack D: columns D and S apart in turn, rows 2D apart",
-    own_n: false,
-    params: &[&[DIAMETER, S]],
-    make: |inputs| {
+pub const PACK_D: Generator = of_book(
+    "pack-d",
+    "the book's pack D: columns D and S apart in turn, rows 2D apart",
+    SPACED,
+    |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| {
             let couple = (i / 2.0).floor();
             [couple * (1.0 + s) + (i - 2.0 * couple), 2.0 * j]
         })
     },
-    history: no_history,
-};
+);
 
-const S: Parameter = number("s", Kind::NotNegative, 1.0, "S/D, the spacing in diameters");
+const SPACED: &[&[Parameter]] =
+    &[&[DIAMETER, number("s", Kind::NOT_NEGATIVE, 1.0, "S/D, the spacing in diameters")]];
+
+const fn of_book(
+    name: &'static str,
+    summary: &'static str,
+    params: &'static [&'static [Parameter]],
+    make: Make,
+) -> Generator {
+    Generator { name, dims: &[2], summary, params, make, ..Generator::PLAIN }
+}
 
 fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
     let root = inputs.n.isqrt();

@@ -27,7 +27,7 @@ pub const PERIODIC: Parameter = optional(
 /// The shear.
 pub const TILT: Parameter = optional(
     "tilt",
-    Kind::Finite,
+    Kind::FINITE,
     "the images along y are moved along x by this, in edges of the box along x",
 );
 

@@ -21,47 +21,45 @@
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, Parameter, Preset, no_history, number};
+use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
 use crate::generate::{Inputs, OF_BODIES, assemble, box_edge};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "clustered",
-    dims: &[2, 3],
     summary: "Gaussian clusters on a thin uniform background",
-    own_n: false,
     params: &[
         OF_BODIES,
         &[
             Parameter {
                 name: "per-cluster",
-                kind: Kind::Count,
+                kind: Kind::COUNT,
                 default: [Preset::Whole(100); 2],
                 meaning: "particles in a cluster; the last cluster may be smaller",
             },
             Parameter {
                 name: "width",
-                kind: Kind::NotNegative,
+                kind: Kind::NOT_NEGATIVE,
                 default: [Preset::Number(4.0), Preset::Number(2.0)],
                 meaning: "standard deviation of a cluster along each axis, in diameters",
             },
             number(
                 "background",
-                Kind::Share,
+                Kind::SHARE,
                 0.1,
                 "share of the particles that is uniform in the box",
             ),
             number(
                 "fraction",
-                Kind::Positive,
+                Kind::POSITIVE,
                 0.01,
                 "volume of the bodies over the volume of the box",
             ),
         ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
-    history: no_history,
+    ..Generator::PLAIN
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>

@@ -20,21 +20,19 @@
 use anyhow::ensure;
 
 use crate::generate::draw::Draw;
-use crate::generate::table::{Generator, Kind, no_history, number};
+use crate::generate::table::{Generator, Kind, number};
 use crate::generate::{DIAMETER, Inputs, room};
 use contactbench_core::contact::exact;
 use contactbench_core::scene::{Radii, Scene};
 
 pub const GENERATOR: Generator = Generator {
     name: "couples",
-    dims: &[2, 3],
     summary: "couples that just touch, astride borders of textbook cells",
-    own_n: false,
     params: &[&[
         DIAMETER,
         number(
             "offset",
-            Kind::Finite,
+            Kind::FINITE,
             0.0,
             "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
         ),
@@ -42,7 +40,7 @@ pub const GENERATOR: Generator = Generator {
     make: |inputs| {
         Ok(if inputs.dim == 2 { make::<2>(inputs)?.into() } else { make::<3>(inputs)?.into() })
     },
-    history: no_history,
+    ..Generator::PLAIN
 };
 
 /// The double next to low + d·k, or its neighbour: near 0 that has far more bits than a rounded sum

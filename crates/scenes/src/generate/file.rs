@@ -15,7 +15,7 @@ use std::path::Path;
 use anyhow::ensure;
 use serde_json::Value;
 
-use crate::generate::table::{Generator, Kind, Parameter, Preset, no_history, optional};
+use crate::generate::table::{Generator, Kind, Parameter, Preset, optional};
 use contactbench_io as io;
 
 /// The name under which the program knows files.
@@ -33,8 +33,8 @@ const PARAMS: [Parameter; 9] = [
         default: [Preset::Required; 2],
         meaning: "the file's name",
     },
-    option(0, "radius", Kind::NotNegative),
-    option(1, "file-dim", Kind::Dim),
+    option(0, "radius", Kind::NOT_NEGATIVE),
+    option(1, "file-dim", Kind::DIM),
     option(2, "frame", Kind::Text),
     option(3, "columns", Kind::Text),
     option(4, "format", Kind::Text),
@@ -45,7 +45,6 @@ const PARAMS: [Parameter; 9] = [
 
 pub const GENERATOR: Generator = Generator {
     name: NAME,
-    dims: &[2, 3],
     summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD",
     own_n: true,
     params: &[&PARAMS],
@@ -70,5 +69,5 @@ pub const GENERATOR: Generator = Generator {
         );
         Ok(given)
     },
-    history: no_history,
+    ..Generator::PLAIN
 };

@@ -21,7 +21,6 @@ pub const NAME: &str = "hard";
 
 pub const GENERATOR: Generator = Generator {
     name: NAME,
-    dims: &[2, 3],
     summary: "a named case on which detectors go wrong; contactbench list hard-cases",
     own_n: true,
     params: &[&[Parameter {
@@ -31,9 +30,7 @@ pub const GENERATOR: Generator = Generator {
         meaning: "the name of the case",
     }]],
     make: |inputs| {
-        let mut steps = steps(inputs)?;
-        // Every case has a last step.
-        let Some(given) = steps.pop() else {
+        let Some(given) = steps(inputs)?.pop() else {
             anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)
         };
         let (n, found) = (inputs.n, given.scene.len());
@@ -43,13 +40,10 @@ pub const GENERATOR: Generator = Generator {
         );
         Ok(given)
     },
-    history: |inputs| {
-        let mut steps = steps(inputs)?;
-        steps.pop();
-        Ok(steps)
-    },
+    ..Generator::PLAIN
 };
 
-fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
+/// The scenes of the case, in the order in which a detector is given them.
+pub fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
     hard::find(inputs.text("case")?)?.steps(inputs.dim)
 }

@@ -16,27 +16,25 @@
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, no_history, number};
+use crate::generate::table::{Generator, Kind, number};
 use crate::generate::{Inputs, OF_BODIES, assemble, box_edge};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "loose",
-    dims: &[2, 3],
     summary: "uniform random in a square or cube",
-    own_n: false,
     params: &[
         OF_BODIES,
         &[number(
             "fraction",
-            Kind::Positive,
+            Kind::POSITIVE,
             0.05,
             "volume of the bodies over the volume of the box",
         )],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
-    history: no_history,
+    ..Generator::PLAIN
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>

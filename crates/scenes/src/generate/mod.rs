@@ -59,11 +59,11 @@ impl Inputs<'_> {
 }
 
 const DIAMETER: Parameter =
-    number("diameter", Kind::Positive, 1.0, "largest diameter, in units of length");
+    number("diameter", Kind::POSITIVE, 1.0, "largest diameter, in units of length");
 
 const OFFSET: Parameter = number(
     "offset",
-    Kind::Finite,
+    Kind::FINITE,
     0.0,
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );

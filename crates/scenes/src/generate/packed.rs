@@ -22,16 +22,14 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::generate::boxes::{PERIODIC, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, Parameter, Preset, no_history, number};
+use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
 use crate::generate::{Inputs, OF_BODIES, assemble};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "packed",
-    dims: &[2, 3],
     summary: "jittered lattice that overlaps and touches like a dense granular pack",
-    own_n: false,
     params: &[
         OF_BODIES,
         &[
@@ -41,10 +39,10 @@ pub const GENERATOR: Generator = Generator {
                 default: [Preset::Word("hexagonal"), Preset::Word("fcc")],
                 meaning: "arrangement of the sites",
             },
-            number("spacing", Kind::Positive, 0.99, "distance of nearest sites, in diameters"),
+            number("spacing", Kind::POSITIVE, 0.99, "distance of nearest sites, in diameters"),
             number(
                 "jitter",
-                Kind::NotNegative,
+                Kind::NOT_NEGATIVE,
                 0.05,
                 "each coordinate moves uniformly within ± this, in diameters",
             ),
@@ -61,7 +59,7 @@ pub const GENERATOR: Generator = Generator {
             make(inputs, site, period)
         }
     },
-    history: no_history,
+    ..Generator::PLAIN
 };
 
 fn make<const D: usize>(

@@ -25,35 +25,33 @@ use anyhow::ensure;
 use crate::generate::boxes::{Repeats, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, no_history, number};
+use crate::generate::table::{Generator, Kind, number};
 use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, room};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "settled",
-    dims: &[2, 3],
     summary: "random places with at most a stated overlap, the largest bodies first",
-    own_n: false,
     params: &[
         OF_BODIES,
         &[
             number(
                 "fraction",
-                Kind::Positive,
+                Kind::POSITIVE,
                 0.3,
                 "volume of the bodies over the volume of the box",
             ),
             number(
                 "overlap",
-                Kind::Share,
+                Kind::SHARE,
                 0.05,
                 "how far two bodies may overlap, over the sum of their radii",
             ),
         ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
-    history: no_history,
+    ..Generator::PLAIN
 };
 
 /// Draws for one body, and for each of all together.

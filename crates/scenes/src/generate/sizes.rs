@@ -30,7 +30,7 @@ use crate::generate::{Inputs, room};
 /// Smallest and largest.
 pub const SIZE_RATIO: Parameter = number(
     "size-ratio",
-    Kind::AtLeastOne,
+    Kind::AT_LEAST_ONE,
     1.0,
     "radii between r / ratio and r, uniform unless `sizes` says otherwise; 1 = one radius \
               for all",
@@ -46,15 +46,15 @@ pub const SIZES: Parameter = optional(
 
 /// Of [`SIZES`] `power`.
 pub const EXPONENT: Parameter =
-    optional("exponent", Kind::Finite, "for sizes=power: numbers of radii go as r^exponent");
+    optional("exponent", Kind::FINITE, "for sizes=power: numbers of radii go as r^exponent");
 
 /// Of [`SIZES`] `binary`.
 pub const SHARE: Parameter =
-    optional("share", Kind::Share, "for sizes=binary: volume of the small ones over that of all");
+    optional("share", Kind::SHARE, "for sizes=binary: volume of the small ones over that of all");
 
 /// Of [`SIZES`] `giants`.
 pub const GIANTS: Parameter =
-    optional("giants", Kind::Count, "for sizes=giants: how many have the largest radius");
+    optional("giants", Kind::COUNT, "for sizes=giants: how many have the largest radius");
 
 /// Of [`SIZES`] `grading`.
 pub const GRADING: Parameter = optional(

@@ -27,6 +27,9 @@ pub static GENERATORS: [Generator; 11] = [
     hard::GENERATOR,
 ];
 
+/// Makes a scene, in generated order.
+pub type Make = fn(&Inputs<'_>) -> anyhow::Result<Given>;
+
 /// One line of the table.
 #[derive(Clone, Copy)]
 pub struct Generator {
@@ -41,9 +44,7 @@ pub struct Generator {
     /// Its parameters.
     pub params: &'static [&'static [Parameter]],
     /// Makes the scene, in generated order.
-    pub make: fn(&Inputs<'_>) -> anyhow::Result<Given>,
-    /// Makes the scenes that a detector is to be given before it, in generated order.
-    pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<Given>>,
+    pub make: Make,
 }
 
 /// A parameter that is a number by default.
@@ -59,11 +60,6 @@ pub const fn number(
 /// A parameter that stays away by default.
 pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
     Parameter { name, kind, default: [Preset::Absent; 2], meaning }
-}
-
-/// For generators whose scenes stand alone.
-pub fn no_history(_: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
-    Ok(Vec::new())
 }
 
 /// A parameter of a generator.
@@ -82,20 +78,10 @@ pub struct Parameter {
 /// Which values a parameter takes.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A finite number over 0.
-    Positive,
-    /// Any finite number.
-    Finite,
-    /// A finite number of at least 0.
-    NotNegative,
-    /// A finite number of at least 1.
-    AtLeastOne,
-    /// A number from 0 to 1.
-    Share,
-    /// A whole number of at least 1.
-    Count,
-    /// 2 or 3.
-    Dim,
+    /// A finite number of which this holds, with what it must be.
+    Number(&'static str, fn(f64) -> bool),
+    /// A whole number, likewise.
+    Whole(&'static str, fn(u64) -> bool),
     /// true or false.
     Yes,
     /// Axes along which a box repeats, or true for all, or none.
@@ -161,6 +147,16 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
+    /// What most generators have in common.
+    pub(crate) const PLAIN: Generator = Generator {
+        name: "",
+        dims: &[2, 3],
+        summary: "",
+        own_n: false,
+        params: &[],
+        make: |_| bail!("this generator makes nothing"),
+    };
+
     /// Its parameters.
     pub fn params(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
         self.params.iter().copied().flatten()
@@ -240,16 +236,18 @@ impl Generator {
 }
 
 impl Kind {
+    pub const POSITIVE: Kind = Kind::Number("a finite number over 0", |x| x > 0.0);
+    pub const FINITE: Kind = Kind::Number("a finite number", |_| true);
+    pub const NOT_NEGATIVE: Kind = Kind::Number("a finite number of at least 0", |x| x >= 0.0);
+    pub const AT_LEAST_ONE: Kind = Kind::Number("a finite number of at least 1", |x| x >= 1.0);
+    pub const SHARE: Kind = Kind::Number("a number from 0 to 1", |x| (0.0..=1.0).contains(&x));
+    pub const COUNT: Kind = Kind::Whole("a whole number of at least 1", |k| k >= 1);
+    pub const DIM: Kind = Kind::Whole("2 or 3", |k| k == 2 || k == 3);
+
     /// What the parameter must be.
     pub fn accepts(&self, dim: u32) -> String {
         match self {
-            Kind::Positive => "a finite number over 0".into(),
-            Kind::Finite => "a finite number".into(),
-            Kind::NotNegative => "a finite number of at least 0".into(),
-            Kind::AtLeastOne => "a finite number of at least 1".into(),
-            Kind::Share => "a number from 0 to 1".into(),
-            Kind::Count => "a whole number of at least 1".into(),
-            Kind::Dim => "2 or 3".into(),
+            Kind::Number(must, _) | Kind::Whole(must, _) => (*must).into(),
             Kind::Yes => "true or false".into(),
             Kind::Axes => {
                 let all = if dim == 2 { "x, y, xy" } else { "x, y, z, xy, xz, yz, xyz" };
@@ -269,25 +267,19 @@ impl Kind {
     /// dimension of files is not known.
     fn check(&self, value: &Value, known: Option<u32>) -> Result<Value, String> {
         let dim = known.unwrap_or(3);
-        let number = |good: fn(f64) -> bool| {
-            value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
-        };
-        // 1e3 is a whole number, too.
-        let whole = |good: fn(u64) -> bool| {
-            let real =
-                || value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()));
-            value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
-        };
         let text =
             |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
         let good = match self {
-            Kind::Positive => number(|x| x > 0.0),
-            Kind::Finite => number(|_| true),
-            Kind::NotNegative => number(|x| x >= 0.0),
-            Kind::AtLeastOne => number(|x| x >= 1.0),
-            Kind::Share => number(|x| (0.0..=1.0).contains(&x)),
-            Kind::Count => whole(|k| k >= 1),
-            Kind::Dim => whole(|k| k == 2 || k == 3),
+            Kind::Number(_, good) => {
+                value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
+            }
+            // 1e3 is a whole number, too.
+            Kind::Whole(_, good) => {
+                let real = || {
+                    value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()))
+                };
+                value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
+            }
             // As a word, which is what records hold of parameters that are not numbers.
             Kind::Yes => match value.as_bool() {
                 Some(yes) => Some(yes.to_string().into()),

@@ -13,61 +13,54 @@ use crate::hard::build::*;
 pub const MAKERS: &[Maker] = &[
     // in exact arithmetic the second and the third are 2^-53 apart
     ("three-across-a-border", |dim| {
-        uniform(dim, &lines(dim, &[0.0, 1.0f64.next_down(), 2.0], 8.0), 0.5)
+        uniform(dim, lines(dim, &[0.0, 1.0f64.next_down(), 2.0], 8.0), 0.5)
     }),
     ("row-from-minus-one", |dim| {
         let row: Vec<f64> = (0..by_dim(dim, [300, 60])).map(|k| f64::from(k) - 1.0).collect();
-        uniform(dim, &lines(dim, &row, by_dim(dim, [400.0, 80.0])), 0.5)
+        uniform(dim, lines(dim, &row, by_dim(dim, [400.0, 80.0])), 0.5)
     }),
     ("couples-from-minus-one", |dim| {
-        uniform(dim, &lines(dim, &astride(-1.0, 1.0, [4.0, 8.0, 16.0, 32.0, 64.0]), 70.0), 0.5)
+        uniform(dim, lines(dim, &astride(-1.0, 1.0, [4.0, 8.0, 16.0, 32.0, 64.0]), 70.0), 0.5)
     }),
     ("couples-below-zero", |dim| {
-        uniform(
-            dim,
-            &lines(dim, &astride(-7.3, 0.1, (1..=50).map(|k| f64::from(3 * k))), 9.7),
-            0.05,
-        )
+        let line = astride(-7.3, 0.1, (1..=50).map(|k| f64::from(3 * k)));
+        uniform(dim, lines(dim, &line, 9.7), 0.05)
     }),
     ("couples-far-from-xmin", |dim| {
         // Along the last axis, which costs NBS least memory; the other corner of the box is
         // wide, so that screening declines at once.
-        let along = |x: f64, other: f64| {
-            std::array::from_fn(|axis| if axis + 1 == dim as usize { x } else { other })
-        };
+        let along = |x: f64, other: f64| on_axis(dim as usize - 1, x, other);
         let line = astride(-1e6, 0.1, (0..40).map(|k| f64::from(3 * k + 9_999_940)));
-        let places = line.into_iter().map(|x| along(x, 0.0));
-        uniform(dim, &places.chain([along(0.0, 200.0)]).collect::<Vec<_>>(), 0.05)
+        let line = line.into_iter().map(|x| along(x, 0.0));
+        uniform(dim, line.chain([along(0.0, 200.0)]), 0.05)
     }),
-    ("spacing-is-the-diameter", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [20, 9]), |k| 0.25 * k - 7.0), 0.125)
-    }),
-    ("spacing-is-half-the-cutoff", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [16, 8]), |k| 0.5 * k), 0.5)
-    }),
-    ("spacing-is-a-third-of-the-cutoff", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [16, 8]), |k| k), 1.5)
-    }),
-    ("decimal-spacing", |dim| uniform(dim, &lattice(dim, by_dim(dim, [20, 9]), |k| 0.1 * k), 0.05)),
-    ("decimal-third-of-the-cutoff", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [16, 8]), |k| 0.1 * k - 0.7), 0.15)
-    }),
+    ("spacing-is-the-diameter", |dim| grid(dim, [20, 9], 0.125, |k| 0.25 * k - 7.0)),
+    ("spacing-is-half-the-cutoff", |dim| grid(dim, [16, 8], 0.5, |k| 0.5 * k)),
+    ("spacing-is-a-third-of-the-cutoff", |dim| grid(dim, [16, 8], 1.5, |k| k)),
+    ("decimal-spacing", |dim| grid(dim, [20, 9], 0.05, |k| 0.1 * k)),
+    ("decimal-third-of-the-cutoff", |dim| grid(dim, [16, 8], 0.15, |k| 0.1 * k - 0.7)),
     ("hexagonal-pack", |dim| {
-        let row = (0.75f64).sqrt();
-        let at = |k: u32| {
-            [f64::from(k % 16) + 0.5 * f64::from(k / 16 % 2), row * f64::from(k / 16), 0.0]
-        };
-        uniform(dim, &(0..256).map(at).collect::<Vec<_>>(), 0.5)
+        let (row, whole) = ((0.75f64).sqrt(), |k: f64| (k / 16.0).floor());
+        let at = |k: f64| [k % 16.0 + 0.5 * (whole(k) % 2.0), row * whole(k), 0.0];
+        uniform(dim, places(256, at), 0.5)
     }),
     ("around-one-corner", |dim| {
         let around = corners(dim).into_iter().map(|corner| plus([5.0; 3], two_to(-12), corner));
-        uniform(dim, &around.chain([[0.0; 3], [10.0; 3]]).collect::<Vec<_>>(), 0.5)
+        uniform(dim, around.chain([[0.0; 3], [10.0; 3]]), 0.5)
     }),
-    ("every-neighbour", every_neighbour),
+    // The cells have edge 1 (or a few millionths more) from 0. A couple of direction v is astride
+    // the face, edge or corner in that direction.
+    ("every-neighbour", |dim| {
+        let couple = |(k, v): (usize, Place)| {
+            let middle = plus(site(k + 1, 4.0), 1.0, v.map(|x| if x == 0.0 { 4.5 } else { 4.0 }));
+            [plus(middle, -0.25, v), plus(middle, 0.25, v)]
+        };
+        let couples = neighbours(dim).into_iter().enumerate().flat_map(couple);
+        uniform(dim, [[0.0; 3]].into_iter().chain(couples), 0.5)
+    }),
     ("all-neighbours-of-one", |dim| {
-        let mut places = lattice(dim, 3, |k| 4.5 + 0.5625 * (k - 1.0));
-        places.push([0.0; 3]);
-        uniform(dim, &places, 0.5)
+        let block = lattice(dim, [3; 2], |k| 4.5 + 0.5625 * (k - 1.0));
+        uniform(dim, block.into_iter().chain([[0.0; 3]]), 0.5)
     }),
 ];
 
@@ -88,15 +81,4 @@ fn astride(low: f64, d: f64, borders: impl IntoIterator<Item = f64>) -> Vec<f64>
         line.extend([before, reach_from(before, d)]);
     }
     line
-}
-
-/// The cells have edge 1 (or a few millionths more) from 0. A couple of direction v is astride the
-/// face, edge or corner in that direction.
-fn every_neighbour(dim: u32) -> Steps {
-    let mut places = vec![[0.0; 3]];
-    for (k, v) in neighbours(dim).into_iter().enumerate() {
-        let middle = plus(site(k + 1, 4.0), 1.0, v.map(|x| if x == 0.0 { 4.5 } else { 4.0 }));
-        places.extend([plus(middle, -0.25, v), plus(middle, 0.25, v)]);
-    }
-    uniform(dim, &places, 0.5)
 }

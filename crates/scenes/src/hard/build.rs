@@ -2,6 +2,7 @@
 
 use nalgebra::Point;
 
+use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Radii, Scene, SceneError};
 use contactbench_io::Given;
 
@@ -11,15 +12,23 @@ pub type Steps = anyhow::Result<Vec<Given>>;
 /// A centre.
 pub type Place = [f64; 3];
 
+/// A centre and a radius.
+pub type Body = (Place, f64);
+
 /// One step: bodies of one radius.
-pub fn uniform(dim: u32, places: &[Place], r: f64) -> Steps {
-    Ok(vec![scene(dim, places.iter(), Radii::Uniform(r))?])
+pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Steps {
+    Ok(vec![scene(dim, places, Radii::Uniform(r))?])
 }
 
 /// One step: bodies with a radius each.
-pub fn each(dim: u32, bodies: &[(Place, f64)]) -> Steps {
-    let radii: Vec<f64> = bodies.iter().map(|(_, r)| *r).collect();
-    Ok(vec![scene(dim, bodies.iter().map(|(place, _)| place), Radii::Each(radii.into()))?])
+pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
+    let (places, radii): (Vec<Place>, Vec<f64>) = bodies.into_iter().unzip();
+    Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
+}
+
+/// One step: a lattice of bodies of one radius; its sites per axis in the plane and in space.
+pub fn grid(dim: u32, sites: [u32; 2], r: f64, at: impl Fn(f64) -> f64) -> Steps {
+    uniform(dim, lattice(dim, sites, at), r)
 }
 
 /// The same steps in a box that repeats along some of its vectors, with its corner at the origin.
@@ -34,15 +43,16 @@ pub fn history(parts: impl IntoIterator<Item = Steps>) -> Steps {
     Ok(parts.into_iter().flatten().collect())
 }
 
-fn scene<'a>(
+fn scene(
     dim: u32,
-    places: impl Iterator<Item = &'a Place>,
+    places: impl IntoIterator<Item = Place>,
     radii: Radii<'static, f64>,
 ) -> Result<Given, SceneError> {
+    let places = places.into_iter();
     Ok(if dim == 2 {
-        Scene::new(places.map(|&[x, y, _]| Point::from([x, y])).collect::<Vec<_>>(), radii)?.into()
+        Scene::new(places.map(|[x, y, _]| Point::from([x, y])).collect::<Vec<_>>(), radii)?.into()
     } else {
-        Scene::new(places.map(|&place| Point::from(place)).collect::<Vec<_>>(), radii)?.into()
+        Scene::new(places.map(Point::from).collect::<Vec<_>>(), radii)?.into()
     })
 }
 
@@ -55,17 +65,39 @@ pub const fn two_to(k: i32) -> f64 {
     }
 }
 
+/// `n` places; place k is `at(k)`.
+pub fn places(n: u32, at: impl Fn(f64) -> Place) -> Vec<Place> {
+    (0..n).map(|k| at(f64::from(k))).collect()
+}
+
+/// `n` places, drawn one after the other.
+pub fn drawn(seed: u64, n: u32, mut place: impl FnMut(&mut Draw) -> Place) -> Vec<Place> {
+    let mut draw = Draw::new(seed);
+    (0..n).map(|_| place(&mut draw)).collect()
+}
+
+/// The same radius for all of some places.
+pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator<Item = Body> {
+    places.into_iter().map(move |place| (place, r))
+}
+
+/// `x` on one axis, `other` on the others.
+pub fn on_axis(axis: usize, x: f64, other: f64) -> Place {
+    std::array::from_fn(|k| if k == axis { x } else { other })
+}
+
 /// A line along every axis: the coordinates `line` on that axis, `park` on the others. With a
 /// `park` far from all of the line, lines do not meet, and with one above them all the smallest
 /// coordinate on every axis is that of the line.
 pub fn lines(dim: u32, line: &[f64], park: f64) -> Vec<Place> {
-    let along = |axis: usize, x: f64| std::array::from_fn(|k| if k == axis { x } else { park });
-    (0..dim as usize).flat_map(|axis| line.iter().map(move |&x| along(axis, x))).collect()
+    let along = |axis| line.iter().map(move |&x| on_axis(axis, x, park));
+    (0..dim as usize).flat_map(along).collect()
 }
 
-/// A square or cubic lattice of `m` sites per axis, x first; site k of an axis has the coordinate
-/// `at(k)`.
-pub fn lattice(dim: u32, m: u32, at: impl Fn(f64) -> f64) -> Vec<Place> {
+/// A square or cubic lattice with so many sites per axis in the plane and in space, x first; site k
+/// of an axis has the coordinate `at(k)`.
+pub fn lattice(dim: u32, sites: [u32; 2], at: impl Fn(f64) -> f64) -> Vec<Place> {
+    let m = by_dim(dim, sites);
     let layers = if dim == 2 { 1 } else { m };
     (0..m * m * layers).map(|k| [k % m, k / m % m, k / m / m].map(|i| at(f64::from(i)))).collect()
 }
@@ -78,13 +110,19 @@ pub fn by_dim<T>(dim: u32, values: [T; 2]) -> T {
 
 /// All vectors of `dim` components -1, 0 and 1 but the one of zeros.
 pub fn neighbours(dim: u32) -> Vec<Place> {
-    let all = lattice(3, 3, |k| k - 1.0).into_iter();
+    let all = lattice(3, [3; 2], |k| k - 1.0).into_iter();
     all.filter(|v| (dim == 3 || v[2] == 0.0) && *v != [0.0; 3]).collect()
 }
 
 /// All vectors of `dim` components -1 and 1; in the plane the third is 0.
 pub fn corners(dim: u32) -> Vec<Place> {
     neighbours(dim).into_iter().filter(|v| v[..dim as usize].iter().all(|&x| x != 0.0)).collect()
+}
+
+/// The vectors of this length along every axis, in both directions.
+pub fn axes(dim: u32, length: f64) -> Vec<Place> {
+    let both = |axis| [length, -length].map(|x| on_axis(axis, x, 0.0));
+    (0..dim as usize).flat_map(both).collect()
 }
 
 /// a + s·b.

@@ -8,7 +8,6 @@
 //!   +------+------+
 //! ```
 
-use crate::generate::draw::Draw;
 use crate::hard::Maker;
 use crate::hard::build::*;
 
@@ -17,41 +16,30 @@ pub const MAKERS: &[Maker] = &[
     ("two-hundred-and-fifty-seven", |dim| crowd(dim, 257)),
     ("thousand-and-twenty-five", |dim| crowd(dim, 1025)),
     ("dust-in-one-cell", |dim| {
-        let mut bodies: Vec<(Place, f64)> = (0..1200)
-            .map(|k| ([f64::from(k % 40), f64::from(k / 40), 0.0].map(|x| x / 64.0), 0.0))
-            .collect();
-        bodies.push(bodies[bodies.len() - 1]);
-        bodies.push(([8.0; 3], 1.0));
-        each(dim, &bodies)
+        let mut dust = places(1200, |k: f64| [k % 40.0, (k / 40.0).floor(), 0.0].map(|x| x / 64.0));
+        dust.push(dust[dust.len() - 1]);
+        each(dim, of_size(dust, 0.0).chain([([8.0; 3], 1.0)]))
     }),
     ("clique-on-a-corner", |dim| {
-        let mut draw = Draw::new(10);
-        let mut places: Vec<Place> =
-            (0..240).map(|_| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric())).collect();
+        let mut clique = drawn(10, 240, |draw| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric()));
         // Alone, so that cells of edge 1 have a corner at 4.
-        places.insert(120, [0.0; 3]);
-        uniform(dim, &places, 0.5)
+        clique.insert(120, [0.0; 3]);
+        uniform(dim, clique, 0.5)
     }),
     ("crowded-neighbourhood", |dim| {
-        let mut draw = Draw::new(11);
-        uniform(
-            dim,
-            &(0..900).map(|_| [(); 3].map(|()| 3.0 * draw.unit())).collect::<Vec<_>>(),
-            0.5,
-        )
+        uniform(dim, drawn(11, 900, |draw| [(); 3].map(|()| 3.0 * draw.unit())), 0.5)
     }),
     ("crowd-beside-crowd", |dim| {
-        let mut draw = Draw::new(12);
-        let places = (0..300).map(|k| {
-            let place = [(); 3].map(|()| 0.125 * draw.unit());
-            if k % 2 == 0 { place } else { plus(place, 1.0, [1.5, 0.0, 0.0]) }
-        });
-        uniform(dim, &places.collect::<Vec<_>>(), 0.5)
+        let all = drawn(12, 300, |draw| [(); 3].map(|()| 0.125 * draw.unit()));
+        let beside = |(k, place)| match k % 2 {
+            0 => place,
+            _ => plus(place, 1.0, [1.5, 0.0, 0.0]),
+        };
+        uniform(dim, all.into_iter().enumerate().map(beside), 0.5)
     }),
 ];
 
 /// `n` bodies drawn from a box of edge d/4: all touch.
 fn crowd(dim: u32, n: u32) -> Steps {
-    let mut draw = Draw::new(u64::from(n));
-    uniform(dim, &(0..n).map(|_| [(); 3].map(|()| 0.25 * draw.unit())).collect::<Vec<_>>(), 0.5)
+    uniform(dim, drawn(n.into(), n, |draw| [(); 3].map(|()| 0.25 * draw.unit())), 0.5)
 }

@@ -12,62 +12,47 @@ pub const MAKERS: &[Maker] = &[
     ("nan-radius", |dim| spoilt(dim, |body| body.1 = f64::NAN)),
     ("infinite-radius", |dim| spoilt(dim, |body| body.1 = f64::INFINITY)),
     ("negative-radius", |dim| spoilt(dim, |body| body.1 = -3.0)),
-    ("nothing-at-all", |dim| each(dim, &[])),
-    ("a-single-body", |dim| uniform(dim, &[[3.0, -2.0, 7.0]], 1.0)),
-    ("two-in-touch", |dim| uniform(dim, &[[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], 2.5)),
-    ("two-apart", |dim| uniform(dim, &[[0.0; 3], [0.75; 3]], by_dim(dim, [0.5, 0.625]))),
-    ("points-on-a-lattice", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k), 0.0)
-    }),
+    ("nothing-at-all", |dim| each(dim, [])),
+    ("a-single-body", |dim| uniform(dim, [[3.0, -2.0, 7.0]], 1.0)),
+    ("two-in-touch", |dim| uniform(dim, [[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], 2.5)),
+    ("two-apart", |dim| uniform(dim, [[0.0; 3], [0.75; 3]], by_dim(dim, [0.5, 0.625]))),
+    ("points-on-a-lattice", |dim| grid(dim, [15, 6], 0.0, |k| 0.1 * k)),
     ("points-in-couples", |dim| {
-        uniform(
-            dim,
-            &[
-                lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k),
-                lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k),
-            ]
-            .concat(),
-            0.0,
-        )
+        let points = || lattice(dim, [15, 6], |k| 0.1 * k);
+        uniform(dim, points().into_iter().chain(points()), 0.0)
     }),
-    ("points-at-one-place", |dim| uniform(dim, &[[0.3; 3]; 200], 0.0)),
-    ("bodies-at-one-place", |dim| uniform(dim, &[[-0.7, 0.3, 1e3]; 60], 1.0)),
-    ("minus-zero-radius", |dim| uniform(dim, &[[1.0; 3], [2.0; 3], [1.0; 3]], -0.0)),
+    ("points-at-one-place", |dim| uniform(dim, [[0.3; 3]; 200], 0.0)),
+    ("bodies-at-one-place", |dim| uniform(dim, [[-0.7, 0.3, 1e3]; 60], 1.0)),
+    ("minus-zero-radius", |dim| uniform(dim, [[1.0; 3], [2.0; 3], [1.0; 3]], -0.0)),
     ("specks-far-apart", |dim| {
-        uniform(dim, &[[0.0; 3], [1e-100, 0.0, 0.0], [1.0, 0.0, 0.0]], 1e-100)
+        uniform(dim, [[0.0; 3], [1e-100, 0.0, 0.0], [1.0, 0.0, 0.0]], 1e-100)
     }),
     ("all-on-one-x", |dim| on_a_plane(dim, 0)),
     ("all-on-one-y", |dim| on_a_plane(dim, 1)),
     ("all-on-one-z", |dim| on_a_plane(dim, 2)),
-    ("collinear-diagonal", |dim| {
-        uniform(dim, &(0..300).map(|k| [f64::from(k); 3]).collect::<Vec<_>>(), 1.0)
-    }),
+    ("collinear-diagonal", |dim| uniform(dim, places(300, |k| [k; 3]), 1.0)),
     ("coplanar-tilted", |dim| {
         // Steps of (1, 0, 1) and (0, 1.25, 0) with reach 1.5: √2 and 1.25 touch, the diagonal
         // is √3.5625.
-        let places =
-            (0..400).map(|k| [f64::from(k % 20), 1.25 * f64::from(k / 20), f64::from(k % 20)]);
-        uniform(dim, &places.collect::<Vec<_>>(), 0.75)
+        uniform(dim, places(400, |k: f64| [k % 20.0, 1.25 * (k / 20.0).floor(), k % 20.0]), 0.75)
     }),
 ];
 
 /// Five bodies, of which number 3 is spoilt.
-fn spoilt(dim: u32, spoil: impl Fn(&mut (Place, f64))) -> Steps {
-    let mut bodies: Vec<(Place, f64)> = (0..5).map(|k| ([f64::from(k); 3], 1.0)).collect();
+fn spoilt(dim: u32, spoil: impl Fn(&mut Body)) -> Steps {
+    let mut bodies: Vec<Body> = of_size(places(5, |k| [k; 3]), 1.0).collect();
     spoil(&mut bodies[3]);
-    each(dim, &bodies)
+    each(dim, bodies)
 }
 
 /// 400 bodies, all at 1/3 on one axis: a touching row in 2D, a touching square in 3D.
 fn on_a_plane(dim: u32, axis: usize) -> Steps {
-    let width = by_dim(dim, [400, 20]);
-    let places = (0..400).map(|k| {
-        let mut place = [f64::from(k % width), f64::from(k % width), f64::from(k / width)];
-        if axis == 2 {
-            place[1] = place[2];
-        }
+    let width = by_dim(dim, [400.0, 20.0]);
+    let at = |k: f64| {
+        let (x, y) = (k % width, (k / width).floor());
+        let mut place = [x, if axis == 2 { y } else { x }, y];
         place[axis] = 1.0 / 3.0;
         place
-    });
-    uniform(dim, &places.collect::<Vec<_>>(), 0.5)
+    };
+    uniform(dim, places(400, at), 0.5)
 }

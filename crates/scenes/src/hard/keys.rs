@@ -17,45 +17,35 @@ pub const MAKERS: &[Maker] = &[
     ("just-above-2-to-31-cells", |dim| two_couples(dim, two_to(31) + two_to(15))),
     ("two-to-the-32-cells", |dim| two_couples(dim, two_to(32))),
     ("thin-diagonal", |dim| {
-        let places = (0..100).flat_map(|k| {
-            [[1000.0 * f64::from(k); 3], plus([1000.0 * f64::from(k); 3], 0.5, [1.0; 3])]
-        });
-        uniform(dim, &places.collect::<Vec<_>>(), 0.5)
+        let couple = |k| [1000.0 * f64::from(k), 1000.0 * f64::from(k) + 0.5].map(|x| [x; 3]);
+        uniform(dim, (0..100).flat_map(couple), 0.5)
     }),
     ("product-over-2-to-32", |dim| {
         let at = |x: f64, y: f64| [[x, y, y], [x + 0.5, y, y]];
         // 66,000² exceeds 2^32 by about 61,032,704, which is row 924.
-        uniform(dim, &[at(0.0, 0.0), at(50_000.0, 924.0), at(65_999.0, 66_000.0)].concat(), 0.5)
+        uniform(dim, [at(0.0, 0.0), at(50_000.0, 924.0), at(65_999.0, 66_000.0)].concat(), 0.5)
     }),
     ("keys-of-16-bits", |dim| aliases(dim, two_to(16))),
     ("keys-of-21-bits", |dim| aliases(dim, two_to(21))),
     ("chains-across-2-to-16", |dim| chains(dim, two_to(16))),
     ("chains-across-2-to-21", |dim| chains(dim, two_to(21))),
     ("single-precision-keys", |dim| {
-        let mut places = vec![[0.0; 3], [100.0; 3]];
-        places.extend((0..64).map(|k| {
-            std::array::from_fn(|axis| {
-                if axis + 1 == dim as usize { two_to(24) + f64::from(k) } else { 50.0 }
-            })
-        }));
-        uniform(dim, &places, 0.5)
+        let row = places(64, |k| on_axis(dim as usize - 1, two_to(24) + k, 50.0));
+        uniform(dim, [[0.0; 3], [100.0; 3]].into_iter().chain(row), 0.5)
     }),
     ("one-hash-bucket", |dim| {
-        let clump = lattice(dim, 3, |k| k);
-        let places = lattice(dim, 3, |k| 1024.0 * k).into_iter().flat_map(|corner| {
-            clump.iter().map(move |&place| plus(corner, 1.0, place)).collect::<Vec<_>>()
-        });
-        uniform(dim, &places.collect::<Vec<_>>(), 0.5)
+        let clump = lattice(dim, [3; 2], |k| k);
+        let far = lattice(dim, [3; 2], |k| 1024.0 * k);
+        let clumps = far.iter().flat_map(|&far| clump.iter().map(move |&at| plus(far, 1.0, at)));
+        uniform(dim, clumps, 0.5)
     }),
-    ("neighbours-in-one-bucket", |dim| {
-        uniform(dim, &lattice(dim, by_dim(dim, [24, 10]), |k| k), by_dim(dim, [0.75, 0.875]))
-    }),
+    ("neighbours-in-one-bucket", |dim| grid(dim, [24, 10], by_dim(dim, [0.75, 0.875]), |k| k)),
 ];
 
 /// A couple at the origin and one at `far` on every axis, each touching along x. Where doubles are
 /// too coarse for a touching couple, two bodies at one place.
 fn two_couples(dim: u32, far: f64) -> Steps {
-    uniform(dim, &[[0.0; 3], [1.0, 0.0, 0.0], [far; 3], [far + 1.0, far, far]], 0.5)
+    uniform(dim, [[0.0; 3], [1.0, 0.0, 0.0], [far; 3], [far + 1.0, far, far]], 0.5)
 }
 
 /// Two rows, one above the other, in cells 0 to 15 along x, and a third one, level with the lower,
@@ -65,22 +55,17 @@ fn two_couples(dim: u32, far: f64) -> Steps {
 /// row first, and last. A body far up makes an array of all cells impossible.
 /// Contacts: along three rows of 22 bodies and between two of them, twice.
 fn aliases(dim: u32, period: f64) -> Steps {
-    let row = |x: f64, y: f64| {
-        (0..22).map(move |k| [x + 0.75 * f64::from(k), y, 0.5]).collect::<Vec<_>>()
-    };
-    let (near, far) = (
-        |y: f64| [row(0.0, y + 0.5), row(0.0, y + 1.25)].concat(),
-        |y: f64| row(period - 4.0, y + 0.5),
-    );
+    let row = |x: f64, y: f64| places(22, |k| [x + 0.75 * k, y, 0.5]);
+    let near = |y: f64| [row(0.0, y + 0.5), row(0.0, y + 1.25)].concat();
+    let far = |y: f64| row(period - 4.0, y + 0.5);
     let corners = vec![[0.0; 3], [0.0, two_to(31) / period, 0.0]];
-    uniform(dim, &[corners, far(4.0), near(4.0), near(12.0), far(12.0)].concat(), 0.5)
+    uniform(dim, [corners, far(4.0), near(4.0), near(12.0), far(12.0)].concat(), 0.5)
 }
 
 /// Along every axis a chain of 64 touching bodies from 0, and one across `period`: long enough that
 /// cells some millionths wider than a diameter, too, have their border with that number within it,
 /// and the same numbers modulo `period` as the first chain.
 fn chains(dim: u32, period: f64) -> Steps {
-    let line: Vec<f64> =
-        (0..64).map(f64::from).chain((-40..24).map(|k| period + f64::from(k))).collect();
-    uniform(dim, &lines(dim, &line, 200.0), 0.5)
+    let far = (-40..24).map(|k| period + f64::from(k));
+    uniform(dim, lines(dim, &(0..64).map(f64::from).chain(far).collect::<Vec<_>>(), 200.0), 0.5)
 }

@@ -25,111 +25,62 @@ pub const MAKERS: &[Maker] = &[
             [3.0, 4.0, 5.0, two_to(27) - 19.0],
         ];
         let couples = triples.into_iter().flat_map(|[x, y, length, scale]| {
-            let directions = orientations(dim, [x * scale, y * scale, 0.0]);
-            directions.into_iter().map(move |v| Couple {
-                v,
-                outward: 0,
-                radii: [0.5 * length * scale; 2],
-            })
+            let radii = [0.5 * length * scale; 2];
+            let all = orientations(dim, [x * scale, y * scale, 0.0]);
+            all.into_iter().map(move |v| Couple { v, outward: 0, radii })
         });
         together(dim, two_to(38), couples)
     }),
     ("one-ulp-in-x", |dim| {
-        let triple = by_dim(dim, [[3.0, 4.0, 0.0], [4.0, 4.0, 7.0]]);
-        let length = by_dim(dim, [5.0, 9.0]);
-        let couples = orientations(dim, triple)
-            .into_iter()
-            .flat_map(|v| [-1, 0, 1].map(|outward| (v, outward)));
-        together(
-            dim,
-            32.0,
-            couples.map(|(v, outward)| Couple { v, outward, radii: [0.5 * length; 2] }),
-        )
+        let (triple, r) = by_dim(dim, [([3.0, 4.0, 0.0], 2.5), ([4.0, 4.0, 7.0], 4.5)]);
+        turned(dim, triple, 32.0, [-1, 0, 1].map(|outward| (outward, [r; 2])))
     }),
     ("one-ulp-in-r", |dim| {
         let triple = by_dim(dim, [[5.0, 12.0, 0.0], [2.0, 3.0, 6.0]]);
         let r: f64 = by_dim(dim, [6.5, 3.5]);
-        let couples = orientations(dim, triple)
-            .into_iter()
-            .flat_map(|v| [r, r.next_up(), r.next_down()].map(|other| (v, other)));
-        together(dim, 64.0, couples.map(|(v, other)| Couple { v, outward: 0, radii: [r, other] }))
+        turned(dim, triple, 64.0, [r, r.next_up(), r.next_down()].map(|other| (0, [r, other])))
     }),
     ("one-ulp-in-both", |dim| {
         let r: f64 = 2.5;
-        let changes =
-            [(1, r.next_up()), (1, r.next_down()), (-1, r.next_up()), (-1, r.next_down())];
-        let couples = orientations(dim, [3.0, 4.0, 0.0])
-            .into_iter()
-            .flat_map(|v| changes.map(|change| (v, change)));
-        together(
-            dim,
-            16.0,
-            couples.map(|(v, (outward, other))| Couple { v, outward, radii: [r, other] }),
-        )
+        let (up, down) = ([r, r.next_up()], [r, r.next_down()]);
+        turned(dim, [3.0, 4.0, 0.0], 16.0, [(1, up), (1, down), (-1, up), (-1, down)])
     }),
     ("unequal-radii", |dim| {
         let parts = [0.5, 0.25, two_to(-10), two_to(-20), 0.0];
-        let couples = orientations(dim, [3.0, 4.0, 0.0])
-            .into_iter()
-            .flat_map(|v| parts.map(|part| (v, part)));
-        together(
-            dim,
-            32.0,
-            couples.map(|(v, part)| Couple {
-                v,
-                outward: 0,
-                radii: [5.0 * part, 5.0 * (1.0 - part)],
-            }),
-        )
+        let parts = parts.map(|part| (0, [5.0 * part, 5.0 * (1.0 - part)]));
+        turned(dim, [3.0, 4.0, 0.0], 32.0, parts)
     }),
     ("many-scales", |dim| {
-        let triple = by_dim(dim, [[3.0, 4.0, 0.0], [2.0, 3.0, 6.0]]);
-        let length = by_dim(dim, [5.0, 7.0]);
+        let (triple, length) = by_dim(dim, [([3.0, 4.0, 0.0], 5.0), ([2.0, 3.0, 6.0], 7.0)]);
         // Of each scale a tie, one nearer by a part in 2^20, and, in space, one with the axes
         // turned; and one too far.
         let couples = (-10..=10).flat_map(|k| {
-            let v = triple.map(|x| two_to(k) * x);
-            let r = 0.5 * two_to(k) * length;
+            let (v, radii) = (triple.map(|x| two_to(k) * x), [0.5 * two_to(k) * length; 2]);
             let near = v.map(|x| x * (1.0 - two_to(-20)));
             let far = v.map(|x| x * (1.0 + two_to(-20)));
             let turned = (dim == 3).then_some([v[2], v[0], v[1]]);
-            [Some(v), Some(near), turned, Some(far)].into_iter().flatten().map(move |v| Couple {
-                v,
-                outward: 0,
-                radii: [r; 2],
-            })
+            let all = [Some(v), Some(near), turned, Some(far)].into_iter().flatten();
+            all.map(move |v| Couple { v, outward: 0, radii })
         });
         together(dim, two_to(15), couples)
     }),
     ("dyadic-offset", |dim| {
-        let couples =
-            orientations(dim, [3.0, 4.0, 0.0]).into_iter().enumerate().flat_map(|(k, v)| {
-                let place = plus([two_to(44); 3], 1.0, site(k, 16.0));
-                [place, plus(place, 1.0, v)]
-            });
-        uniform(dim, &couples.collect::<Vec<_>>(), 2.5)
+        uniform(dim, couples(dim, [3.0, 4.0, 0.0], [two_to(44); 3], 16.0), 2.5)
     }),
     ("kissing-crown", |dim| {
-        let (length, r) = by_dim(dim, [(65, 0.5), (9, 0.5)]);
+        let (length, r) = (by_dim(dim, [65, 9]), 0.5);
         let centre = ([0.0; 3], f64::from(length) - r);
-        let crown = of_length(dim, length).into_iter().map(|v| (v, r));
-        each(dim, &std::iter::once(centre).chain(crown).collect::<Vec<_>>())
+        each(dim, [centre].into_iter().chain(of_size(of_length(dim, length), r)))
     }),
     ("sum-of-radii-rounds", |dim| {
         let r = two_to(-53);
         // Along every axis two couples 1 + 2^-53 apart, one in touch, one 2^-106 short of it.
-        let bodies = (0..dim as usize).flat_map(|axis| {
-            [r, r.next_down()].into_iter().enumerate().flat_map(move |(k, small)| {
-                let at =
-                    |x: f64| {
-                        std::array::from_fn(|a| {
-                            if a == axis { x } else { 8.0 * (k + 1 + 2 * axis) as f64 }
-                        })
-                    };
-                [(at(-r), small), (at(1.0), 1.0)]
-            })
-        });
-        each(dim, &bodies.collect::<Vec<_>>())
+        let couple = |k: usize| {
+            let (axis, small) = (k / 2, [r, r.next_down()][k % 2]);
+            let at = |x| on_axis(axis, x, 8.0 * (k + 1) as f64);
+            [(at(-r), small), (at(1.0), 1.0)]
+        };
+        each(dim, (0..2 * dim as usize).flat_map(couple))
     }),
 ];
 
@@ -154,17 +105,27 @@ fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> St
         }
         [(first, radii[0]), (second, radii[1])]
     });
-    each(dim, &bodies.collect::<Vec<_>>())
+    each(dim, bodies)
+}
+
+/// Couples in all directions of a triple, each with all of these steps outward and radii.
+fn turned<const N: usize>(dim: u32, v: Place, gap: f64, forms: [(i32, [f64; 2]); N]) -> Steps {
+    let of = |v| forms.map(|(outward, radii)| Couple { v, outward, radii });
+    together(dim, gap, orientations(dim, v).into_iter().flat_map(of))
 }
 
 /// Couples of one radius in all directions of a triple, exactly in touch.
 fn ties(dim: u32, v: Place, length: f64, scale: f64) -> Steps {
-    let places =
-        orientations(dim, v.map(|x| x * scale)).into_iter().enumerate().flat_map(|(k, v)| {
-            let first = plus([-3.0; 3], 1.0, site(k, 4.0 * length * scale));
-            [first, plus(first, 1.0, v)]
-        });
-    uniform(dim, &places.collect::<Vec<_>>(), 0.5 * length * scale)
+    let couples = couples(dim, v.map(|x| x * scale), [-3.0; 3], 4.0 * length * scale);
+    uniform(dim, couples, 0.5 * length * scale)
+}
+
+/// Couples in all directions of `v`, at places `gap` apart from `corner` on.
+fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
+    orientations(dim, v).into_iter().enumerate().flat_map(move |(k, v)| {
+        let first = plus(corner, 1.0, site(k, gap));
+        [first, plus(first, 1.0, v)]
+    })
 }
 
 /// All vectors that permutation and change of sign make of `v`.
@@ -173,10 +134,11 @@ fn orientations(dim: u32, v: Place) -> Vec<Place> {
     let mut all: Vec<Place> = Vec::new();
     for order in &orders[..by_dim(dim, [2, 6])] {
         for signs in corners(3) {
-            let turned =
-                std::array::from_fn(
-                    |k| if v[order[k]] == 0.0 { 0.0 } else { signs[k] * v[order[k]] },
-                );
+            let turned = |k: usize| match v[order[k]] {
+                0.0 => 0.0,
+                x => signs[k] * x,
+            };
+            let turned = std::array::from_fn(turned);
             if !all.contains(&turned) {
                 all.push(turned);
             }
@@ -187,16 +149,11 @@ fn orientations(dim: u32, v: Place) -> Vec<Place> {
 
 /// All vectors of whole numbers with this length.
 pub fn of_length(dim: u32, length: i32) -> Vec<Place> {
-    let depth = if dim == 2 { 0 } else { length };
-    let (mut all, range) = (Vec::new(), -length..=length);
-    for x in range.clone() {
-        for y in range.clone() {
-            all.extend(
-                (-depth..=depth)
-                    .filter(|z| x * x + y * y + z * z == length * length)
-                    .map(|z| [x, y, z].map(f64::from)),
-            );
-        }
-    }
-    all
+    let range = -length..=length;
+    let depth = if dim == 2 { 0..=0 } else { range.clone() };
+    let all = range.clone().flat_map(|x| range.clone().map(move |y| (x, y)));
+    all.flat_map(|(x, y)| depth.clone().map(move |z| [x, y, z]))
+        .filter(|v| v.map(|x| x * x).iter().sum::<i32>() == length * length)
+        .map(|v| v.map(f64::from))
+        .collect()
 }

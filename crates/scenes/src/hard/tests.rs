@@ -32,9 +32,9 @@ fn the_catalogue_is_complete() {
     let rows = include_str!("cases.md").lines().filter(|line| line.starts_with("| "));
     assert_eq!(names.len(), rows.filter(|row| !row.starts_with("| case |")).count());
     assert_eq!(names.len(), MAKERS.into_iter().flatten().count());
-    for group in Group::ALL {
+    for group in GROUPS {
         let of_group = cases().filter(|case| case.group == group).count();
-        assert!(of_group >= 4, "{}", group.name());
+        assert!(of_group >= 4, "{group}");
     }
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     for case in cases() {
@@ -44,9 +44,9 @@ fn the_catalogue_is_complete() {
     for (case, dim, steps) in valid() {
         for Given { scene, lattice, .. } in &steps {
             assert!(scene.dim() == dim as usize && scene.len() <= 3000, "{}", case.name);
-            assert_eq!(lattice.is_some(), case.group == Group::Boxes, "{}", case.name);
+            assert_eq!(lattice.is_some(), case.group == "boxes", "{}", case.name);
         }
-        assert_eq!(steps.len() > 1, case.group == Group::State, "{}", case.name);
+        assert_eq!(steps.len() > 1, case.group == "state", "{}", case.name);
         assert!(!steps.is_empty(), "{}", case.name);
     }
 }
@@ -194,9 +194,7 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
 /// The same scenes by way of a spec, and the earlier steps as its history.
 #[test]
 fn a_spec_gives_last_step_and_history() {
-    for case in
-        cases().filter(|case| [Group::State, Group::Keys, Group::Boxes].contains(&case.group))
-    {
+    for case in cases().filter(|case| ["state", "keys", "boxes"].contains(&case.group)) {
         for &dim in case.dims {
             let params = [("case".to_string(), case.name.into())].into();
             let spec = Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap();
@@ -298,7 +296,7 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
 /// Every step of every case, by group, as one number: published scenes stay the same scenes.
 #[test]
 fn the_bits_of_every_case_are_fixed() {
-    let of_group = |group: Group| {
+    let of_group = |group: &str| {
         let steps = valid().filter(|(case, ..)| case.group == group);
         let text: String = steps
             .map(|(case, dim, steps)| {
@@ -326,5 +324,5 @@ fn the_bits_of_every_case_are_fixed() {
         ("state", 0xef8d_82e4_ed5b_60e1),
         ("boxes", 0xf043_922b_19a6_49e9),
     ];
-    assert_eq!(Group::ALL.map(|group| (group.name(), of_group(group))), golden);
+    assert_eq!(GROUPS.map(|group| (group, of_group(group))), golden);
 }

@@ -15,29 +15,21 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use self::paths::Paths;
-use contactbench_core::scene::{AnyScene, Scene, Storage, Stored};
+use contactbench_core::scene::{AnyScene, Lattice, Scene, Storage, Stored};
 use contactbench_io::Given;
 use contactbench_terms::grammar::Spec;
 use contactbench_terms::nearest::hint;
 
-/// A kind of motion, with its line in the list of motions.
+/// A kind of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// All stay where they are.
     Rest,
-    /// Straight flight.
     Drift,
-    /// Layers that slide.
     Shear,
-    /// The whole turns.
     Rotation,
-    /// The inner turns faster than the outer.
     Vortex,
-    /// About the first place.
     Jitter,
-    /// A new velocity now and then.
     Brownian,
-    /// One flies, the others rest.
     Bullet,
     /// A motion of an earlier version, one of `GONE`: records have it, and it cannot be made.
     Gone(&'static str),
@@ -46,31 +38,72 @@ pub enum Kind {
 /// Motions that records until 26 November 2026 have, and this program does not make.
 const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
 
+/// The name on the command line; what it does, and which speed is meant.
+const TABLE: [(Kind, &str, &str); 8] = [
+    (Kind::Rest, "rest", "nothing moves"),
+    (
+        Kind::Drift,
+        "drift",
+        "straight flight between walls that reflect the centres, as far out as those of frame 0, \
+         or on through the faces of a box that repeats; velocities are uniform in a ball, and \
+         speed is the largest",
+    ),
+    (
+        Kind::Shear,
+        "shear",
+        "layers slide along x, as fast as they are far from the middle along y; speed is that of \
+         the outermost. A box that repeats along y is sheared (after Lees and Edwards): its corner \
+         stays, and its upper face goes with twice the speed",
+    ),
+    (
+        Kind::Rotation,
+        "rotation",
+        "all turn as one body about the middle, around z; speed is that of the outermost",
+    ),
+    (
+        Kind::Vortex,
+        "vortex",
+        "all turn about the middle, around z, the inner in less time than the outer; speed is the \
+         largest, at an eighth of the widest edge from the middle",
+    ),
+    (
+        Kind::Jitter,
+        "jitter",
+        "in each frame each particle is somewhere else about its place in frame 0; speed is the \
+         standard deviation along each axis (PointNeighbors.jl moves points so to compare updates \
+         of lists)",
+    ),
+    (
+        Kind::Brownian,
+        "brownian",
+        "as drift, and each particle gets a new velocity in every 100th frame, in turn (after \
+         Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the box are frozen \
+         instead)",
+    ),
+    (
+        Kind::Bullet,
+        "bullet",
+        "the first particle flies straight through the box of drift, whose walls reflect it, and \
+         all others rest; speed is its own",
+    ),
+];
+
 impl Kind {
     /// All that can be made.
-    pub const ALL: [Kind; 8] = [
-        Kind::Rest,
-        Kind::Drift,
-        Kind::Shear,
-        Kind::Rotation,
-        Kind::Vortex,
-        Kind::Jitter,
-        Kind::Brownian,
-        Kind::Bullet,
-    ];
+    pub const ALL: [Kind; 8] = {
+        let (mut all, mut k) = ([Kind::Rest; 8], 0);
+        while k < 8 {
+            all[k] = TABLE[k].0;
+            k += 1;
+        }
+        all
+    };
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Rest => "rest",
-            Kind::Drift => "drift",
-            Kind::Shear => "shear",
-            Kind::Rotation => "rotation",
-            Kind::Vortex => "vortex",
-            Kind::Jitter => "jitter",
-            Kind::Brownian => "brownian",
-            Kind::Bullet => "bullet",
             Kind::Gone(name) => name,
+            _ => TABLE.iter().find(|row| row.0 == self).map_or("", |row| row.1),
         }
     }
 
@@ -85,41 +118,8 @@ impl Kind {
 
     /// What it does, and which speed is meant.
     pub fn summary(self) -> &'static str {
-        match self {
-            Kind::Rest => "nothing moves",
-            Kind::Drift => {
-                "straight flight between walls that reflect the centres, as far out as those of \
-                 frame 0, or on through the faces of a box that repeats; velocities are uniform in \
-                 a ball, and speed is the largest"
-            }
-            Kind::Shear => {
-                "layers slide along x, as fast as they are far from the middle along y; speed is \
-                 that of the outermost. A box that repeats along y is sheared (after Lees and \
-                 Edwards): its corner stays, and its upper face goes with twice the speed"
-            }
-            Kind::Rotation => {
-                "all turn as one body about the middle, around z; speed is that of the outermost"
-            }
-            Kind::Vortex => {
-                "all turn about the middle, around z, the inner in less time than the outer; speed \
-                 is the largest, at an eighth of the widest edge from the middle"
-            }
-            Kind::Jitter => {
-                "in each frame each particle is somewhere else about its place in frame 0; speed \
-                 is the standard deviation along each axis (PointNeighbors.jl moves points so to \
-                 compare updates of lists)"
-            }
-            Kind::Brownian => {
-                "as drift, and each particle gets a new velocity in every 100th frame, in turn \
-                 (after Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the \
-                 box are frozen instead)"
-            }
-            Kind::Bullet => {
-                "the first particle flies straight through the box of drift, whose walls reflect \
-                 it, and all others rest; speed is its own"
-            }
-            Kind::Gone(_) => "soft spheres, which this program does not make",
-        }
+        let row = TABLE.iter().find(|row| row.0 == self);
+        row.map_or("soft spheres, which this program does not make", |row| row.2)
     }
 }
 
@@ -177,12 +177,7 @@ impl fmt::Display for Motion {
 }
 
 /// The frames of a scene in motion.
-pub struct Frames(Of);
-
-enum Of {
-    Plane(Scene<'static, f64, 2>, Paths<2>),
-    Space(Scene<'static, f64, 3>, Paths<3>),
-}
+pub struct Frames(Box<dyn FnMut(u64) -> anyhow::Result<Given>>);
 
 impl Frames {
     /// Of this scene, in its box if it has one.
@@ -199,17 +194,32 @@ impl Frames {
             "speeds are in diameters of the largest body, and all bodies of this scene are points; \
              give them a radius, or take --motion rest"
         );
-        Ok(Frames(match scene.stored(Storage::F64)? {
-            AnyScene::Plane(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, lattice, motion)?;
-                Of::Plane(scene, paths)
-            }
-            AnyScene::Space(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, lattice, motion)?;
-                Of::Space(scene, paths)
-            }
+        match scene.stored(Storage::F64)? {
+            AnyScene::Plane(Stored::F64(scene)) => Frames::of(scene, lattice, motion),
+            AnyScene::Space(Stored::F64(scene)) => Frames::of(scene, lattice, motion),
             _ => bail!("a scene stored in f64 is in f64"),
-        }))
+        }
+    }
+
+    fn of<const D: usize>(
+        scene: Scene<'static, f64, D>,
+        lattice: Option<&Lattice>,
+        motion: Motion,
+    ) -> anyhow::Result<Frames>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let mut paths = Paths::new(&scene, lattice, motion)?;
+        Ok(Frames(Box::new(move |k| {
+            let beyond = || format!("frame {k}; take fewer frames, or a smaller speed");
+            let lattice = paths.lattice(k).with_context(beyond)?;
+            let centres = paths.at(k, scene.centres())?;
+            let scene = Scene::new(centres, scene.radii().clone()).with_context(beyond)?;
+            match lattice {
+                None => Ok(scene.into()),
+                Some(lattice) => Given::in_box(scene.into(), lattice),
+            }
+        })))
     }
 
     /// Frame k, with its periodic box. Frames of [`Kind::Brownian`] cost as many frames as lie
@@ -218,28 +228,7 @@ impl Frames {
     /// # Errors
     /// A particle has flown beyond the numbers of f64.
     pub fn at(&mut self, k: u64) -> anyhow::Result<Given> {
-        match &mut self.0 {
-            Of::Plane(scene, paths) => moved(scene, paths, k),
-            Of::Space(scene, paths) => moved(scene, paths, k),
-        }
-    }
-}
-
-fn moved<const D: usize>(
-    scene: &Scene<'static, f64, D>,
-    paths: &mut Paths<D>,
-    k: u64,
-) -> anyhow::Result<Given>
-where
-    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
-{
-    let beyond = || format!("frame {k}; take fewer frames, or a smaller speed");
-    let lattice = paths.lattice(k).with_context(beyond)?;
-    let centres = paths.at(k, scene.centres())?;
-    let scene = Scene::new(centres, scene.radii().clone()).with_context(beyond)?;
-    match lattice {
-        None => Ok(scene.into()),
-        Some(lattice) => Given::in_box(scene.into(), lattice),
+        (self.0)(k)
     }
 }
 
