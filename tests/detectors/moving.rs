@@ -1,24 +1,33 @@
 //! A short run of the campaign on bodies that move (`crates/campaigns`).
 
-use contactbench_campaigns::moving::{Plan, couples, courses};
+use contactbench::contact::Test;
+use contactbench_campaigns::moving::courses;
+use contactbench_campaigns::skin::couples;
+use contactbench_campaigns::{Plan, What};
+
+const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
 
 /// One course of each motion, in each dimension and arithmetic.
 #[test]
 fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
-    let table = courses(Plan { pair_steps: 1, seed: 7 });
-    let (safe, control) = (table.total(true), table.total(false));
+    let table = courses(PLAN);
+    let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
-    assert!(safe.pair_steps > 4_000_000 && safe.built < safe.frames, "\n{}", table.text());
-    assert!(control.missed > control.pair_steps / 100, "\n{}", table.text());
+    let (built, frames) = (of(true, What::Built), of(true, What::Frames));
+    assert!(of(true, What::Pairs) > 4_000_000 && built < frames, "\n{}", table.text());
+    let (missed, pairs) = (of(false, What::Missed), of(false, What::Pairs));
+    assert!(missed > pairs / 100, "\n{}", table.text());
 }
 
 #[test]
 fn couples_at_the_limit_of_the_skin_are_found() {
-    let table = couples(Plan { pair_steps: 1, seed: 7 });
-    let (safe, control) = (table.total(true), table.total(false));
+    let table = couples(PLAN);
+    let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
     // Safe but for rounding.
-    assert!(control.missed > 50, "\n{}", table.text());
-    assert!(safe.built < safe.frames, "\n{}", table.text());
-    assert!(["line", "thin"].iter().all(|name| table.came[name] > 500), "{:?}", table.came);
+    assert!(of(false, What::Missed) > 50, "\n{}", table.text());
+    assert!(of(true, What::Built) < of(true, What::Frames), "\n{}", table.text());
+    for name in ["line", "thin"] {
+        assert!(table.0[&(name.into(), "couples".into())].get(What::Came) > 500, "{name}");
+    }
 }

@@ -67,30 +67,21 @@ impl<const D: usize> Sphere<D> {
     /// 1105 = 5·13·17 in the plane and 105 = 3·5·7 in space: short lengths with many vectors.
     pub fn made() -> Sphere<D> {
         let length = if D == 2 { 1105i64 } else { 105 };
+        let width = 2 * length + 1;
         let mut points = Vec::new();
-        let mut point = [0; D];
         // The last component follows from the others.
-        fn fill<const D: usize>(
-            length: i64,
-            k: usize,
-            point: &mut [i64; D],
-            points: &mut Vec<[i64; D]>,
-        ) {
-            let rest = length * length - point[..k].iter().map(|x| x * x).sum::<i64>();
+        for k in 0..width.pow(D as u32 - 1) {
+            let mut point: [i64; D] =
+                std::array::from_fn(|axis| k / width.pow(axis as u32) % width - length);
+            let rest = length * length - point[..D - 1].iter().map(|x| x * x).sum::<i64>();
             let most = rest.max(0).isqrt();
-            if k + 1 < D {
-                for x in -most..=most {
-                    point[k] = x;
-                    fill(length, k + 1, point, points);
-                }
-            } else if most * most == rest {
+            if most * most == rest {
                 for x in if most == 0 { vec![0] } else { vec![-most, most] } {
-                    point[k] = x;
-                    points.push(*point);
+                    point[D - 1] = x;
+                    points.push(point);
                 }
             }
         }
-        fill(length, 0, &mut point, &mut points);
         Sphere { length, points }
     }
 

@@ -1,6 +1,176 @@
 //! Campaigns: contacts made from integers that are nearly tangent, and bodies that move, in any
 //! number, against every detector and every rule that promises to miss nothing.
 
+pub mod boxes;
 pub mod draw;
 pub mod moving;
-pub mod near_tangent;
+pub mod near;
+pub mod predicate;
+pub mod skin;
+pub mod whole;
+
+use std::collections::BTreeMap;
+use std::ops::AddAssign;
+
+use rayon::prelude::*;
+
+use contactbench_core::contact::Test;
+
+/// What is to be done.
+#[derive(Clone, Copy)]
+pub struct Plan {
+    /// Couples for the contact test; decisions (couples times detectors) for detectors; contacts in
+    /// frames, each counted for every tracker that is to report it. At least this many.
+    pub pairs: u64,
+    pub seed: u64,
+    /// The test under trial: exact; the rounded one must be found wrong. Trackers are always held
+    /// to the exact one, among others.
+    pub test: Test,
+}
+
+/// What is counted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum What {
+    /// Pairs decided.
+    Pairs,
+    /// Couples by their label.
+    Tangent,
+    Overlap,
+    Apart,
+    /// Decisions that the filter left to exact arithmetic.
+    Exact,
+    /// Decisions made in f64 on the same couples, and how many of them were wrong.
+    Rounded,
+    RoundedWrong,
+    /// Couples whose label was compared with that of rational arithmetic.
+    Sampled,
+    /// Frames given to a tracker, and those in which it built its list.
+    Frames,
+    Built,
+    /// Couples that came into touch and were not listed at first.
+    Came,
+    /// Errors, from here on: touching couples not reported.
+    Missed,
+    /// Pairs reported that do not touch.
+    Spurious,
+    /// Touching couples reported again.
+    Duplicate,
+    /// Particles reported as touching themselves.
+    Itself,
+    /// Labels (apart, tangent, overlap) that differ from the construction's.
+    Label,
+    /// Depths whose sign is not that of the label.
+    Depth,
+    /// Labels of the construction that differ from rational arithmetic: the campaign itself would
+    /// be wrong.
+    Construction,
+    /// Scenes or frames that were refused.
+    Refused,
+}
+
+/// Of each kind of [`What`].
+const NAMES: [&str; 19] = [
+    "pairs",
+    "tangent",
+    "overlap",
+    "apart",
+    "exact",
+    "in f64",
+    "wrong in f64",
+    "sampled",
+    "frames",
+    "built",
+    "came",
+    "missed",
+    "spurious",
+    "duplicate",
+    "itself",
+    "label",
+    "depth",
+    "construction",
+    "refused",
+];
+
+/// How often each happened.
+#[derive(Clone, Copy, Default)]
+pub struct Counts([u64; NAMES.len()]);
+
+impl Counts {
+    pub fn add(&mut self, what: What, n: u64) {
+        self.0[what as usize] += n;
+    }
+
+    pub fn get(&self, what: What) -> u64 {
+        self.0[what as usize]
+    }
+
+    /// All errors together.
+    pub fn errors(&self) -> u64 {
+        self.0[What::Missed as usize..].iter().sum()
+    }
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Counts) {
+        self.0.iter_mut().zip(other.0).for_each(|(mine, theirs)| *mine += theirs);
+    }
+}
+
+/// After the name of a tracker that may miss contacts, and must be seen to.
+pub const CONTROL: &str = " (control)";
+
+/// Counts by what was tried (a family, a kind of box, a tracker) and where.
+#[derive(Default)]
+pub struct Table(pub BTreeMap<(String, String), Counts>);
+
+impl Table {
+    pub fn add(&mut self, what: &str, place: &str, counts: Counts) {
+        *self.0.entry((what.into(), place.into())).or_default() += counts;
+    }
+
+    fn and(mut self, other: Table) -> Table {
+        other.0.into_iter().for_each(|(key, counts)| *self.0.entry(key).or_default() += counts);
+        self
+    }
+
+    /// Of all that may make no error, or of the controls.
+    pub fn total(&self, safe: bool) -> Counts {
+        let lines = self.0.iter().filter(|((what, _), _)| what.ends_with(CONTROL) != safe);
+        lines.fold(Counts::default(), |mut sum, (_, counts)| {
+            sum += *counts;
+            sum
+        })
+    }
+
+    /// What must not be: any error, but what controls miss.
+    pub fn errors(&self) -> u64 {
+        let control = self.total(false);
+        self.total(true).errors() + control.errors() - control.get(What::Missed)
+    }
+
+    /// The counts that are not all 0, a line for each row.
+    pub fn text(&self) -> String {
+        let used: Vec<usize> = (0..NAMES.len())
+            .filter(|&k| k == What::Missed as usize || self.0.values().any(|it| it.0[k] > 0))
+            .collect();
+        let row = |head: String, cell: &dyn Fn(usize) -> String| {
+            used.iter().fold(head, |row, &k| row + &format!(" {:>12}", cell(k))) + "\n"
+        };
+        let mut text = row(format!("{:24} {:12}", "", ""), &|k| NAMES[k].into());
+        for ((what, place), counts) in &self.0 {
+            text += &row(format!("{what:24} {place:12}"), &|k| counts.0[k].to_string());
+        }
+        text
+    }
+}
+
+/// Runs pieces in parallel, whole batches of them, until enough pairs were decided.
+pub(crate) fn in_batches(plan: Plan, batch: usize, piece: impl Fn(usize) -> Table + Sync) -> Table {
+    let (mut sum, mut done) = (Table::default(), 0);
+    while sum.total(true).get(What::Pairs) < plan.pairs {
+        let pieces = (done..done + batch).into_par_iter().map(&piece);
+        sum = sum.and(pieces.reduce(Table::default, Table::and));
+        done += batch;
+    }
+    sum
+}

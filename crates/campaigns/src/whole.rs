@@ -6,13 +6,13 @@ use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 use nalgebra::Point;
 
-use super::near::gap;
 use crate::draw::{Draw, power};
+use crate::near::{Near, gap};
 
 /// Image `image` of the second of two particles, and how the first meets it.
 pub type Meeting = ([usize; 2], [i64; 3], Ordering);
 
-/// A scene in a box, in whole numbers: radii in half fine units.
+/// A scene, in a box if it repeats, in whole numbers: radii in half fine units.
 pub struct Whole<const D: usize> {
     pub points: Vec<[i64; D]>,
     pub radii: Vec<i64>,
@@ -23,7 +23,22 @@ pub struct Whole<const D: usize> {
     pub meetings: Vec<Meeting>,
 }
 
+impl<const D: usize> Default for Whole<D> {
+    fn default() -> Whole<D> {
+        let (points, radii, meetings) = (Vec::new(), Vec::new(), Vec::new());
+        Whole { points, radii, vectors: [[0; D]; 3], periodic: [false; 3], fine: 0, meetings }
+    }
+}
+
 impl<const D: usize> Whole<D> {
+    /// Adds a couple, the first of which is at `a`.
+    pub fn couple(&mut self, a: [i64; D], Near { vector, radii, truth }: Near<D>) {
+        let i = self.points.len();
+        self.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
+        self.radii.extend(radii);
+        self.meetings.push(([i, i + 1], [0; 3], truth));
+    }
+
     /// Finds all that touch or nearly do. For vectors in lower triangular form.
     pub fn meet(&mut self) {
         let n = self.points.len();
@@ -135,11 +150,7 @@ impl<const D: usize> Whole<D> {
         let centres: Vec<_> =
             self.points.iter().map(|x| Point::from(x.map(|x| x as f64 * unit))).collect();
         let radius = |r: &i64| *r as f64 * half;
-        let same = self.radii.iter().all(|r| *r == self.radii[0]);
-        let radii = match self.radii.first() {
-            Some(r) if same => Radii::Uniform(radius(r)),
-            _ => Radii::Each(self.radii.iter().map(radius).collect()),
-        };
+        let radii = sizes(self.radii.iter().map(radius).collect());
         let mut vectors = [[0.0; 3]; 3];
         let mut origin = [0.0; 3];
         for k in 0..D {
@@ -148,8 +159,19 @@ impl<const D: usize> Whole<D> {
                 origin[k] = draw.unit() * vectors[k][k];
             }
         }
-        let lattice = Lattice::new(vectors, self.periodic, origin).ok()?;
+        let lattice = match self.periodic.contains(&true) {
+            true => Lattice::new(vectors, self.periodic, origin).ok()?,
+            false => Lattice::OPEN,
+        };
         Periodic::new(Scene::new(centres, radii).ok()?.into(), lattice).ok()
+    }
+}
+
+/// One radius for all where they are the same.
+pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
+    match radii.first() {
+        Some(&first) if radii.iter().all(|r| *r == first) => Radii::Uniform(first),
+        _ => Radii::Each(radii.into()),
     }
 }
 

@@ -1,7 +1,10 @@
-//! The third part: whole detectors in boxes that repeat, on couples that meet through faces, edges
-//! and corners, and on particles that meet many images of each other and of themselves.
+//! Whole detectors, in open space and in boxes that repeat, on isolated couples.
 //!
 //! ```text
+//!      |         |         |         |     open space: borders at low + m·reach (a textbook grid)
+//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (ours): a within one ulp
+//!      |         |         |         |     of one of them, six cells from one couple to the next
+//!
 //!   +-----.-----------.-----+     every couple about a site of its own, six reaches from the next,
 //!   |                 b     |     also through the faces: so nothing else touches. First sites lie
 //!   a           a           a     on the faces; then particles are named by other images, up to
@@ -14,16 +17,19 @@
 use std::cmp::Ordering;
 
 use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::detect::Options;
 use contactbench_core::detect::any::AnyDetector;
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::detect::table::{Role, TABLE};
 use contactbench_core::periodic::{self, Contacts, Finder, ImagePair, Periodic};
 use contactbench_core::probe::{Op, Tally};
 use contactbench_core::scene::{AnyScene, Scene};
 
-use super::counts::{Counts, What};
-use super::near::{Lengths, Near};
-use super::scenes::detectors;
-use super::whole::Whole;
 use crate::draw::{Draw, Sphere};
+use crate::near::Lengths;
+use crate::predicate::{FAR, OFFSETS};
+use crate::whole::Whole;
+use crate::{Counts, Plan, Table, What, in_batches};
 
 /// Bytes of images, and of lists.
 const LIMIT: u64 = 1 << 28;
@@ -31,13 +37,15 @@ const LIMIT: u64 = 1 << 28;
 const PITCH: i64 = 6;
 /// Every so many scenes of a row, the first included, detectors are asked in the rounded
 /// arithmetics, too, and the truth of the library is compared with the construction.
-pub const ALSO: u64 = 8;
-/// About so many couples are in a scene.
-pub const COUPLES: u64 = 50;
+const ALSO: usize = 8;
+/// Particles in boxes are named by images up to so many vectors away.
+const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
 
 /// What a box is like.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Shape {
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    /// None.
+    Open,
     /// Edges along the axes.
     Straight,
     /// Vectors in lower triangular form, each tilted by up to a whole edge of the others.
@@ -48,90 +56,139 @@ pub enum Shape {
     Small,
 }
 
-impl Shape {
-    pub const ALL: [Shape; 4] = [Shape::Straight, Shape::Tilted, Shape::Skewed, Shape::Small];
+/// Every detector on couples at the borders of cells.
+pub fn detectors(plan: Plan) -> Table {
+    rows(plan, &[(Shape::Open, "borders")], &OFFSETS)
+}
 
-    pub fn name(self) -> &'static str {
-        match self {
-            Shape::Straight => "straight boxes",
-            Shape::Tilted => "tilted boxes",
-            Shape::Skewed => "skewed boxes",
-            Shape::Small => "small boxes",
-        }
+/// Every detector in boxes that repeat.
+pub fn boxes(plan: Plan) -> Table {
+    let shapes = [
+        (Shape::Straight, "straight boxes"),
+        (Shape::Tilted, "tilted boxes"),
+        (Shape::Skewed, "skewed boxes"),
+        (Shape::Small, "small boxes"),
+    ];
+    rows(plan, &shapes, &AWAY)
+}
+
+fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
+    let mut rows = Vec::new();
+    for dim in [2, 3] {
+        rows.extend(
+            shapes.iter().flat_map(|&shape| places.iter().map(move |&at| (shape, dim, at))),
+        );
     }
+    in_batches(plan, 2 * rows.len(), |piece| {
+        let (((shape, name), dim, away), index) = (rows[piece % rows.len()], piece / rows.len());
+        let draw = &mut Draw::new(plan.seed, 1 << 62 | (shape as u64) << 56 | piece as u64);
+        let counts = match dim {
+            2 => Row { sphere: &plane, shape, away }.run(index, plan.test, draw),
+            _ => Row { sphere: &space, shape, away }.run(index, plan.test, draw),
+        };
+        let mut table = Table::default();
+        table.add(name, &format!("{dim}D {away:e}"), counts);
+        table
+    })
 }
 
 /// What the scenes of one row have in common.
-pub struct Row<'a, const D: usize> {
-    pub sphere: &'a Sphere<D>,
-    pub shape: Shape,
-    /// Particles are named by images up to so many vectors away; 0: by the next at most, and
-    /// numbers have all the bits there are.
-    pub away: i64,
+struct Row<'a, const D: usize> {
+    sphere: &'a Sphere<D>,
+    shape: Shape,
+    /// In open space the offset in diameters; 0: about the origin. In boxes particles are named by
+    /// images up to so many vectors away; 0: by the next at most. At 0 numbers have all the bits
+    /// there are.
+    away: f64,
 }
 
 impl<const D: usize> Row<'_, D> {
     /// Vectors of about these lengths in lower triangular form, repeating along some.
     fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
-        let (mut vectors, mut periodic) = ([[0; D]; 3], [false; 3]);
+        let mut whole = Whole::default();
         for v in 0..D {
-            vectors[v][v] = edges[v] + draw.bit();
+            whole.vectors[v][v] = edges[v] + draw.bit();
             for k in 0..if tilted { v } else { 0 } {
-                vectors[v][k] = match draw.below(3) {
+                whole.vectors[v][k] = match draw.below(3) {
                     0 => draw.bit(),
                     1 => edges[k] / 2 + draw.bit(),
                     _ => draw.below(edges[k]),
                 };
             }
-            periodic[v] = !draw.once_in(4);
+            whole.periodic[v] = !draw.once_in(4);
         }
-        periodic[draw.below(D as i64) as usize] = true;
-        let (points, radii, meetings) = (Vec::new(), Vec::new(), Vec::new());
-        Whole { points, radii, vectors, periodic, fine: 0, meetings }
+        whole.periodic[draw.below(D as i64) as usize] = true;
+        whole
     }
 
     /// The largest coordinate in the box: there is room for images and for other vectors.
     fn room(&self) -> f64 {
         let bits = if self.shape == Shape::Skewed { 46 } else { 53 };
-        (1i64 << bits) as f64 / (3 * self.away + 1) as f64
+        (1i64 << bits) as f64 / (3.0 * self.away + 1.0)
     }
 
-    /// A couple at every site.
-    fn couples(&self, index: u64, draw: &mut Draw) -> Whole<D> {
+    /// A couple at every site of open space.
+    fn on_borders(&self, index: usize, draw: &mut Draw) -> Whole<D> {
+        let sites: i64 = if D == 2 { 12 } else { 5 };
+        let cells = PITCH * (sites + 1);
+        let about_zero = self.away == 0.0;
+        let room = match about_zero {
+            true => (1i64 << 54) as f64 / (cells + 1) as f64,
+            false => FAR as f64 / self.away,
+        };
+        let lengths = Lengths::new(self.sphere, room, index % 2 == 1, draw);
+        let reach = lengths.reach;
+        let low = if about_zero { -cells * reach / 2 } else { FAR };
+        let mut whole = Whole { fine: lengths.fine, ..Whole::default() };
+        // Two lone bodies hold the corners.
+        whole.points.extend([[low; D], [low + cells * reach; D]]);
+        whole.radii.extend([reach << lengths.fine; 2]);
+        for site in 0..sites.pow(D as u32) {
+            let a = std::array::from_fn(|k| {
+                let m = PITCH * (site / sites.pow(k as u32) % sites) + 3;
+                low + match draw.below(4) {
+                    0 => m * reach + draw.below(reach),
+                    1 => m * reach + draw.within(1),
+                    _ => margin(m * reach) + draw.within(1),
+                }
+            });
+            whole.couple(a, lengths.near(draw));
+        }
+        whole
+    }
+
+    /// A couple at every site of a box.
+    fn at_sites(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let most = if D == 2 { [1, 6, 10] } else { [1, 3, 4] };
-        let sites: i64 = most[(index % 3) as usize];
+        let sites: i64 = most[index % 3];
         let room = self.room() / (PITCH * (sites + 1)) as f64;
         let lengths = Lengths::new(self.sphere, room, index / 3 % 2 == 1, draw);
         let (reach, edge) = (lengths.reach, PITCH * lengths.reach);
         let mut whole = self.lattice([sites * edge; D], self.shape != Shape::Straight, draw);
         whole.fine = lengths.fine;
-        // As far from a face as images are made.
-        let margin = (i128::from(reach) * (1 << 18) / ((1 << 18) - 1)) as i64;
         for site in 0..sites.pow(D as u32) {
-            let a: [i64; D] = std::array::from_fn(|k| {
+            let a = std::array::from_fn(|k| {
                 let side = if draw.once_in(2) { 1 } else { -1 };
                 let beside = match draw.below(4) {
                     0 => draw.within(1),
                     1 => side * reach + draw.within(1),
-                    2 => side * margin + draw.within(1),
+                    // As far from a face as images are made.
+                    2 => side * margin(reach) + draw.within(1),
                     _ => draw.within(reach),
                 };
                 site / sites.pow(k as u32) % sites * edge + beside
             });
             // Some are as large as the reach: among small ones alone boxes have too many cells.
             let sizes = lengths.sizes && site > 0;
-            let Near { vector, radii, truth } = Lengths { sizes, ..lengths }.near(draw);
-            let i = whole.points.len();
-            whole.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
-            whole.radii.extend(radii);
-            whole.meetings.push(([i, i + 1], [0; 3], truth));
+            whole.couple(a, Lengths { sizes, ..lengths }.near(draw));
         }
         whole
     }
 
     /// One to three particles in a box whose edges are a fifth or a third of the reach, where many
     /// images are at that distance.
-    fn few(&self, index: u64, draw: &mut Draw) -> Whole<D> {
+    fn few(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let parts = if D == 2 { 5 } else { 3 };
         let (turn, one_size) = (index % 3, (index / 3).is_multiple_of(2));
         let edge = (self.room() / 8.0 * (1.0 - 0.3 * draw.unit())) as i64 / 2 * 2;
@@ -154,13 +211,15 @@ impl<const D: usize> Row<'_, D> {
     }
 
     /// Scene number `index` with its contacts, and the power of two that is its unit.
-    fn scene(&self, index: u64, draw: &mut Draw) -> (Whole<D>, i32) {
-        let mut whole = if self.shape == Shape::Small {
-            self.few(index, draw)
-        } else {
-            self.couples(index, draw)
+    fn scene(&self, index: usize, draw: &mut Draw) -> (Whole<D>, i32) {
+        let mut whole = match self.shape {
+            Shape::Open => self.on_borders(index, draw),
+            Shape::Small => self.few(index, draw),
+            _ => self.at_sites(index, draw),
         };
-        whole.name_other_images(self.away, draw);
+        if self.shape != Shape::Open {
+            whole.name_other_images(self.away as i64, draw);
+        }
         if self.shape == Shape::Skewed || self.shape == Shape::Small && index % 3 > 1 {
             whole.take_other_vectors(draw);
         }
@@ -175,7 +234,7 @@ impl<const D: usize> Row<'_, D> {
     }
 
     /// Gives scene number `index` to all detectors.
-    pub fn run(&self, index: u64, test: Test, draw: &mut Draw) -> Counts
+    fn run(&self, index: usize, test: Test, draw: &mut Draw) -> Counts
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -195,12 +254,14 @@ impl<const D: usize> Row<'_, D> {
         }
         let under_trial = if test == Test::Exact { Arithmetic::Exact } else { Arithmetic::F64 };
         let mut finder = Finder::new(LIMIT);
-        let mut detectors = detectors(true);
+        let mut detectors = all();
+        let mut compare = |detector: &mut dyn AnyDetector, arithmetic, expected: &[_]| {
+            compare(detector, &mut finder, &periodic, arithmetic, expected)
+        };
         for (name, detector) in &mut detectors {
-            counts += compare(&mut **detector, &mut finder, &periodic, under_trial, &expected);
+            counts += compare(&mut **detector, under_trial, &expected);
             if *name == "nbs" {
-                let rounded =
-                    compare(&mut **detector, &mut finder, &periodic, Arithmetic::F64, &expected);
+                let rounded = compare(&mut **detector, Arithmetic::F64, &expected);
                 counts.add(What::Rounded, expected.len() as u64);
                 counts.add(What::RoundedWrong, rounded.errors());
             }
@@ -211,11 +272,23 @@ impl<const D: usize> Row<'_, D> {
             let touching: Vec<_> =
                 truth.pairs.into_iter().map(|pair| (pair, Ordering::Less)).collect();
             for (_, detector) in &mut detectors {
-                counts += compare(&mut **detector, &mut finder, &periodic, arithmetic, &touching);
+                counts += compare(&mut **detector, arithmetic, &touching);
             }
         }
         counts
     }
+}
+
+/// Where our cells have a border of the textbook's at `x`.
+fn margin(x: i64) -> i64 {
+    (i128::from(x) * (1 << 18) / ((1 << 18) - 1)) as i64
+}
+
+/// Detectors that must be right, in every form of their code; the twin is the same code again.
+fn all() -> Vec<(String, Box<dyn AnyDetector>)> {
+    let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
+    let choices = right.flat_map(DetectorSpec::choices);
+    choices.map(|spec| (spec.to_string(), spec.make(Options::default()))).collect()
 }
 
 /// The truth and the depths of the library against the construction.

@@ -12,10 +12,17 @@
 //! few units where the diameter is near 2^58, and ways of a few units beside ways of diameters:
 //! sums and squares lose them.
 
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table::DetectorSpec;
+use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_core::track::{Rule, Skin, TrackerSpec};
 use nalgebra::Point;
 
 use crate::draw::{Draw, Sphere, direction, power, square};
+use crate::moving::{Frame, RULES, add, detectors};
+use crate::predicate::FAR;
+use crate::whole::sizes;
+use crate::{Plan, Table, What, in_batches};
 
 /// A few bodies, of which two are the couple, in frames that follow each other.
 #[derive(Debug)]
@@ -38,8 +45,28 @@ pub struct Couple<const D: usize> {
 
 /// How many diameters coordinates are from zero; 0: about it.
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
-/// Coordinates at an offset have this magnitude or more, in units.
-const FAR: i64 = 1 << 52;
+/// Half-skin by a comparison that is rounded: it misses nothing but by rounding.
+const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
+/// In a piece of work.
+const COUPLES: usize = 200;
+
+/// Couples at the limit of the skin.
+pub fn couples(plan: Plan) -> Table {
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
+    let detectors = detectors();
+    in_batches(plan, 64, |piece| {
+        let mut draw = Draw::new(plan.seed, 1 << 62 | piece as u64);
+        let mut table = Table::default();
+        for turn in 0..COUPLES {
+            let by = &detectors[(COUPLES * piece + turn) % detectors.len()];
+            match draw.once_in(2) {
+                true => Couple::new(&plane, &mut draw).follow(by, &mut draw, &mut table),
+                false => Couple::new(&space, &mut draw).follow(by, &mut draw, &mut table),
+            }
+        }
+        table
+    })
+}
 
 impl<const D: usize> Couple<D> {
     /// The next couple.
@@ -70,19 +97,38 @@ impl<const D: usize> Couple<D> {
         (centres, self.radii.iter().map(|&r| r as f64 * half).collect())
     }
 
+    /// Gives all rules the frames, in exact arithmetic and in a rounded one.
+    fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table)
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let mut counts = crate::Counts::default();
+        counts.add(What::Came, self.came() as u64);
+        table.add(self.name, "couples", counts);
+        let all = 0..self.frame_count();
+        let exact = |k: usize| Frame { scene: self.scene(k), truth: self.touching(k) };
+        let rounded =
+            [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64][draw.below(3) as usize];
+        let stored = all.clone().map(|k| Frame::new(&self.scene(k), rounded)).collect();
+        for (arithmetic, frames) in
+            [(Arithmetic::Exact, Some(all.map(exact).collect())), (rounded, stored)]
+        {
+            let frames: Vec<Frame> = frames.unwrap_or_default();
+            for rule in RULES.into_iter().chain([NEARLY]).filter(|_| !frames.is_empty()) {
+                let (detector, skin) = (detector.clone(), Skin::Diameters(self.skin));
+                add(table, &TrackerSpec::Verlet { detector, skin, rule }, &frames, arithmetic);
+            }
+        }
+    }
+
     /// The scene of frame `k`.
-    pub fn scene(&self, k: usize) -> AnyScene<'static>
+    fn scene(&self, k: usize) -> AnyScene<'static>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
         let (centres, radii) = self.bodies(k);
         let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
-        let radii = if radii.iter().all(|r| *r == radii[0]) {
-            Radii::Uniform(radii[0])
-        } else {
-            Radii::Each(radii.into())
-        };
-        Scene::new(centres, radii).expect("coordinates and radii are below 2^960").into()
+        Scene::new(centres, sizes(radii)).expect("coordinates and radii are below 2^960").into()
     }
 
     /// The pairs that touch in frame `k`, in ascending order.
@@ -91,7 +137,7 @@ impl<const D: usize> Couple<D> {
     }
 
     /// Pairs that touch in the last frame and were farther apart than the skin at the start.
-    pub fn came(&self) -> usize {
+    fn came(&self) -> usize {
         let near = self.within(self.start, self.skin_units);
         self.touching(self.frame_count() - 1).iter().filter(|pair| !near.contains(pair)).count()
     }

@@ -1,0 +1,149 @@
+//! Scenes in motion, of every kind and in every arithmetic, each frame held to its truth.
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::table::{self, DetectorSpec, Role, TABLE};
+use contactbench_core::oracle;
+use contactbench_core::scene::AnyScene;
+use contactbench_core::sink::normalise;
+use contactbench_core::track::{Rule, Skin, TrackerSpec};
+use contactbench_scenes::motion::{Frames, Kind, Motion};
+use contactbench_scenes::spec::Spec;
+
+use crate::draw::Draw;
+use crate::{CONTROL, Counts, Plan, Table, What, in_batches};
+
+/// The rules that miss nothing.
+pub const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
+/// Bytes for lists.
+const LIMIT: u64 = 1 << 28;
+
+/// Packed, loose and clustered, of one size and of many, and far from zero.
+const SCENES: [&str; 6] = [
+    "packed:",
+    "packed:size-ratio=4,",
+    "packed:offset=1000,",
+    "loose:fraction=0.4,",
+    "loose:fraction=0.3,size-ratio=10,",
+    "clustered:per-cluster=20,size-ratio=2,",
+];
+
+const SKINS: [Skin; 7] = [
+    Skin::Auto,
+    Skin::Diameters(0.0),
+    Skin::Diameters(0.003),
+    Skin::Diameters(0.03),
+    Skin::Diameters(0.1),
+    Skin::Diameters(0.3),
+    Skin::Diameters(1.0),
+];
+
+/// Scenes in motion, all trackers in every frame: kinds of motion, dimensions and arithmetics take
+/// turns, all else is drawn.
+pub fn courses(plan: Plan) -> Table {
+    let detectors = detectors();
+    // Every motion in either dimension and each arithmetic.
+    in_batches(plan, 2 * Arithmetic::SAFE.len() * Kind::ALL.len(), |piece| {
+        let mut draw = Draw::new(plan.seed, piece as u64);
+        let mut turns = piece;
+        let mut turn = |n: usize| {
+            let now = turns % n;
+            turns /= n;
+            now
+        };
+        let kind = Kind::ALL[turn(Kind::ALL.len())];
+        let dim = 2 + turn(2);
+        let arithmetic = Arithmetic::SAFE[turn(Arithmetic::SAFE.len())];
+        let frames = frames(kind, dim, arithmetic, &mut draw);
+        let verlet = |detector: &DetectorSpec, skin, rule| TrackerSpec::Verlet {
+            detector: detector.clone(),
+            skin,
+            rule,
+        };
+        let mut trackers = Vec::new();
+        for detector in &detectors {
+            trackers.push(TrackerSpec::EveryStep(detector.clone()));
+            trackers.extend(RULES.map(|rule| {
+                verlet(detector, SKINS[draw.below(SKINS.len() as i64) as usize], rule)
+            }));
+        }
+        trackers.push(verlet(&detectors[0], Skin::Diameters(0.03), Rule::Every(10)));
+        let mut table = Table::default();
+        trackers.iter().for_each(|spec| add(&mut table, spec, &frames, arithmetic));
+        table
+    })
+}
+
+/// Detectors that must be right; a twin is the same code again.
+pub(crate) fn detectors() -> Vec<DetectorSpec> {
+    let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
+    right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
+}
+
+/// Frames in their order or, once in a while, in any: what is kept is then of no use, and nothing
+/// may be missed all the same.
+fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Vec<Frame> {
+    let scene = SCENES[draw.below(SCENES.len() as i64) as usize];
+    let text = format!("{scene}dim={dim},n={},seed={}", 2 + draw.below(200), draw.below(1 << 20));
+    let speed = 10f64.powf(-4.0 * draw.unit());
+    let motion = Motion { kind, speed, seed: draw.bits() };
+    let count = 5 + draw.below(26) as usize;
+    let scene = Spec::parse(&text).and_then(|spec| spec.make());
+    let scene = scene.expect("scenes of these generators can be made");
+    let mut moving = Frames::new(&scene.into(), motion).expect("these scenes can move");
+    let mut order: Vec<usize> = (0..count).collect();
+    if draw.once_in(4) {
+        order = draw.order(count);
+    }
+    let frame = |k: usize| {
+        let given = moving.at(k as u64).expect("nothing flies far in so few frames");
+        Frame::new(&given.scene, arithmetic).expect("coordinates fit every arithmetic")
+    };
+    order.into_iter().map(frame).collect()
+}
+
+/// A frame as an arithmetic stores it, and the pairs that touch in it.
+pub(crate) struct Frame {
+    pub scene: AnyScene<'static>,
+    pub truth: Vec<[u32; 2]>,
+}
+
+impl Frame {
+    /// None if the arithmetic cannot store it.
+    pub fn new(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Option<Frame> {
+        let scene = scene.stored(arithmetic).ok()?;
+        let truth = oracle::truth_as_stored(&scene, arithmetic.test(), LIMIT).ok()?.pairs;
+        Some(Frame { scene, truth })
+    }
+}
+
+/// Takes a tracker through all frames, and counts what it does.
+pub(crate) fn add(table: &mut Table, spec: &TrackerSpec, frames: &[Frame], arithmetic: Arithmetic) {
+    let mut tracker = spec.make(Options { memory_limit: LIMIT, threads: 1 });
+    let (mut counts, mut pairs) = (Counts::default(), Vec::new());
+    for Frame { scene, truth } in frames {
+        counts.add(What::Frames, 1);
+        counts.add(What::Pairs, truth.len() as u64);
+        pairs.clear();
+        match tracker.step(scene, arithmetic.test(), None, &mut pairs) {
+            Ok(step) => counts.add(What::Built, u64::from(step.built)),
+            Err(_) => {
+                counts.add(What::Refused, 1);
+                continue;
+            }
+        }
+        normalise(&mut pairs);
+        let errors = oracle::compare(&pairs, truth, scene);
+        counts.add(What::Missed, errors.missed);
+        counts.add(What::Spurious, errors.spurious);
+        counts.add(What::Duplicate, errors.duplicate);
+        counts.add(What::Itself, errors.self_pairs);
+    }
+    let kind = match spec {
+        TrackerSpec::Verlet { rule, .. } if spec.may_miss() => format!("{rule}{CONTROL}"),
+        TrackerSpec::Verlet { skin: Skin::Auto, .. } => "skin=auto".to_owned(),
+        TrackerSpec::Verlet { rule, .. } => rule.to_string(),
+        TrackerSpec::EveryStep(_) => "every-step".to_owned(),
+    };
+    table.add(&kind, arithmetic.name(), counts);
+}

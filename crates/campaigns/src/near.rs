@@ -1,0 +1,120 @@
+//! Couples as near to tangency as numbers go, in whole numbers: the label is the sign of an
+//! expression in 128-bit integers that is written here, and no code of the library takes part.
+
+use std::cmp::Ordering;
+
+use crate::draw::{Draw, Sphere, direction, power, square};
+
+/// The lengths of a scene as whole numbers: coordinates in units, radii in half fine units, in
+/// which the reach has 54 bits. One of them is one ulp of a radius, or less.
+#[derive(Clone, Copy)]
+pub struct Lengths<'a, const D: usize> {
+    pub sphere: &'a Sphere<D>,
+    /// Of the sphere's length.
+    pub multiple: i64,
+    /// Couples of several sizes; else one radius for all.
+    pub sizes: bool,
+    /// The largest sum of two radii.
+    pub reach: i64,
+    /// Fine units are 2^-this.
+    pub fine: i32,
+}
+
+/// The vector from the first to the second of a couple, the radii, and the sign of the gap.
+pub struct Near<const D: usize> {
+    pub vector: [i64; D],
+    pub radii: [i64; 2],
+    pub truth: Ordering,
+}
+
+impl<'a, const D: usize> Lengths<'a, D> {
+    /// A reach of somewhat less than `room`.
+    pub fn new(sphere: &'a Sphere<D>, room: f64, sizes: bool, draw: &mut Draw) -> Self {
+        let multiple = (room * (1.0 - 0.3 * draw.unit()) / sphere.length as f64) as i64 / 2 * 2;
+        let multiple = multiple.max(2);
+        let reach = multiple * sphere.length;
+        Lengths { sphere, multiple, sizes, reach, fine: reach.leading_zeros() as i32 - 11 }
+    }
+
+    /// The next couple: along a Pythagorean direction, any direction, or an axis, moved by one unit
+    /// or not at all.
+    pub fn near(&self, draw: &mut Draw) -> Near<D> {
+        let Lengths { sphere, multiple, sizes, reach, fine } = *self;
+        let small = sizes && draw.once_in(2);
+        let part = if small { 1 + draw.below(multiple / 2) } else { multiple };
+        let sum = part * sphere.length;
+        let mut vector = [0; D];
+        let way = draw.below(4);
+        match way {
+            0 => vector = sphere.any(draw).map(|x| x * part),
+            1 => vector = direction(draw, sum),
+            _ => vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum },
+        }
+        vector[draw.below(D as i64) as usize] += draw.within(1);
+        let mut sum = sum << fine;
+        if small && way == 1 {
+            // The distance rounded: units may be much coarser than radii.
+            let distance = (square(&vector.map(|x| x << fine)) as f64).sqrt() as i64;
+            sum = distance.min((reach << fine) / 2);
+        }
+        let (mut ra, mut rb) = (sum, sum);
+        // Neither radius may exceed half the reach.
+        if 2 * sum <= reach << fine {
+            let shift = draw.below(sum + 1);
+            (ra, rb) = (sum + shift, (sum - shift + draw.within(1)).abs());
+        }
+        let truth = gap(&vector, [ra, rb], fine);
+        Near { vector, radii: [ra, rb], truth }
+    }
+}
+
+/// The sign of the length of a vector less the sum of two radii; components below 2^61 in half fine
+/// units.
+pub fn gap<const D: usize>(vector: &[i64; D], [ra, rb]: [i64; 2], fine: i32) -> Ordering {
+    square(&vector.map(|x| x << (fine + 1))).cmp(&square(&[ra + rb]))
+}
+
+/// Two bodies and the sign of |a - b| - (ra + rb).
+pub struct Couple<const D: usize> {
+    pub a: [f64; D],
+    pub b: [f64; D],
+    pub ra: f64,
+    pub rb: f64,
+    pub truth: Ordering,
+}
+
+/// Differences and sums of radii need 60 bits: a has 20 bits below the last of b, and rb ends 20
+/// bits below ra.
+pub fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
+    let length = (1 << 39) + draw.below(1 << 39);
+    let coarse: [i64; D] = direction(draw, length);
+    let a: [i64; D] = std::array::from_fn(|_| draw.within(1 << 20));
+    let n = square::<D>(&std::array::from_fn(|k| (coarse[k] << 20) - a[k])) as i128;
+    // One step of Newton's method from a root of 53 bits: right to one unit of 60 bits.
+    let guess = (n as f64).sqrt() as i128;
+    let sum = (guess + (n - guess * guess) / (2 * guess)) as i64 + draw.within(2);
+    let (ra, rb) = (sum >> 20, sum & ((1 << 20) - 1));
+    let (unit, fine) = (power(-52), power(-72));
+    let truth = (n as u128).cmp(&square(&[sum]));
+    let (a, b) = (a.map(|x| x as f64 * fine), coarse.map(|x| x as f64 * unit));
+    Couple { a, b, ra: ra as f64 * unit, rb: rb as f64 * fine, truth }
+}
+
+/// Along one axis the distance is the sum of radii, give or take one; along the next it is below
+/// half a unit, and as small as 2^-900 of the distance.
+pub fn needle<const D: usize>(draw: &mut Draw) -> Couple<D> {
+    let sum = (1i64 << 51) + draw.below(1 << 51);
+    let distance = sum + draw.within(1);
+    let off = if draw.once_in(4) { 0 } else { draw.below(1 << 51) };
+    let depth = if draw.once_in(16) { draw.below(800) + 100 } else { draw.below(14) + 52 };
+    // What is off the axis adds less than 1/4 to the square, which without it differs by 2·2^51 or
+    // not at all.
+    let truth = distance.cmp(&sum).then(off.cmp(&0));
+    let (mut a, mut b) = ([0.0; D], [0.0; D]);
+    let share = draw.below(sum + 1);
+    let axis = draw.below(D as i64) as usize;
+    let (from, to) = if draw.once_in(2) { (&mut a, &mut b) } else { (&mut b, &mut a) };
+    to[axis] = distance as f64 * power(-52);
+    from[(axis + 1) % D] = off as f64 * power(-52 - depth as i32);
+    Couple { a, b, ra: share as f64 * power(-52), rb: (sum - share) as f64 * power(-52), truth }
+}

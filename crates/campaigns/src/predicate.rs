@@ -1,0 +1,196 @@
+//! The contact test alone, asked as detectors ask it, for every couple of a batch.
+
+use std::cmp::Ordering;
+
+use contactbench_core::contact::depth::depth;
+use contactbench_core::contact::exact::{self, Label};
+use contactbench_core::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_core::detect::Refusal;
+use contactbench_core::probe::{Op, Tally};
+use contactbench_core::scene::{Radii, Scene};
+use nalgebra::Point;
+use num_bigint::BigInt;
+
+use crate::draw::{Draw, Sphere, power};
+use crate::near::{Couple, Lengths, Near, long_sum, needle};
+use crate::{Counts, Plan, Table, What, in_batches};
+
+/// Offsets in diameters: coordinates have at least this magnitude, and less than five times it; 0:
+/// about the origin.
+pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
+/// Coordinates at an offset have this magnitude or more, in units: one unit is one ulp.
+pub const FAR: i64 = 1 << 52;
+/// Couples in a batch.
+const BATCH: u64 = 4096;
+/// Every so many couples, labels are compared with rational arithmetic.
+const SAMPLE: u64 = 997;
+/// Every so many couples, the sign of the depth is compared.
+const DEPTHS: u64 = 16;
+/// Needles are few, because one in sixteen takes the widest numbers there are.
+const NEEDLES: usize = 9;
+
+const FAMILIES: [&str; 3] = ["grid", "long sum", "needle"];
+
+/// The contact test on couples.
+pub fn run(plan: Plan) -> Table {
+    let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
+    let mut rows = Vec::new();
+    for dim in [2, 3] {
+        rows.extend(OFFSETS.map(|offset| (0, dim, offset)));
+        rows.extend([(1, dim, 0.0), (2, dim, 0.0)]);
+    }
+    // One radius for all, or several.
+    in_batches(plan, 2 * rows.len(), |piece| {
+        let ((family, dim, offset), index) = (rows[piece % rows.len()], piece / rows.len());
+        let mut table = Table::default();
+        if family < 2 || index.is_multiple_of(NEEDLES) {
+            let draw = &mut Draw::new(plan.seed, piece as u64);
+            let counts = match dim {
+                2 => batch(&plane, family, offset, index, plan.test, draw),
+                _ => batch(&space, family, offset, index, plan.test, draw),
+            };
+            table.add(FAMILIES[family], &format!("{dim}D {offset:e}"), counts);
+        }
+        table
+    })
+}
+
+/// Decides a batch of couples with the test under trial, and the same couples in f64.
+fn batch<const D: usize>(
+    sphere: &Sphere<D>,
+    family: usize,
+    offset: f64,
+    index: usize,
+    test: Test,
+    draw: &mut Draw,
+) -> Counts {
+    let uniform = family == 0 && index % 2 == 1;
+    let exponent = match index / 2 % 4 {
+        _ if family > 0 => -52,
+        0 => -52,
+        1 => 0,
+        2 => draw.within(200) as i32,
+        _ => (draw.within(990) - 20) as i32,
+    };
+    // About the origin the radius has all its 53 bits above the unit.
+    let room = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
+    let lengths = Lengths::new(sphere, room, !uniform, draw);
+    let mut counts = Counts::default();
+    let (mut centres, mut radii, mut truths) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..BATCH {
+        let couple = match family {
+            0 => on_the_grid(&lengths, offset > 0.0, exponent, draw),
+            1 => long_sum(draw),
+            _ => needle(draw),
+        };
+        judge(&couple, k, &mut counts);
+        centres.extend([Point::from(couple.a), Point::from(couple.b)]);
+        radii.extend([couple.ra, couple.rb]);
+        truths.push(couple.truth);
+    }
+    let radii = if uniform { Radii::Uniform(radii[0]) } else { Radii::Each(radii.into()) };
+    let Ok(scene) = Scene::new(centres, radii) else {
+        counts.add(What::Refused, 1);
+        return counts;
+    };
+    let mut tally = Tally::default();
+    match with_bodies(&scene, test, Ask { truths: &truths, tally: &mut tally }) {
+        Ok([missed, spurious]) => {
+            counts.add(What::Missed, missed);
+            counts.add(What::Spurious, spurious);
+        }
+        Err(_) => counts.add(What::Refused, 1),
+    }
+    counts.add(What::Pairs, BATCH);
+    counts.add(What::Exact, tally.get(Op::ExactTest));
+    // f64 cannot square the extreme scales, and would only be blamed for its range there.
+    let ask = Ask { truths: &truths, tally: &mut tally };
+    if exponent.abs() <= 200
+        && let Ok([missed, spurious]) = with_bodies(&scene, Test::Rounded, ask)
+    {
+        counts.add(What::Rounded, BATCH);
+        counts.add(What::RoundedWrong, missed + spurious);
+    }
+    counts
+}
+
+/// A couple somewhere, with coordinates below 2^53 units.
+fn on_the_grid<const D: usize>(
+    lengths: &Lengths<'_, D>,
+    far: bool,
+    exponent: i32,
+    draw: &mut Draw,
+) -> Couple<D> {
+    let Near { vector, radii, truth } = lengths.near(draw);
+    let centred = draw.once_in(2);
+    let a: [i64; D] = vector.map(|x| match (far, centred) {
+        (true, _) => {
+            let from = FAR + x.abs() + draw.below(FAR - 2 * x.abs());
+            if draw.once_in(2) { -from } else { from }
+        }
+        (false, true) => -x / 2 + draw.within(1 << 50),
+        (false, false) => 0,
+    });
+    let (unit, half) = (power(exponent), power(exponent - lengths.fine - 1));
+    let b: [i64; D] = std::array::from_fn(|k| a[k] + vector[k]);
+    let [a, b] = [a, b].map(|at| at.map(|x| x as f64 * unit));
+    let [ra, rb] = radii.map(|r| r as f64 * half);
+    Couple { a, b, ra, rb, truth }
+}
+
+/// Label, depth and, for some couples, the construction itself.
+fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
+    let Couple { a, b, ra, rb, truth } = couple;
+    let (what, label) = match truth {
+        Ordering::Less => (What::Overlap, Label::Overlap),
+        Ordering::Equal => (What::Tangent, Label::Tangent),
+        Ordering::Greater => (What::Apart, Label::Apart),
+    };
+    counts.add(what, 1);
+    counts.add(What::Label, u64::from(exact::label(a, b, *ra, *rb) != label));
+    if k.is_multiple_of(DEPTHS) {
+        let sign = 0.0f64.partial_cmp(&depth(a, b, *ra, *rb));
+        counts.add(What::Depth, u64::from(sign != Some(*truth)));
+    }
+    if k.is_multiple_of(SAMPLE) {
+        counts.add(What::Sampled, 1);
+        counts.add(What::Construction, u64::from(rational(a, b, *ra, *rb) != *truth));
+    }
+}
+
+/// The sign of |a - b|² - (ra + rb)² by a library that rounds nothing, in units of 2^-2148.
+fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
+    let integer = |x: f64| {
+        let (bits, field) = (x.to_bits(), x.to_bits() >> 52 & 0x7ff);
+        let fraction = bits & ((1 << 52) - 1);
+        let magnitude = if field == 0 {
+            BigInt::from(fraction)
+        } else {
+            BigInt::from(fraction | 1 << 52) << (field - 1)
+        };
+        if x.is_sign_negative() { -magnitude } else { magnitude }
+    };
+    let square = |x: BigInt| &x * &x;
+    let distance: BigInt = (0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum();
+    distance.cmp(&square(integer(ra) + integer(rb)))
+}
+
+/// Asks for couples 0-1, 2-3, ..., and counts missed and spurious ones.
+struct Ask<'a> {
+    truths: &'a [Ordering],
+    tally: &'a mut Tally,
+}
+
+impl<const D: usize> WithBodies<f64, D> for Ask<'_> {
+    type Output = Result<[u64; 2], Refusal>;
+
+    fn call<B: Bodies<f64, D>>(self, bodies: B) -> Self::Output {
+        let mut wrong = [0; 2];
+        for (truth, i) in self.truths.iter().zip((0..).step_by(2)) {
+            let touch = bodies.touch(i, i + 1, self.tally);
+            wrong[0] += u64::from(truth.is_le() && !touch);
+            wrong[1] += u64::from(touch && !truth.is_le());
+        }
+        Ok(wrong)
+    }
+}
