@@ -16,6 +16,8 @@ use contactbench_core::with_scene;
 use contactbench_io::Given;
 use contactbench_io::{Notice, RadiusSource};
 
+use crate::touching::particle;
+
 /// At most about so many pairs are looked at, spread over the list: large scenes lose no time.
 const EXAMINED: usize = 1 << 18;
 /// More bytes of pairs than this are estimated, not looked for.
@@ -54,20 +56,21 @@ impl Touching {
 
     /// These contacts in open space.
     pub fn open(scene: &AnyScene<'_>, pairs: &[[u32; 2]]) -> Touching {
-        let mut touching = Touching::default();
-        for &pair in pairs.iter().step_by(pairs.len() / EXAMINED + 1) {
-            touching.examine(scene, pair, overlap(scene, pair));
-        }
-        touching.of(pairs.len(), scene)
+        Touching::over(scene, pairs, |&pair| (pair, overlap(scene, pair)))
     }
 
     /// These contacts in a box that repeats.
     pub fn boxed(periodic: &Periodic<'_>, pairs: &[ImagePair]) -> Touching {
-        let (mut touching, scene) = (Touching::default(), periodic.scene());
-        for &pair in pairs.iter().step_by(pairs.len() / EXAMINED + 1) {
+        let depth = |&pair: &ImagePair| ([pair.i, pair.j], periodic::depth(periodic, pair));
+        Touching::over(periodic.scene(), pairs, depth)
+    }
+
+    fn over<P>(scene: &AnyScene<'_>, pairs: &[P], of: impl Fn(&P) -> ([u32; 2], f64)) -> Touching {
+        let mut touching = Touching::default();
+        for (pair, overlap) in pairs.iter().step_by(pairs.len() / EXAMINED + 1).map(of) {
             // A small box brings bodies onto themselves.
-            if pair.i != pair.j {
-                touching.examine(scene, [pair.i, pair.j], periodic::depth(periodic, pair));
+            if pair[0] != pair[1] {
+                touching.examine(scene, pair, overlap);
             }
         }
         touching.of(pairs.len(), scene)
@@ -106,7 +109,7 @@ impl Touching {
         if overlap < NESTED {
             return;
         }
-        if same_centre(scene, pair) {
+        if particle(scene, pair[0]).0 == particle(scene, pair[1]).0 {
             self.coincident.insert(pair[1]);
         } else {
             if self.nested == 0 {
@@ -142,7 +145,7 @@ pub fn doubts(
         let before = doubts.len();
         of_contacts(scene, radii[1], source, touching, &mut doubts);
         // Where the contacts are those of a packing, the unit of length is a box's edge.
-        let scaled = || is_scaled(scene.len(), scene.dim(), |k| centre(scene, k));
+        let scaled = || is_scaled(scene.len(), scene.dim(), |k| particle(scene, k as u32).0);
         if doubts.len() > before && scaled() {
             doubts.push(Notice::Scaled);
         }
@@ -211,13 +214,6 @@ pub fn is_scaled(n: usize, dim: usize, centre: impl Fn(usize) -> [f64; 3]) -> bo
         && (0..dim).all(|axis| high[axis] - low[axis] > 0.9)
 }
 
-fn centre(scene: &AnyScene<'_>, k: usize) -> [f64; 3] {
-    with_scene!(scene, scene => {
-        let centre = array(&scene.centres()[k]);
-        std::array::from_fn(|axis| centre.get(axis).map_or(0.0, |x| x.wide()))
-    })
-}
-
 /// The smallest radius and the largest.
 fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
     with_scene!(scene, scene => match scene.radii() {
@@ -229,20 +225,9 @@ fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
 }
 
 /// Overlap in mean radii, rounded; not a finite number where it cannot be told.
-fn overlap(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
-    with_scene!(scene, scene => {
-        let [(a, ra), (b, rb)] = [i, j].map(|k| {
-            let k = k as usize;
-            (array(&scene.centres()[k]).map(Real::wide), scene.radius(k).wide())
-        });
-        let square: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
-        // Points that touch are in one place.
-        if ra + rb == 0.0 { 2.0 } else { 2.0 * (1.0 - square.sqrt() / (ra + rb)) }
-    })
-}
-
-fn same_centre(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> bool {
-    with_scene!(scene, scene => {
-        array(&scene.centres()[i as usize]) == array(&scene.centres()[j as usize])
-    })
+fn overlap(scene: &AnyScene<'_>, pair: [u32; 2]) -> f64 {
+    let [(a, ra), (b, rb)] = pair.map(|k| particle(scene, k));
+    let square: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
+    // Points that touch are in one place.
+    if ra + rb == 0.0 { 2.0 } else { 2.0 * (1.0 - square.sqrt() / (ra + rb)) }
 }

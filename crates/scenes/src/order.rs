@@ -96,62 +96,45 @@ fn codes<const D: usize>(
 mod tests {
     use super::*;
     use crate::spec::Spec;
-    use contactbench_core::scene::Stored;
+    use contactbench_core::scene::{Radii, Scene, Stored};
+
+    fn points(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
+        let AnyScene::Plane(Stored::F64(scene)) = scene else { panic!("made in the plane") };
+        scene.centres().iter().map(|p| *array(p)).collect()
+    }
 
     #[test]
     fn orders_are_permutations_and_morton_is_local() {
-        let make = |order| {
-            Spec {
-                order,
-                ..Spec::parse("packed:n=1000,lattice=square,jitter=0,spacing=1").unwrap()
-            }
-            .make()
-            .unwrap()
-        };
-        let sorted = |scene: &AnyScene<'_>| {
-            let AnyScene::Plane(Stored::F64(scene)) = scene else { panic!("made in the plane") };
-            let mut bits: Vec<[u64; 2]> =
-                scene.centres().iter().map(|p| array(p).map(f64::to_bits)).collect();
+        let [generated, shuffled, morton] =
+            [Order::Generated, Order::Shuffled, Order::Morton].map(|order| {
+                let spec = Spec::parse("packed:n=1000,lattice=square,jitter=0,spacing=1").unwrap();
+                points(&Spec { order, ..spec }.make().unwrap())
+            });
+        let sorted = |points: &[[f64; 2]]| {
+            let mut bits: Vec<_> = points.iter().map(|p| p.map(f64::to_bits)).collect();
             bits.sort_unstable();
             bits
         };
-        let path = |scene: &AnyScene<'_>| -> f64 {
-            let AnyScene::Plane(Stored::F64(scene)) = scene else { panic!("made in the plane") };
-            scene.centres().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>() / 999.0
+        let path = |points: &[[f64; 2]]| -> f64 {
+            let step = |[a, b]: &[[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            points.array_windows().map(step).sum::<f64>() / 999.0
         };
-        let (generated, shuffled, morton) =
-            (make(Order::Generated), make(Order::Shuffled), make(Order::Morton));
         assert_ne!(generated, shuffled);
-        assert_eq!(sorted(&generated), sorted(&shuffled));
-        assert_eq!(sorted(&generated), sorted(&morton));
-        assert!(
-            path(&morton) < 2.0 && path(&shuffled) > 10.0,
-            "{} {}",
-            path(&morton),
-            path(&shuffled)
-        );
-        let AnyScene::Plane(Stored::F64(scene)) = &morton else { panic!("made in the plane") };
-        let first: Vec<[f64; 2]> = scene.centres()[..4].iter().map(|p| *array(p)).collect();
-        assert_eq!(first, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
+        assert!([&shuffled, &morton].iter().all(|other| sorted(other) == sorted(&generated)));
+        let paths = [path(&morton), path(&shuffled)];
+        assert!(paths[0] < 2.0 && paths[1] > 10.0, "{paths:?}");
+        assert_eq!(morton[..4], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
     }
 
     #[test]
     fn morton_order_survives_huge_and_equal_coordinates() {
-        let cases = [
-            (vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308], [-1.7e308; 2]], vec![2, 1, 0]),
-            (vec![[5.0, 5.0]; 3], vec![0, 1, 2]),
-            (vec![], vec![]),
-        ];
-        for (points, order) in cases {
+        let huge = vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308], [-1.7e308; 2]];
+        for (points, order) in
+            [(huge, vec![2, 1, 0]), (vec![[5.0, 5.0]; 3], vec![0, 1, 2]), (vec![], vec![])]
+        {
             let points: Vec<_> = points.into_iter().map(nalgebra::Point::from).collect();
-            let scene = AnyScene::from(
-                contactbench_core::scene::Scene::<f64, 2>::new(
-                    points,
-                    contactbench_core::scene::Radii::Uniform(1.0),
-                )
-                .unwrap(),
-            );
-            assert_eq!(morton(&scene), order);
+            let scene = Scene::<f64, 2>::new(points, Radii::Uniform(1.0)).unwrap();
+            assert_eq!(morton(&scene.into()), order);
         }
     }
 }

@@ -182,40 +182,27 @@ mod tests {
     }
 
     #[test]
-    fn two_discs_side_by_side_by_hand() {
-        let scene = plane(&[[0.0, 0.0], [2.0, 0.0]], Radii::Uniform(1.0));
-        let stats = stats(&scene.into(), 1);
-        assert!(
-            (stats.packing_fraction - std::f64::consts::PI / 4.0).abs() < 1e-15,
-            "{}",
-            stats.packing_fraction
-        );
-        assert_eq!(
-            (stats.coordination, stats.radius_ratio, stats.box_diameters),
-            (1.0, Some(1.0), Some(vec![1.0, 0.0]))
-        );
-        let scene = plane(&[[0.0, 0.0], [3.0, 0.0]], Radii::Each(vec![1.0, 2.0].into()));
-        let stats = super::stats(&scene.into(), 1);
-        assert!(
-            (stats.packing_fraction - 5.0 * std::f64::consts::PI / 24.0).abs() < 1e-15,
-            "{}",
-            stats.packing_fraction
-        );
-        assert_eq!((stats.radius_ratio, stats.box_diameters), (Some(2.0), Some(vec![0.75, 0.0])));
-    }
-
-    #[test]
-    fn a_ball_in_its_cube() {
-        let scene = AnyScene::from(
-            Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5)).unwrap(),
-        );
-        let stats = stats(&scene.into(), 0);
-        assert!(
-            (stats.packing_fraction - std::f64::consts::PI / 6.0).abs() < 1e-15,
-            "{}",
-            stats.packing_fraction
-        );
-        assert_eq!((stats.coordination, stats.box_diameters), (0.0, Some(vec![0.0; 3])));
+    fn two_discs_side_by_side_and_a_ball_in_its_cube_by_hand() {
+        let ball = Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5));
+        let pair = |x, radii| plane(&[[0.0, 0.0], [x, 0.0]], radii);
+        for (scene, contacts, coordination, parts_of_pi, ratio, edges) in [
+            (pair(2.0, Radii::Uniform(1.0)), 1, 1.0, 1.0 / 4.0, 1.0, vec![1.0, 0.0]),
+            (
+                pair(3.0, Radii::Each(vec![1.0, 2.0].into())),
+                1,
+                1.0,
+                5.0 / 24.0,
+                2.0,
+                vec![0.75, 0.0],
+            ),
+            (ball.unwrap().into(), 0, 0.0, 1.0 / 6.0, 1.0, vec![0.0; 3]),
+        ] {
+            let stats = stats(&scene.into(), contacts);
+            let fraction = stats.packing_fraction;
+            assert!((fraction - parts_of_pi * std::f64::consts::PI).abs() < 1e-15, "{fraction}");
+            assert_eq!((stats.coordination, stats.radius_ratio), (coordination, Some(ratio)));
+            assert_eq!(stats.box_diameters, Some(edges));
+        }
     }
 
     #[test]
@@ -234,14 +221,9 @@ mod tests {
         ] {
             let stats = stats(&plane(&points, radii).into(), 3);
             let edges = stats.box_diameters.clone().unwrap_or_default();
-            assert!(
-                edges
-                    .iter()
-                    .chain(&stats.radius_ratio)
-                    .chain([&stats.packing_fraction, &stats.coordination])
-                    .all(|x| x.is_finite()),
-                "{stats:?}"
-            );
+            let others = [stats.packing_fraction, stats.coordination];
+            let mut all = edges.into_iter().chain(stats.radius_ratio).chain(others);
+            assert!(all.all(f64::is_finite), "{stats:?}");
             let text = serde_json::to_string(&stats).unwrap();
             assert_eq!(serde_json::from_str::<Stats>(&text).unwrap(), stats);
         }
