@@ -22,7 +22,6 @@ use contactbench_report::document::indented;
 use contactbench_report::sections::{compare as words, conditions as doubtful};
 use contactbench_terms::number::plural;
 
-/// Options of `compare`.
 #[derive(clap::Args)]
 pub struct Compare {
     /// A result folder: before, or the first machine; alone, one in which two builds took turns

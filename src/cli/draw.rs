@@ -10,7 +10,7 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
-use crate::cli::shared::values;
+use crate::cli::shared::{terminal, values};
 use contactbench_core::contact::{Arithmetic, Test};
 use contactbench_core::detect::Options;
 use contactbench_core::periodic::without_shift;
@@ -24,7 +24,6 @@ use contactbench_terms::number::plural;
 use contactbench_views::draw::{self, Highlighted, Look, Slice};
 use contactbench_views::film::{self, Film};
 
-/// Options of `draw`.
 #[derive(clap::Args)]
 pub struct Draw {
     #[command(flatten)]
@@ -111,8 +110,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         whole: options.whole,
     };
     let picture = draw::svg(&periodic, &pairs, &look)?;
-    io::write::whole(&options.output, |out| out.write_all(picture.as_bytes()))
-        .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
+    terminal::save(&options.output, picture.as_bytes(), "-o")?;
     let size = crate::cli::bytes(picture.len() as u64);
     let touching = || pairs.contacts.iter().chain(&pairs.missed);
     let mut found = plural(touching().count(), "contact");
@@ -188,8 +186,7 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
     let (html, place) = (film::html(&film), options.output.display());
-    io::write::whole(&options.output, |out| out.write_all(html.as_bytes()))
-        .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
+    terminal::save(&options.output, html.as_bytes(), "-o")?;
     let size = crate::cli::bytes(html.len() as u64);
     let more = if more { " The file has more (--frames)." } else { "" };
     say!("{name}: {}{more} {place} ({size})", film.summary());

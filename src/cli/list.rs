@@ -18,7 +18,6 @@ use contactbench_scenes::hard::{self, Case, Expect};
 use contactbench_scenes::motion::Kind;
 use contactbench_scenes::spec::{GENERATORS, Generator, Parameter};
 
-/// Options of `list`.
 #[derive(clap::Args)]
 pub struct List {
     /// What to list (default: everything)

@@ -4,10 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 
 use crate::cli::shared::terminal;
-use contactbench_io as io;
 use contactbench_record::cells;
 use contactbench_record::experiment::{MapAxes, Where, claims};
 use contactbench_record::findings::conditions::Conditions;
@@ -20,7 +19,6 @@ use contactbench_report::table::csv;
 use contactbench_report::{document, figure, sections};
 use contactbench_run::plan;
 
-/// Options of `map`.
 #[derive(clap::Args)]
 pub struct Map {
     /// Result folders, as `run` and `merge` write them
@@ -42,14 +40,9 @@ pub struct Map {
     out: Option<PathBuf>,
 }
 
-enum Kind {
-    Svg,
-    Csv,
-}
-
 /// Draws the map, or prints it.
 pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
-    let kind = options.out.as_deref().map(kind).transpose()?;
+    let svg = options.out.as_deref().map(is_svg).transpose()?;
     let mut filter: Where = claims::parse_where(&options.filters)?;
     plan::resolve(&mut filter).map_err(anyhow::Error::msg)?;
     let axes = MapAxes::new(&options.x, &options.y);
@@ -57,36 +50,32 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let cells = cells::cells(&rows);
     let found = map::Map::new(&axes, &filter, &cells)?;
     warnings.iter().for_each(|warning| say!("warning: {warning}"));
-    let (Some(kind), Some(path)) = (kind, &options.out) else {
+    let (Some(svg), Some(path)) = (svg, &options.out) else {
         let blocks = sections::map::blocks(&found);
         let mut out = terminal::out();
         write!(out, "{}", document::plain(&blocks, terminal::width()))?;
         return Ok(ExitCode::SUCCESS);
     };
     let name = format!("{} x {}", axes.x, axes.y);
-    let picture = || {
+    let text = if svg {
         let [x, y] = axes.labels();
         let title = format!("Who is the fastest: {y} against {x}");
         figure::map::drawn(&title, &axes, &found, &Styles::new(cells.iter()))
+    } else {
+        csv(&[sections::map::rows(&name, &found)])
     };
-    let bytes = match kind {
-        Kind::Svg => picture().into_bytes(),
-        Kind::Csv => csv(&[sections::map::rows(&name, &found)]).into_bytes(),
-    };
-    let place = path.display();
-    io::write::whole(path, |out| out.write_all(&bytes))
-        .with_context(|| format!("cannot write {place}; choose another place with --out"))?;
-    say!("{name}: {place} ({})", crate::cli::bytes(bytes.len() as u64));
+    terminal::save(path, text.as_bytes(), "--out")?;
+    say!("{name}: {} ({})", path.display(), crate::cli::bytes(text.len() as u64));
     Ok(ExitCode::SUCCESS)
 }
 
-fn kind(path: &Path) -> anyhow::Result<Kind> {
+fn is_svg(path: &Path) -> anyhow::Result<bool> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    Ok(match ending.as_deref() {
-        Some("svg") => Kind::Svg,
-        Some("csv") => Kind::Csv,
+    match ending.as_deref() {
+        Some("svg") => Ok(true),
+        Some("csv") => Ok(false),
         _ => bail!("{}: the ending of a map must be .svg or .csv", path.display()),
-    })
+    }
 }
 
 /// The rows of all folders, merged where their experiments are the same, as `merge` does; and what

@@ -18,7 +18,6 @@ use contactbench_record::record::{ledger, merge, provenance, row};
 use contactbench_run::run::disk;
 use contactbench_terms::number::plural;
 
-/// Options of `merge`.
 #[derive(clap::Args)]
 pub struct Merge {
     /// Result folders of the same experiments: of shards, or of several machines

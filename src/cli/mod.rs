@@ -53,120 +53,116 @@ pub struct Cli {
     pub quick: bool,
 }
 
-/// What can be done.
-#[derive(Subcommand)]
-pub enum Verb {
+/// One line for each verb: its options, and what does it.
+macro_rules! verbs {
+    ($($(#[$about:meta])* $verb:ident($options:ty) => $run:expr,)*) => {
+        /// What can be done.
+        #[derive(Subcommand)]
+        pub enum Verb {
+            $($(#[$about])* $verb($options),)*
+        }
+
+        impl Verb {
+            fn run(&self) -> anyhow::Result<ExitCode> {
+                match self {
+                    $(Verb::$verb(options) => $run(options),)*
+                }
+            }
+        }
+    };
+}
+
+verbs! {
     /// Runs experiments: measures, checks every answer, writes record, report and figures
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run \
                             my-experiment.toml --out results/mine")]
-    Run(run::Run),
+    Run(run::Run) => run::run,
     /// Makes report and figures of a result folder again, from its record alone
     #[command(after_help = "Example: contactbench report results/reference/standard")]
-    Report(report::Report),
+    Report(report::Report) => report::report,
     /// Compares two result folders: of two revisions, or two machines
     #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
                             contactbench compare laptop server --against nbs\nExit code 1 if \
                             pairs, counts, bytes or outcomes differ (with --gate-time, also if \
                             more cells are slower than chance explains).")]
-    Compare(compare::Compare),
+    Compare(compare::Compare) => compare::compare,
     /// Merges result folders of shards, or of several machines
     #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
-    Merge(merge::Merge),
+    Merge(merge::Merge) => merge::merge,
     /// Draws who is the fastest over two variables, from result folders
     #[command(after_help = "Example: contactbench map results/reference-sizes --x size-ratio --y \
                             n\nExample: contactbench map laptop server --x n --y density --where \
                             dim=3 --out map.svg")]
-    Map(map::Map),
+    Map(map::Map) => map::map,
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
-    List(list::List),
+    List(list::List) => list::list,
     /// Cross-checks detectors against all pairs tested: for your CI
     #[command(after_help = "Example: contactbench check --detector nbs\nExit code 1 if one \
                             disagrees; the smallest failing scene found is written as CSV.")]
-    Check(check::Check),
+    Check(check::Check) => check::check,
     /// Finds the touching pairs of a particle file
     #[command(after_help = "Example: contactbench detect packing.csv --detector nbs -o \
                             pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 \
                             --arithmetic f64 > pairs.csv")]
-    Detect(detect::Detect),
+    Detect(detect::Detect) => detect::detect,
     /// Says what is understood of a particle file, and warns of the usual mistakes
     #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench \
                             inspect centres.npy --radius 0.5 --json")]
-    Inspect(inspect::Inspect),
+    Inspect(inspect::Inspect) => inspect::inspect,
     /// Compares a contact list of another code with the exact truth
     #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base \
                             1\nExample: contactbench verify flow.dump --pairs lists.dump --frame \
                             all\nExit code 1 if the lists differ.")]
-    Verify(Box<verify::Verify>),
+    Verify(Box<verify::Verify>) => verify::verify,
     /// Writes a scene to a file, for use in your own code
     #[command(after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o \
                             packed.csv\nExample: contactbench scene packing.dump --frame last -o \
                             packing.xyz")]
-    Scene(scene::Scene),
+    Scene(scene::Scene) => scene::scene,
     /// Says which detector to use for a scene: measures them there
     #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench \
                             recommend clustered:dim=3,n=100000 --threads 2")]
-    Recommend(recommend::Recommend),
+    Recommend(recommend::Recommend) => recommend::recommend,
     /// Writes a new detector that works, as a file to be changed, and its line in the table: in a
     /// checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
-    NewDetector(new_detector::NewDetector),
+    NewDetector(new_detector::NewDetector) => new_detector::new_detector,
     /// Draws a scene with its contacts, or a slice through spheres, or plays it as it moves
     #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
                             packed:dim=3,n=2000 --slice z=4 -o slice.svg\nExample: contactbench \
                             draw packing.csv --pairs theirs.csv\nExample: contactbench draw \
                             packed:n=200 --motion vortex -o play.html")]
-    Draw(draw::Draw),
+    Draw(draw::Draw) => draw::draw,
     /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and
     /// an SVG of each step
     #[command(after_help = "Example: contactbench trace nbs\nExample: contactbench trace \
                             screening packed:n=12 -o lecture\nWithout a scene the book's worked \
                             example is shown.")]
-    Trace(trace::Trace),
+    Trace(trace::Trace) => trace::trace,
     /// Moves a scene, frame by frame, and says what lists of near pairs cost and miss
     #[command(after_help = "Example: contactbench track packed:dim=3,n=10000 --motion \
                             drift:speed=0.01\nExample: contactbench track packing.csv --motion \
                             vortex --tracker 'verlet(nbs,skin=0.3,rule=lammps-10-1-yes)'\nExit \
                             code 1 if a tracker missed a contact that promises to miss none.")]
-    Track(track::Track),
+    Track(track::Track) => track::track,
     /// Finds the contacts of one scene by several ranks: the program contactbench-ranks
-    Ranks(satellite::Passed),
+    Ranks(satellite::Passed) => (|passed| satellite::run("contactbench-ranks", passed)),
     /// Writes a completion script for your shell
     #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
                             ~/.local/share/bash-completion/completions/contactbench")]
-    Completions(shell::Completions),
+    Completions(shell::Completions) => shell::completions,
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(
         after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs"
     )]
-    Runner(runner::Serve),
+    Runner(runner::Serve) => runner::serve,
 }
 
 impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        match self.verb {
-            None => run::standard(self.quick),
-            Some(Verb::Run(options)) => run::run(&options),
-            Some(Verb::Report(options)) => report::report(&options),
-            Some(Verb::Compare(options)) => compare::compare(&options),
-            Some(Verb::Merge(options)) => merge::merge(&options),
-            Some(Verb::Map(options)) => map::map(&options),
-            Some(Verb::List(options)) => list::list(&options),
-            Some(Verb::Check(options)) => check::check(&options),
-            Some(Verb::Detect(options)) => detect::detect(&options),
-            Some(Verb::Inspect(options)) => inspect::inspect(&options),
-            Some(Verb::Verify(options)) => verify::verify(&options),
-            Some(Verb::Scene(options)) => scene::scene(&options),
-            Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
-            Some(Verb::Recommend(options)) => recommend::recommend(&options),
-            Some(Verb::Draw(options)) => draw::draw(&options),
-            Some(Verb::Trace(options)) => trace::trace(&options),
-            Some(Verb::Track(options)) => track::track(&options),
-            Some(Verb::Ranks(passed)) => satellite::run("contactbench-ranks", &passed),
-            Some(Verb::Completions(options)) => shell::completions(&options),
-            Some(Verb::Runner(options)) => runner::serve(&options),
-        }
+        self.verb.map_or_else(|| run::standard(self.quick), |verb| verb.run())
     }
 }
 

@@ -32,7 +32,6 @@ const KEYWORDS: [&str; 60] = [
 /// Longer names do not fit into tables.
 const LONGEST: usize = 32;
 
-/// Options of `new-detector`.
 #[derive(clap::Args)]
 pub struct NewDetector {
     /// The name, in small letters, digits and '-': quad-tree
@@ -67,29 +66,18 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     write_all(&changes)?;
     let mut out = terminal::out();
     for Change { path, before, .. } in &changes {
-        writeln!(
-            out,
-            "{} {}",
-            if before.is_none() { "wrote  " } else { "changed" },
-            path.display()
-        )?;
+        let what = if before.is_none() { "wrote  " } else { "changed" };
+        writeln!(out, "{what} {}", path.display())?;
     }
-    let name = &names.name;
+    let check = format!("cargo run --release -- check --detector {}", names.name);
     writeln!(out, "It works as it is: it sorts along x. Change it, and hold it to the truth:")?;
-    writeln!(
-        out,
-        "  cargo run --release -- check --detector {name}     seconds, after the build: the \
-         smallest scene on which it is wrong"
-    )?;
-    writeln!(
-        out,
-        "  cargo run --release -- recommend packed:n=100000   how fast it is beside the others"
-    )?;
-    writeln!(
-        out,
-        "  cargo test                                         it is in every test that loops over \
-         the table"
-    )?;
+    for (command, meaning) in [
+        (&*check, "seconds, after the build: the smallest scene on which it is wrong"),
+        ("cargo run --release -- recommend packed:n=100000", "how fast it is beside the others"),
+        ("cargo test", "it is in every test that loops over the table"),
+    ] {
+        writeln!(out, "  {command:<48} {meaning}")?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

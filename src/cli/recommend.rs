@@ -28,7 +28,6 @@ use contactbench_run::run::interrupt;
 use contactbench_scenes::spec::Spec;
 use contactbench_terms::number::{number, plural, with_interval};
 
-/// Options of `recommend`.
 #[derive(clap::Args)]
 pub struct Recommend {
     #[command(flatten)]

@@ -20,7 +20,6 @@ use contactbench_report::sections::failures;
 use contactbench_report::{document, report};
 use contactbench_run::plan;
 
-/// Options of `report`.
 #[derive(clap::Args)]
 pub struct Report {
     /// A result folder

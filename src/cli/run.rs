@@ -15,8 +15,7 @@ use contactbench_run::plan::{builtin, detectors};
 use contactbench_run::run::interrupt::{self, Interrupted};
 use contactbench_run::run::session::{self, Asked};
 
-/// Options of `run`.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct Run {
     /// Names of experiments (see `contactbench list experiments`), or TOML files
     #[arg(required = true, value_parser = values::EXPERIMENT, hide_possible_values = true)]
@@ -55,15 +54,7 @@ pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
         "the standard reproduction: the book's scaling experiments, {time}; results go to a new \
          folder under results/standard"
     );
-    let options = Run {
-        experiments: names,
-        quick,
-        resume: false,
-        out: None,
-        against: None,
-        shard: None,
-        ci: Outputs::default(),
-    };
+    let options = Run { experiments: names, quick, ..Run::default() };
     run_named(&options, "standard")
 }
 

@@ -10,7 +10,6 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
 use contactbench_run::run::server::Server;
 
-/// Options of `runner`.
 #[derive(clap::Args)]
 pub struct Serve {
     /// The detector, with parameters as in streamed-nbs:level=avx2; or a tracker over one, as in

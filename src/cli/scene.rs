@@ -12,7 +12,6 @@ use contactbench_io::write::{self, SceneFormat};
 use contactbench_scenes::motion::{Frames, Motion};
 use contactbench_terms::number::plural;
 
-/// Options of `scene`.
 #[derive(clap::Args)]
 pub struct Scene {
     /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle

@@ -39,7 +39,6 @@ pub fn advice(error: &clap::Error) -> Option<String> {
     }
 }
 
-/// Options of `completions`.
 #[derive(clap::Args)]
 pub struct Completions {
     /// The shell

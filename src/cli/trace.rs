@@ -9,7 +9,6 @@ use crate::cli::shared::scene::Source;
 use contactbench_io::write;
 use contactbench_views::trace::{Algorithm, example, page, still, trace as run};
 
-/// Options of `trace`.
 #[derive(clap::Args)]
 #[command(mut_arg("box", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Trace {

@@ -17,7 +17,6 @@ use contactbench_core::track::{self, TrackerSpec};
 use contactbench_run::moving::{Question, follow};
 use contactbench_scenes::motion::{self, Kind, Motion};
 
-/// Options of `track`.
 #[derive(clap::Args)]
 pub struct Track {
     #[command(flatten)]

@@ -149,10 +149,12 @@ pub(super) fn describe(
         Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),
     };
     let text = regression::file(failure, &path, &who);
-    let folder = folder(options);
-    std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, &text)).with_context(
-        || format!("cannot write {}; choose another place with --out", path.display()),
-    )?;
+    let write = |path: &Path, text: &str| {
+        let cannot = || format!("cannot write {}; choose another place with --out", path.display());
+        let made = std::fs::create_dir_all(folder(options));
+        made.and_then(|()| std::fs::write(path, text)).with_context(cannot)
+    };
+    write(&path, &text)?;
     let (n, place) = (smallest.scene.len(), path.display());
     match wrong {
         Some(Wrong::Hangs(_)) => {
@@ -167,14 +169,9 @@ pub(super) fn describe(
     }
     if let Some(picture) = picture(failure) {
         let path = path.with_extension("svg");
-        std::fs::write(&path, picture).with_context(|| {
-            format!("cannot write {}; choose another place with --out", path.display())
-        })?;
-        writeln!(
-            out,
-            "  drawn, missed pairs red and dashed, spurious ones orange: {}",
-            path.display()
-        )?;
+        write(&path, &picture)?;
+        let place = path.display();
+        writeln!(out, "  drawn, missed pairs red and dashed, spurious ones orange: {place}")?;
     }
     for line in text.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
@@ -182,15 +179,10 @@ pub(super) fn describe(
     let place = path.to_string_lossy();
     let place = shlex::try_quote(&place).unwrap_or_default();
     writeln!(out, "  again:  contactbench check --scene {place} {who}")?;
+    let detect = format!("contactbench detect {place} --arithmetic {arithmetic} --detector");
     if options.runner.is_none() {
-        writeln!(
-            out,
-            "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}"
-        )?;
+        writeln!(out, "  see it: {detect} {detector}")?;
     }
-    writeln!(
-        out,
-        "  truth:  contactbench detect {place} --detector direct --arithmetic {arithmetic}"
-    )?;
+    writeln!(out, "  truth:  {detect} direct")?;
     Ok(())
 }

@@ -23,7 +23,6 @@ use contactbench_core::detect::Options;
 use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, contender};
 use contactbench_run::run::interrupt;
 
-/// Options of `check`.
 #[derive(clap::Args)]
 pub struct Check {
     /// Only this detector, with parameters as in streamed-nbs:level=avx2 (may be given several
@@ -135,11 +134,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {
-            reports.push(Checked {
-                group,
-                report: check::battery(contenders, arithmetics, &limits)?,
-                path: None,
-            });
+            let report = check::battery(contenders, arithmetics, &limits)?;
+            reports.push(Checked { group, report, path: None });
         }
     }
     for Checked { report, path, .. } in &reports {
@@ -148,19 +144,14 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         }
         refusals(report, &mut out)?;
         if path.is_none() {
-            let scenes: Vec<String> =
-                report.scenes.iter().map(|(source, count)| format!("{source} {count}")).collect();
-            let cut = if report.cut && report.failures.is_empty() {
-                "; the time was over before all were tried (--seconds)"
-            } else {
-                ""
+            let count = |(source, count): (&_, &_)| format!("{source} {count}");
+            let scenes: Vec<String> = report.scenes.iter().map(count).collect();
+            let cut = match report.cut && report.failures.is_empty() {
+                true => "; the time was over before all were tried (--seconds)",
+                false => "",
             };
-            writeln!(
-                out,
-                "scenes: {}, in {:.1} s{cut}",
-                scenes.join(", "),
-                started.elapsed().as_secs_f64()
-            )?;
+            let (scenes, time) = (scenes.join(", "), started.elapsed().as_secs_f64());
+            writeln!(out, "scenes: {scenes}, in {time:.1} s{cut}")?;
         }
     }
     let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();

@@ -98,19 +98,16 @@ pub(super) fn as_json(
     };
     // Each name once, in the order of the check.
     fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-        let mut names = Vec::new();
-        of.for_each(|name| {
+        of.fold(Vec::new(), |mut names, name| {
             if !names.contains(&name) {
-                names.push(name)
+                names.push(name);
             }
-        });
-        names
+            names
+        })
     }
     let detectors = union(reports.iter().flat_map(|checked| checked.group.names()));
-    let arithmetics =
-        union(reports.iter().flat_map(|checked| {
-            checked.group.arithmetics.iter().map(|arithmetic| arithmetic.name())
-        }));
+    let arithmetics = reports.iter().flat_map(|checked| &checked.group.arithmetics);
+    let arithmetics = union(arithmetics.map(|arithmetic| arithmetic.name()));
     let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
     let checks: Vec<Value> = reports.iter().map(of).collect();
     json!({

@@ -24,7 +24,6 @@ use contactbench_io::boxes::along;
 use contactbench_io::write::{Extra, Style};
 use contactbench_terms::number::plural;
 
-/// Options of `detect`.
 #[derive(clap::Args)]
 pub struct Detect {
     #[command(flatten)]

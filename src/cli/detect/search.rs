@@ -1,5 +1,6 @@
 //! The contacts of one scene, with its box or without.
 
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -90,51 +91,40 @@ impl Search {
         given: &Given,
         periodic: Option<&Periodic<'_>>,
     ) -> anyhow::Result<Found> {
-        match periodic {
-            None => self.open(given),
-            Some(periodic) => self.boxed(periodic),
-        }
-    }
-
-    fn open(&mut self, given: &Given) -> anyhow::Result<Found> {
-        let name = self.arithmetic.name();
-        let scene = given.scene.as_stored(self.arithmetic).with_context(|| format!("in {name}"))?;
-        crowd::within(&scene, self.memory_limit)?;
-        let mut pairs = Vec::new();
-        let (started, test) = (Instant::now(), self.arithmetic.test());
-        let (result, usage) = alloc::measure(|| self.detector.list(&scene, test, &mut pairs));
-        let time = started.elapsed();
-        result?;
-        // What is left on the heap is the list of pairs and the detector's buffers.
-        let list = pairs.capacity() as u64 * PAIR_BYTES;
-        normalise_by(self.threads, &mut pairs);
-        Ok(Found {
-            touching: Touching::open(&given.scene, &pairs),
-            pairs: Pairs::Open(pairs),
-            images: 0,
-            time,
-            memory: usage.map(|usage| usage.live_bytes.saturating_sub(list)),
-        })
-    }
-
-    fn boxed(&mut self, periodic: &Periodic<'_>) -> anyhow::Result<Found> {
-        let Search { memory_limit, arithmetic, detector, finder, .. } = self;
-        crowd::within(periodic.scene(), *memory_limit)?;
+        let Search { memory_limit, arithmetic, threads, ref mut detector, ref mut finder } = *self;
+        let scene = match periodic {
+            None => {
+                let stored = given.scene.as_stored(arithmetic);
+                stored.with_context(|| format!("in {}", arithmetic.name()))?
+            }
+            Some(periodic) => Cow::Borrowed(periodic.scene()),
+        };
+        crowd::within(&scene, memory_limit)?;
         let mut contacts = Contacts::default();
         let started = Instant::now();
-        let (result, usage) =
-            alloc::measure(|| finder.list(periodic, &mut **detector, *arithmetic, &mut contacts));
+        let (result, usage) = alloc::measure(|| match periodic {
+            None => detector.list(&scene, arithmetic.test(), &mut contacts.plain),
+            Some(periodic) => finder.list(periodic, &mut **detector, arithmetic, &mut contacts),
+        });
         let time = started.elapsed();
         result?;
-        let list = contacts.plain.capacity() as u64 * PAIR_BYTES
+        // What is left on the heap is the lists of pairs and the detector's buffers.
+        let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
-        let pairs = contacts.sorted(periodic.scene().len(), *memory_limit)?;
-        Ok(Found {
-            touching: Touching::boxed(periodic, &pairs),
-            pairs: Pairs::Boxed(pairs),
-            images: finder.images() as usize,
-            time,
-            memory: usage.map(|usage| usage.live_bytes.saturating_sub(list)),
-        })
+        let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));
+        let (pairs, touching, images) = match periodic {
+            None => {
+                let mut pairs = contacts.plain;
+                normalise_by(threads, &mut pairs);
+                let touching = Touching::open(&given.scene, &pairs);
+                (Pairs::Open(pairs), touching, 0)
+            }
+            Some(periodic) => {
+                let pairs = contacts.sorted(scene.len(), memory_limit)?;
+                let touching = Touching::boxed(periodic, &pairs);
+                (Pairs::Boxed(pairs), touching, finder.images() as usize)
+            }
+        };
+        Ok(Found { pairs, touching, images, time, memory })
     }
 }

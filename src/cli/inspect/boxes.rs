@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::cli::inspect::Line;
+use crate::cli::inspect::Report;
 use crate::cli::shared::input::Input;
 use contactbench_core::periodic::Periodic;
 use contactbench_core::scene::Real;
@@ -12,51 +12,46 @@ use contactbench_io::{About, Particles};
 use contactbench_terms::number::{number, plural};
 
 /// Prints the box of the file, and the one that counts.
-pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
-    if let Some(bounds) = about.declared.as_ref().and_then(|it| it.ranges.as_ref()) {
+pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &mut Report) {
+    let declared = about.declared.as_ref();
+    let vectors = declared.and_then(|declared| declared.vectors);
+    if let Some(bounds) = declared.and_then(|declared| declared.ranges.as_ref()) {
         let text: Vec<String> =
             bounds.iter().map(|[lo, hi]| format!("{} to {}", number(*lo), number(*hi))).collect();
-        lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
-    } else if let Some(vectors) = about.declared.as_ref().and_then(|declared| declared.vectors) {
-        let values = vec![("declared_vectors", json!(vectors))];
-        lines.push(Line("box in the file", rows(&vectors), values));
+        out.line("box in the file", text.join(", "), json!({ "declared_box": bounds }));
+    } else if let Some(vectors) = vectors {
+        out.line("box in the file", rows(&vectors), json!({ "declared_vectors": vectors }));
     }
+    let (dim, flags) = (particles.dim(), declared.map(|declared| declared.periodic));
     let Some(lattice) = &particles.lattice else {
-        let declared = about.declared.as_ref();
-        let why = match declared.map(|declared| declared.periodic) {
+        let why = match flags {
             _ if input.boundaries.open => "open (--open)",
             _ if input.boundaries.periodic.is_some() => "open (--periodic none)",
             Some(Some(_)) => "open, as the file says",
-            Some(None) if declared.is_some_and(|declared| declared.vectors.is_some()) => {
+            Some(None) if vectors.is_some() => {
                 "taken as open: the file does not say whether its box repeats"
             }
             _ => "open: there is no box in the file",
         };
-        let periodic = json!([false; 3][..particles.dim()]);
-        lines.push(Line("boundaries", why.into(), vec![("periodic", periodic)]));
+        out.line("boundaries", why.into(), json!({ "periodic": vec![false; dim] }));
         return;
     };
-    let dim = particles.dim();
     let axes = lattice.periodic();
-    let said = about.declared.as_ref().is_some_and(|declared| declared.periodic.is_some());
     let source = match input.boundaries.periodic {
         Some(_) => " (--periodic)",
-        None if said => ", as the file says",
+        None if matches!(flags, Some(Some(_))) => ", as the file says",
         None => " (--box)",
     };
-    lines.push(Line(
-        "boundaries",
-        format!("the box repeats along {}{source}", along(axes)),
-        vec![("periodic", json!(axes[..dim]))],
-    ));
-    let vectors = &lattice.vectors()[..dim];
-    let lengths: Vec<f64> =
-        vectors.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let text = format!("the box repeats along {}{source}", along(axes));
+    out.line("boundaries", text, json!({ "periodic": axes[..dim] }));
+    let vectors: Vec<&[f64]> = lattice.vectors()[..dim].iter().map(|v| &v[..]).collect();
+    let length = |v: &&[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let lengths: Vec<f64> = vectors.iter().map(length).collect();
     let heights: Vec<f64> = (0..dim).map(|k| lattice.height(k)).collect();
     let origin = &lattice.origin()[..dim];
     let shape = if lattice.is_tilted() { "tilted" } else { "edges along the axes" };
     let vectors: Vec<&[f64]> = vectors.iter().map(|vector| &vector[..dim]).collect();
-    lines.push(Line(
+    out.line(
         "box",
         format!(
             "vectors {}{}, lengths {}, {shape}; corner {}",
@@ -65,29 +60,26 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
             list(&lengths),
             list(origin)
         ),
-        vec![
-            ("box_vectors", json!(vectors)),
-            ("box_lengths", json!(lengths)),
-            ("box_tilted", json!(lattice.is_tilted())),
-            ("box_origin", json!(origin)),
-            ("box_heights", json!(heights)),
-        ],
-    ));
+        json!({
+            "box_vectors": vectors,
+            "box_lengths": lengths,
+            "box_tilted": lattice.is_tilted(),
+            "box_origin": origin,
+            "box_heights": heights,
+        }),
+    );
     let outside = outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
     let such = match outside.first() {
         Some(first) => format!(", such as particle {first} (from 0)"),
         None => String::new(),
     };
-    lines.push(Line(
-        "outside the box",
-        format!("{}{such}", plural(outside.len(), "particle")),
-        vec![("outside", json!(outside.len()))],
-    ));
+    let text = format!("{}{such}", plural(outside.len(), "particle"));
+    out.line("outside the box", text, json!({ "outside": outside.len() }));
 }
 
 /// Prints the distances of the box's faces against the farthest that two bodies touch; warns of
 /// boxes so small that the nearest image is not all.
-pub(super) fn reach(periodic: &Periodic<'_>, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
     let axes = (0..3).filter(|&k| lattice.periodic()[k]);
@@ -100,20 +92,21 @@ pub(super) fn reach(periodic: &Periodic<'_>, lines: &mut Vec<Line>, warnings: &m
     } else {
         String::new()
     };
-    lines.push(Line(
+    out.line(
         "between faces",
         format!("{}; bodies touch over {} at most{times}", text.join(", "), number(reach)),
-        vec![("reach", json!(reach)), ("least_height_over_reach", json!(least))],
-    ));
+        json!({ "reach": reach, "least_height_over_reach": least }),
+    );
     // The last places of a height are rounded: nobody is warned wrongly for want of one.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
     };
     match (narrow(1.0), narrow(2.0)) {
-        (own, _) if !own.is_empty() => warnings
+        (own, _) if !own.is_empty() => out
+            .warnings
             .push(format!("the box is so small along {own} that a body may touch its own image")),
-        (_, several) if !several.is_empty() => warnings.push(format!(
+        (_, several) if !several.is_empty() => out.warnings.push(format!(
             "the box is so small along {several} that two bodies may touch through several images, \
              of which codes that look at the nearest one see one"
         )),

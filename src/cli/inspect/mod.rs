@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
@@ -12,6 +12,7 @@ use contactbench_io as io;
 use contactbench_io::{About, Frame, Notice, Particles, Place, RadiusSource};
 use contactbench_scenes::doubts::is_scaled;
 use contactbench_scenes::stats::stats;
+use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::{number, wrap};
 
 mod boxes;
@@ -19,7 +20,6 @@ mod contacts;
 mod motion;
 use contacts::Contacts;
 
-/// Options of `inspect`.
 #[derive(clap::Args)]
 pub struct Inspect {
     /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD, also compressed
@@ -32,8 +32,35 @@ pub struct Inspect {
     json: bool,
 }
 
-/// A label, its value for people, and its values for programs.
-struct Line(&'static str, String, Vec<(&'static str, Value)>);
+/// What is found: labels with their values for people, all values for programs, and warnings.
+#[derive(Default)]
+struct Report {
+    lines: Vec<(&'static str, String)>,
+    values: Map<String, Value>,
+    warnings: Vec<String>,
+}
+
+impl Report {
+    fn line(&mut self, label: &'static str, text: String, values: Value) {
+        self.lines.push((label, text));
+        self.values.extend(values.as_object().cloned().into_iter().flatten());
+    }
+
+    fn print(mut self, as_json: bool) -> anyhow::Result<()> {
+        if as_json {
+            self.values.insert("warnings".into(), json!(self.warnings));
+            return Ok(terminal::json(&Value::Object(self.values))?);
+        }
+        let (mut out, width) = (terminal::out(), terminal::width());
+        for (label, text) in &self.lines {
+            hanging(&mut out, &format!("{label:<17} "), text, width)?;
+        }
+        for warning in &self.warnings {
+            hanging(&mut out, "warning: ", warning, width)?;
+        }
+        Ok(())
+    }
+}
 
 /// Reads the file, looks for contacts, prints what was found, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
@@ -46,71 +73,21 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
         io::Options { survey: true, frame, ..options.input.options() },
     )?;
     let of_all = [particles.len(), about.frames as usize];
-    let (mut lines, mut warnings) = (Vec::new(), Vec::new());
-    of_file(options, &particles, &about, &mut lines, &mut warnings);
-    boxes::report(&particles, &about, &options.input, &mut lines);
-    of_centres(&particles, &mut lines, &mut warnings);
-    let scaled = || is_scaled(particles.len(), particles.dim(), |k| particles.centre(k));
-    if about.radius == RadiusSource::Missing && scaled() {
-        warnings.push(Notice::Scaled.words(Place::Argument));
-    }
-    if about.radius != RadiusSource::Missing {
-        let source = about.radius.clone();
-        let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
-        let (scene, periodic) = (&given.scene, given.periodic()?);
-        let periodic = periodic.as_ref();
-        let contacts = periodic.map_or_else(|| Contacts::new(scene), Contacts::in_box);
-        contacts::report(scene, &source, periodic, &contacts, &mut lines, &mut warnings);
-        if let Some(periodic) = periodic {
-            boxes::reach(periodic, &mut lines, &mut warnings);
+    let mut out = Report::default();
+    of_file(options, &particles, &about, &mut out);
+    boxes::report(&particles, &about, &options.input, &mut out);
+    of_centres(&particles, &mut out);
+    if about.radius == RadiusSource::Missing {
+        if is_scaled(particles.len(), particles.dim(), |k| particles.centre(k)) {
+            out.warnings.push(Notice::Scaled.words(Place::Argument));
         }
-        if let Some(count) = contacts.exact() {
-            let stats = stats(&given, count);
-            let of_box = periodic.is_some_and(|periodic| {
-                periodic.lattice().periodic()[..scene.dim()].iter().all(|&repeats| repeats)
-            });
-            let (fraction, of) = (
-                stats.packing_fraction,
-                match of_box {
-                    true => "the box that repeats, overlaps counted twice",
-                    false => "the box around the bodies",
-                },
-            );
-            lines.push(Line(
-                "packing fraction",
-                format!("{fraction:.4} of {of}"),
-                vec![
-                    ("packing_fraction", json!(fraction)),
-                    ("packing_of", json!(if of_box { "box" } else { "bounds" })),
-                ],
-            ));
-            lines.push(Line(
-                "fingerprint",
-                stats.scene_hash.clone(),
-                vec![("scene_hash", json!(stats.scene_hash))],
-            ));
-        }
+    } else {
+        of_scene(options, particles, &about, &mut out)?;
     }
     if all {
-        motion::report(options, of_all, &mut lines, &mut warnings);
+        motion::report(options, of_all, &mut out);
     }
-    let mut out = terminal::out();
-    if options.json {
-        let mut all = serde_json::Map::new();
-        for (key, value) in lines.into_iter().flat_map(|Line(_, _, values)| values) {
-            all.insert(key.into(), value);
-        }
-        all.insert("warnings".into(), json!(warnings));
-        terminal::json(&Value::Object(all))?;
-    } else {
-        let width = terminal::width();
-        for Line(label, text, _) in &lines {
-            hanging(&mut out, &format!("{label:<17} "), text, width)?;
-        }
-        for warning in &warnings {
-            hanging(&mut out, "warning: ", warning, width)?;
-        }
-    }
+    out.print(options.json)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -124,71 +101,45 @@ fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::i
 }
 
 /// What the reader says.
-fn of_file(
-    options: &Inspect,
-    particles: &Particles,
-    about: &About,
-    lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
-) {
+fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Report) {
     let name = options.file.display().to_string();
-    lines.push(Line("file", name.clone(), vec![("file", json!(name))]));
+    out.line("file", name.clone(), json!({ "file": name }));
     let gzip = if about.gzip { ", compressed with gzip" } else { "" };
-    lines.push(Line(
-        "format",
-        format!("{}{gzip}", about.format),
-        vec![("format", json!(about.format)), ("gzip", json!(about.gzip))],
-    ));
+    let values = json!({ "format": about.format, "gzip": about.gzip });
+    out.line("format", format!("{}{gzip}", about.format), values);
     let (n, dim) = (particles.len(), particles.dim());
     let what = if dim == 2 { "discs (2D)" } else { "spheres (3D)" };
-    lines.push(Line(
-        "particles",
-        format!("{n} {what}"),
-        vec![("n", json!(n)), ("dim", json!(dim))],
-    ));
-    let which = if about.frames == 1 {
-        String::new()
-    } else {
-        format!("; read: frame {}, counted from 0", about.frame)
+    out.line("particles", format!("{n} {what}"), json!({ "n": n, "dim": dim }));
+    let About { frames, frame, .. } = *about;
+    let which = match frames {
+        1 => String::new(),
+        _ => format!("; read: frame {frame}, counted from 0"),
     };
-    lines.push(Line(
-        "frames",
-        format!("{}{which}", about.frames),
-        vec![("frames", json!(about.frames)), ("frame", json!(about.frame))],
-    ));
-    if about.frames > 1 && options.input.frame != Some(Frame::All) {
-        warnings.push(format!(
-            "the file has {} frames, numbered from 0; this is frame {}",
-            about.frames, about.frame
-        ));
+    out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
+    if frames > 1 && options.input.frame != Some(Frame::All) {
+        out.warnings
+            .push(format!("the file has {frames} frames, numbered from 0; this is frame {frame}"));
     }
     let (text, kind, column) = match &about.radius {
-        RadiusSource::Column(name) => {
-            (format!("'{name}' in the file"), "column", Some(name.clone()))
-        }
+        RadiusSource::Column(name) => (format!("'{name}' in the file"), "column", Some(name)),
         RadiusSource::Halved(name) => {
-            (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name.clone()))
+            (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name))
         }
         RadiusSource::Given => ("the option --radius".into(), "option", None),
-        RadiusSource::Missing => (
-            "none in the file; contacts need --radius R (half the diameter)".into(),
-            "missing",
-            None,
-        ),
+        RadiusSource::Missing => {
+            let none = "none in the file; contacts need --radius R (half the diameter)";
+            (none.into(), "missing", None)
+        }
     };
-    lines.push(Line(
-        "radius from",
-        text,
-        vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
-    ));
-    warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
+    out.line("radius from", text, json!({ "radius_source": kind, "radius_column": column }));
+    out.warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
 }
 
 /// What the centres say.
-fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+fn of_centres(particles: &Particles, out: &mut Report) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
-        warnings.push("there are no particles".into());
+        out.warnings.push("there are no particles".into());
         return;
     }
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -200,24 +151,48 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
     let text: Vec<String> = (0..dim)
         .map(|k| format!("{} {} to {}", ["x", "y", "z"][k], number(low[k]), number(high[k])))
         .collect();
-    lines.push(Line(
-        "centres",
-        text.join(", "),
-        vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))],
-    ));
+    out.line("centres", text.join(", "), json!({ "low": low[..dim], "high": high[..dim] }));
     // -0 is where 0 is.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.sort_unstable_by_key(|&k| key(k));
-    let duplicates = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])).count();
-    lines.push(Line(
-        "coincident",
-        format!("{duplicates} centres stand where another does"),
-        vec![("coincident_centres", json!(duplicates))],
-    ));
-    if duplicates > 0 {
-        let first =
-            order.windows(2).find(|pair| key(pair[0]) == key(pair[1])).map_or(0, |pair| pair[0]);
-        warnings.push(Notice::Coincident(duplicates as u64, first).words(Place::Argument));
+    let mut duplicates = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1]));
+    let first = duplicates.next().map(|pair| pair[0]);
+    let count = duplicates.count() + usize::from(first.is_some());
+    let text = format!("{count} centres stand where another does");
+    out.line("coincident", text, json!({ "coincident_centres": count }));
+    if let Some(first) = first {
+        out.warnings.push(Notice::Coincident(count as u64, first).words(Place::Argument));
     }
+}
+
+/// What the scene with its radii says.
+fn of_scene(
+    options: &Inspect,
+    particles: Particles,
+    about: &About,
+    out: &mut Report,
+) -> anyhow::Result<()> {
+    let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
+    let periodic = in_any_box(&given)?;
+    let contacts = Contacts::new(&periodic);
+    contacts::report(&periodic, &about.radius, &contacts, out);
+    let axes = periodic.lattice().periodic();
+    if axes.contains(&true) {
+        boxes::reach(&periodic, out);
+    }
+    let Some(count) = contacts.exact() else { return Ok(()) };
+    let stats = stats(&given, count);
+    let (of, place) = match axes[..given.scene.dim()].iter().all(|&repeats| repeats) {
+        true => ("box", "the box that repeats, overlaps counted twice"),
+        false => ("bounds", "the box around the bodies"),
+    };
+    let fraction = stats.packing_fraction;
+    out.line(
+        "packing fraction",
+        format!("{fraction:.4} of {place}"),
+        json!({ "packing_fraction": fraction, "packing_of": of }),
+    );
+    out.line("fingerprint", stats.scene_hash.clone(), json!({ "scene_hash": stats.scene_hash }));
+    Ok(())
 }

@@ -1,6 +1,8 @@
 //! What happens from frame to frame.
 
-use crate::cli::inspect::{Inspect, Line};
+use serde_json::json;
+
+use crate::cli::inspect::{Inspect, Report};
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::tracking;
@@ -11,23 +13,18 @@ use contactbench_run::moving::{Moved, Question, Recorded, follow};
 use contactbench_terms::number::plural;
 
 /// Describes the motion, or warns of what hinders it.
-pub(super) fn report(
-    options: &Inspect,
-    [particles, frames]: [usize; 2],
-    lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
-) {
+pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &mut Report) {
     match moved(options, particles, frames as u64) {
         Ok(moved) if moved.steps() == 0 => {
-            lines.push(Line("motion", "none: the file has one frame".into(), vec![]));
+            out.line("motion", "none: the file has one frame".into(), json!({}));
         }
         Ok(moved) => {
             let all = plural(moved.frames as usize, "frame");
             let particles = plural(moved.particles as usize, "particle");
             let text = format!("{all} of {particles}: {}", tracking::motion(&moved));
-            lines.push(Line("motion", text, vec![("motion", tracking::moved_as_json(&moved))]));
+            out.line("motion", text, json!({ "motion": tracking::moved_as_json(&moved) }));
         }
-        Err(error) => warnings.push(format!("the motion is not described: {error:#}")),
+        Err(error) => out.warnings.push(format!("the motion is not described: {error:#}")),
     }
 }
 

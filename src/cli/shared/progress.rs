@@ -10,70 +10,61 @@ use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::Progress;
 use contactbench_terms::text::line;
 
-/// Writes to standard error.
-pub struct Terminal {
-    bar: Option<ProgressBar>,
-    started: Instant,
-}
+/// A bar on a terminal, and nothing elsewhere. It is gone before anything else is printed.
+struct Bar(Option<ProgressBar>);
 
-impl Default for Terminal {
-    fn default() -> Terminal {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            // The template is constant; were it wrong, the default style would do.
-            let style = ProgressStyle::with_template(
-                "{bar:30} {pos}/{len} scenes, {elapsed} done, about {eta} left  {msg}",
-            );
-            let bar = ProgressBar::no_length()
-                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar.enable_steady_tick(std::time::Duration::from_millis(500));
-            bar
-        });
-        Terminal { bar, started: Instant::now() }
-    }
-}
-
-impl Drop for Terminal {
-    /// What is printed next begins on a line of its own.
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
-pub struct Counted(Option<ProgressBar>);
-
-impl Counted {
-    /// Of so many frames, where that is known.
-    pub fn new(frames: Option<u64>) -> Counted {
-        Counted(std::io::stderr().is_terminal().then(|| {
-            let of = if frames.is_some() { " of {len}" } else { "" };
-            // The template is constant; were it wrong, the default style would do.
-            let style = ProgressStyle::with_template(&format!("frame {{pos}}{of}, {{elapsed}}"));
-            let bar = frames.map_or_else(ProgressBar::no_length, ProgressBar::new);
+impl Bar {
+    fn new(length: Option<u64>, template: &str) -> Bar {
+        Bar(std::io::stderr().is_terminal().then(|| {
+            // Templates are constant; were one wrong, the default style would do.
+            let style = ProgressStyle::with_template(template);
+            let bar = length.map_or_else(ProgressBar::no_length, ProgressBar::new);
             let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar.enable_steady_tick(std::time::Duration::from_millis(500));
             bar
         }))
     }
-
-    /// The frame of this number begins.
-    pub fn frame(&self, k: u64) {
-        self.0.iter().for_each(|bar| bar.set_position(k));
-    }
 }
 
-impl Drop for Counted {
+impl Drop for Bar {
     /// What is printed next begins on a line of its own.
     fn drop(&mut self) {
         self.0.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
+/// Writes to standard error.
+pub struct Terminal {
+    bar: Bar,
+    started: Instant,
+}
+
+impl Default for Terminal {
+    fn default() -> Terminal {
+        let template = "{bar:30} {pos}/{len} scenes, {elapsed} done, about {eta} left  {msg}";
+        Terminal { bar: Bar::new(None, template), started: Instant::now() }
+    }
+}
+
+/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
+pub struct Counted(Bar);
+
+impl Counted {
+    /// Of so many frames, where that is known.
+    pub fn new(frames: Option<u64>) -> Counted {
+        let of = if frames.is_some() { " of {len}" } else { "" };
+        Counted(Bar::new(frames, &format!("frame {{pos}}{of}, {{elapsed}}")))
+    }
+
+    /// The frame of this number begins.
+    pub fn frame(&self, k: u64) {
+        self.0.0.iter().for_each(|bar| bar.set_position(k));
+    }
+}
+
 impl Progress for Terminal {
     fn scene(&mut self, done: usize, total: usize, next: &str) {
-        match &self.bar {
+        match &self.bar.0 {
             Some(bar) if done == total => bar.finish_and_clear(),
             Some(bar) => {
                 bar.set_length(total as u64);
@@ -87,7 +78,7 @@ impl Progress for Terminal {
     }
 
     fn note(&mut self, text: &str) {
-        match &self.bar {
+        match &self.bar.0 {
             Some(bar) => bar.println(line(text)),
             None => say(text),
         }

@@ -2,6 +2,9 @@
 //! terminals and logs ([`text`]), and wrapped at words where they go to a terminal.
 
 use std::io::{Result, Write};
+use std::path::Path;
+
+use anyhow::Context;
 
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
@@ -91,6 +94,13 @@ fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
         lines.extend(broken.iter().map(|line| format!("{:indent$}{line}", "")));
     }
     lines.join("\n").into()
+}
+
+/// Writes a file whole; `option` names another place for it.
+pub fn save(path: &Path, bytes: &[u8], option: &str) -> anyhow::Result<()> {
+    let place = path.display();
+    let cannot = || format!("cannot write {place}; choose another place with {option}");
+    contactbench_io::write::whole(path, |out| out.write_all(bytes)).with_context(cannot)
 }
 
 /// A word as a shell reads it back.

@@ -33,7 +33,6 @@ use contactbench_terms::number::{mean_radii, number, plural, wrap};
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
 
-/// Options of `verify`.
 #[derive(clap::Args)]
 pub struct Verify {
     /// The particles
