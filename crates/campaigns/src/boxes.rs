@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!      |         |         |         |     open space: borders at low + m·reach (a textbook grid)
-//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (ours): a within one ulp
+//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (ours): a within an ulp
 //!      |         |         |         |     of one of them, six cells from one couple to the next
 //!
 //!   +-----.-----------.-----+     every couple about a site of its own, six reaches from the next,

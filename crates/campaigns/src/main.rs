@@ -10,8 +10,8 @@
 //! * `boxes`: the same in boxes that repeat, where couples meet through faces, edges and corners,
 //!   and particles meet images of themselves; particles are named by images up to 10^6 boxes away.
 //! * `courses`: does a tracker that promises to miss no contact miss one? In all motions, in 2D and
-//!   3D, at speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered, of one size and
-//!   of many, in every safe arithmetic, frames in order or, once in four times, in any. Every
+//!   3D, at speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered, of one size
+//!   and of many, in every safe arithmetic, frames in order or, once in four times, in any. Every
 //!   detector is asked in every frame and builds the lists of every safe rule.
 //! * `couples`: couples that come into touch just when their ways have used up the skin, to the
 //!   unit, made of whole numbers, at scales from 2^-900 to 2^900 and offsets to 10^9 diameters.
