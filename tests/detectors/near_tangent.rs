@@ -36,10 +36,10 @@ fn detectors_neither_lose_nor_add_nor_repeat_a_couple() {
     let (pairs, wrong) = (sum.get(What::Pairs), sum.get(What::RoundedWrong));
     assert!(pairs >= PLAN.pairs && wrong > 30, "\n{}", table.text());
     let table = boxes(Plan { pairs: 20 * PLAN.pairs, ..PLAN });
-    let sum = right(&table, 100);
-    assert!(table.0.values().all(|counts| counts.get(What::Tangent) > 20), "\n{}", table.text());
+    let sum = right(&table, 50);
+    assert!(table.0.values().all(|counts| counts.get(What::Tangent) > 10), "\n{}", table.text());
     let (exact, wrong) = (sum.get(What::Exact), sum.get(What::RoundedWrong));
-    assert!(wrong > 1_000 && exact > 50_000, "\n{}", table.text());
+    assert!(wrong > 500 && exact > 50_000, "\n{}", table.text());
 }
 
 /// The campaign can fail: with rounded decisions it does, in all parts.
