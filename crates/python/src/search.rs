@@ -235,7 +235,7 @@ impl Search {
             let arrays = held.arrays();
             let scene = loaded(&arrays, arithmetic, limit)?;
             let mut contacts = room(&arrays, limit);
-            let find = || match finder {
+            let mut find = || match finder {
                 Finder::Detector(searcher) => {
                     searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
                 }
