@@ -1,6 +1,8 @@
 //! The frames of particles and the contact lists that another code wrote for them, brought
 //! together.
 
+use std::cmp::Ordering;
+
 use anyhow::{bail, ensure};
 
 use contactbench_io::pairs::{List, Lists};
@@ -21,6 +23,10 @@ pub struct Paired<'a, 'b> {
     begun: bool,
     /// By time steps.
     by_step: bool,
+    /// A list does not show its step.
+    stepless: bool,
+    /// A list has another number than its frame.
+    renumbered: bool,
     /// The steps of the first particle frames, and of the last.
     steps: (Vec<i64>, Option<i64>),
     /// Particle frames without a list.
@@ -39,6 +45,8 @@ impl<'a, 'b> Paired<'a, 'b> {
             next: None,
             begun: false,
             by_step: false,
+            stepless: false,
+            renumbered: false,
             steps: (Vec::new(), None),
             left_out: Vec::new(),
             without_rows: 0,
@@ -73,9 +81,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         self.begun = true;
         self.next = self.lists.next().transpose()?;
         let step = self.next.as_ref().and_then(|list| list.step);
-        self.by_step = step.is_some() && about.step.is_some();
         ensure!(
-            self.by_step || step.is_none() || !self.lists.is_sparse(),
+            about.step.is_some() || step.is_none() || !self.lists.is_sparse(),
             "{}: the rows say their step, and {} has no steps; give the rows a column frame, \
              numbered from 0",
             self.names[1],
@@ -87,40 +94,35 @@ impl<'a, 'b> Paired<'a, 'b> {
     /// The list of a frame; none where it is left out.
     fn list_of(&mut self, about: &About) -> anyhow::Result<Option<List>> {
         let [particles, lists] = self.names;
-        let at = if self.by_step { self.step(about)? } else { about.frame as i64 };
-        let of = |list: &List| match (self.by_step, list.step, list.frame) {
-            (true, Some(step), _) => Ok(step),
-            (true, None, frame) => bail!(
-                "{lists}: list {} has no time step, and those before it have; mend the file",
-                frame.unwrap_or_default()
-            ),
-            (false, _, frame) => Ok(frame.unwrap_or_default() as i64),
-        };
-        let next = match &self.next {
-            Some(list) => Some(of(list)?),
-            None => None,
-        };
-        match next {
-            Some(next) if next == at => {
-                let list = self.next.take();
+        let listed = self.next.as_ref().and_then(|list| list.step);
+        self.by_step |= listed.is_some() && about.step.is_some();
+        let at = if self.by_step { Some(self.step(about)?) } else { None };
+        let order = self.next.as_ref().map(|list| match list.step.zip(at) {
+            Some((step, at)) => step.cmp(&at),
+            None => list.frame.unwrap_or_default().cmp(&about.frame),
+        });
+        match (order, self.next.take()) {
+            (Some(Ordering::Equal), Some(list)) => {
                 self.next = self.lists.next().transpose()?;
-                if let (Some(list), Some(next)) = (&list, &self.next) {
-                    let [a, b] = [of(list)?, of(next)?];
+                let next = self.next.as_ref().and_then(|next| next.step);
+                if let (true, Some(a), Some(b)) = (self.by_step, list.step, next) {
                     ensure!(a < b, "{lists}: step {b} stands after step {a}; write them in order");
                 }
-                Ok(list)
+                self.stepless |= list.step.is_none();
+                self.hold_numbers(list.frame == Some(about.frame))?;
+                Ok(Some(list))
             }
-            Some(next) if next < at => match self.next.take() {
-                Some(list) => self.without_particles(&list),
-                None => Ok(None),
-            },
-            _ if self.lists.is_sparse() => {
+            (Some(Ordering::Less), Some(list)) => self.without_particles(&list),
+            (_, next) if self.lists.is_sparse() => {
+                self.next = next;
                 self.without_rows += 1;
                 let (frame, step) = (Some(about.frame), about.step);
                 Ok(Some(List { format: "rows", frame, step, sparse: true, ..List::default() }))
             }
-            _ if self.by_step => {
+            (_, next) if self.by_step => {
+                self.next = next;
                 self.left_out.push(about.frame);
+                self.hold_numbers(false)?;
                 Ok(None)
             }
             _ => bail!(
@@ -130,6 +132,19 @@ impl<'a, 'b> Paired<'a, 'b> {
                 about.which()
             ),
         }
+    }
+
+    /// Lists of which some do not show their step, as a file without rows, have to be numbered as
+    /// the frames are.
+    fn hold_numbers(&mut self, same: bool) -> anyhow::Result<()> {
+        let [particles, lists] = self.names;
+        self.renumbered |= !same;
+        ensure!(
+            !(self.by_step && self.stepless && self.renumbered),
+            "{lists}: a list without rows does not show its step, and there is no list for each \
+             frame of {particles}, by whose number it would be known; write a list for each frame"
+        );
+        Ok(())
     }
 
     /// The step of a frame of the particles, which is larger than that before.
@@ -178,7 +193,7 @@ impl<'a, 'b> Paired<'a, 'b> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_io::pairs::lists_from;
+    use contactbench_io::pairs::{self, lists_from};
     use contactbench_io::{Frame, Options, frames_from};
 
     fn dump(steps: &[i64]) -> String {
@@ -203,18 +218,64 @@ mod tests {
     /// many have no rows.
     type Told = (Vec<(u64, i64)>, Vec<u64>, u64);
 
+    fn told(frames: Frames<'_>, lists: Lists<'_>) -> anyhow::Result<Told> {
+        let (mut paired, mut told) = (Paired::new(frames, lists, ["p", "l"]), vec![]);
+        while let Some((_, about, list)) = paired.next_frame()? {
+            told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
+        }
+        Ok((told, paired.left_out, paired.without_rows))
+    }
+
+    const ALL: Frame = Frame::All;
+
+    fn options() -> Options {
+        Options { frame: ALL, radius: Some(1.0), ..Options::default() }
+    }
+
     fn paired(particles: &str, lists: &str) -> Result<Told, String> {
-        let options = Options { frame: Frame::All, radius: Some(1.0), ..Options::default() };
-        let told = frames_from(particles.as_bytes(), "p", "", options, |frames| {
-            lists_from(lists.as_bytes(), "l", &[], Frame::All, |lists| {
-                let (mut paired, mut told) = (Paired::new(frames, lists, ["p", "l"]), vec![]);
-                while let Some((_, about, list)) = paired.next_frame()? {
-                    told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
-                }
-                Ok((told, paired.left_out, paired.without_rows))
-            })
+        let told = frames_from(particles.as_bytes(), "p", "", options(), |frames| {
+            lists_from(lists.as_bytes(), "l", &[], ALL, |lists| told(frames, lists))
         });
         told.map_err(|error| format!("{error:#}"))
+    }
+
+    /// A file of a list for each of these steps; a file without rows where there is none.
+    #[test]
+    fn files_without_rows_are_lists_of_the_frames_of_their_number() {
+        let of = |particles: &[i64], lists: &[Option<i64>]| {
+            let folder = tempfile::tempdir().unwrap();
+            for (k, step) in lists.iter().enumerate() {
+                let row = step.map_or_else(String::new, |step| format!("{step},{step},9\n"));
+                let path = folder.path().join(format!("l_{k}.csv"));
+                std::fs::write(path, format!("step,i,j\n{row}")).unwrap();
+            }
+            let found = frames_from(dump(particles).as_bytes(), "p", "", options(), |frames| {
+                let path = folder.path().join("l_*.csv");
+                pairs::lists(&path, &[], ALL, |lists| told(frames, lists))
+            });
+            found.map_err(|error| format!("{error:#}"))
+        };
+        let steps = [0, 10, 20, 30];
+        for (lists, firsts) in [
+            ([Some(0), None, Some(20), None], [0, -1, 20, -1]),
+            ([None, Some(10), None, Some(30)], [-1, 10, -1, 30]),
+        ] {
+            let expected = (0..).zip(firsts).collect();
+            assert_eq!(of(&steps, &lists), Ok((expected, vec![], 0)));
+        }
+        let fewer = of(&steps, &[Some(10), Some(30)]);
+        assert_eq!(fewer, Ok((vec![(1, 10), (3, 30)], vec![0, 2], 0)));
+        for lists in [
+            &[None, Some(20), Some(30)][..],
+            &[Some(0), None, Some(30)],
+            &[Some(0), Some(10), None],
+            &[Some(10), None],
+        ] {
+            let error = of(&steps, lists).unwrap_err();
+            assert!(error.contains("p: a list without rows does not show its step"), "{error}");
+        }
+        let more = of(&[0], &[Some(0), None]).unwrap_err();
+        assert!(more.contains("p: the list of frame 1 (from 0) has no particles"), "{more}");
     }
 
     #[test]
