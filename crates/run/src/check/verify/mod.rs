@@ -213,9 +213,13 @@ fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Con
 
 /// All pairs that are apart by no more than a length, sorted.
 fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Contacts> {
-    let larger = |r: f64| ((r + most / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
-    let near = contacts(&resized(space, larger)?, limit)?;
+    let near = contacts(&resized(space, |r| with_skin(r, most))?, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())
+}
+
+/// The radius with which particles touch that are apart by no more than `skin`.
+fn with_skin(r: f64, skin: f64) -> f64 {
+    ((r + skin / 2.0) * (1.0 + 1e-9)).min(f64::MAX)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::check::verify::compare::{Against, Compared};
 use crate::check::verify::listing::{ImagesOf, Listing, Taking};
 use crate::check::verify::mistake::{Mistake, Reading};
 use crate::check::verify::rows::{At, Each, Kind, ROWS};
-use crate::check::verify::{Job, Naming, WORST};
+use crate::check::verify::{Job, Naming, WORST, with_skin};
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
 use contactbench_core::scene::Lattice;
 use contactbench_scenes::touching::{contacts, particle, resized};
@@ -144,14 +144,22 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Diameters taken for radii, or the other way, in another box or a part of it.
+    /// A skin, or diameters taken for radii or the other way, in another box or a part of it.
     fn two_at_once(&mut self, space: &Periodic<'_>) {
         let limit = self.job.terms.memory_limit;
-        for by in [0.5, 2.0] {
-            let Ok(sized) = resized(space, |r| (by * r).min(f64::MAX)) else { continue };
+        let Compared { spurious, .. } = &self.found;
+        // One pair beside the others is no skin.
+        let skin = (spurious.count - spurious.far > 1).then_some(Mistake::Skin(spurious.gap));
+        for mistake in skin.into_iter().chain([0.5, 2.0].map(Mistake::Radii)) {
+            let size = |r: f64| match mistake {
+                Mistake::Skin(gap) => with_skin(r, gap),
+                Mistake::Radii(by) => (by * r).min(f64::MAX),
+                _ => r,
+            };
+            let Ok(sized) = resized(space, size) else { continue };
             let Ok(truth) = contacts(&sized, limit) else { continue };
             let at = At { space: &sized, truth: &truth.into_iter().collect() };
-            self.try_all(at, &[Mistake::Radii(by)], &[Kind::Part, Kind::Box]);
+            self.try_all(at, &[mistake], &[Kind::Part, Kind::Box]);
             if self.best.wrong == 0 {
                 return;
             }

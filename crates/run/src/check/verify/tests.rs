@@ -141,6 +141,12 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     let [Mistake::Periods(periods)] = reading.mistakes[..] else { panic!("{reading:?}") };
     let good = |period: &Option<f64>| period.is_some_and(|period| (5.8..6.2).contains(&period));
     assert!(periods.iter().all(good) && reading.wrong == 0, "{periods:?}");
+    let reading = read(&pack, &apart(&pack, 1.2, 6.0)).unwrap();
+    let [Mistake::Skin(skin), Mistake::Periods(periods)] = reading.mistakes[..] else {
+        panic!("{reading:?}")
+    };
+    assert!(skin <= 0.2 && skin > 0.05 && reading.wrong == 0, "{skin}");
+    assert!(periods.iter().all(good), "{periods:?}");
     // What is far apart does not hide a skin.
     let mut far = apart(&pack, 1.2, none);
     let close = apart(&pack, 5.0, none);
@@ -238,6 +244,30 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert_eq!(counts(&ask(&[])), [1, 0, 0, 0]);
     let reading = in_box(&row, &[[0, 1]; 2], Some(&images), GIVEN).1.unwrap();
     assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Skin(0.5)], 0));
+}
+
+/// Lists of pairs up to 0.2 apart that differ in their box, too.
+#[test]
+fn a_skin_is_recognised_together_with_another_box() {
+    let pack = Spec::parse("packed:dim=3,n=216,lattice=cubic").unwrap().make().unwrap();
+    let cube = Lattice::along_axes([6.0; 3], [true; 3]).unwrap();
+    let boxed = Periodic::new(pack.clone(), cube).unwrap();
+    let skin = |of: &[Mistake]| matches!(of[0], Mistake::Skin(skin) if 0.05 < skin && skin <= 0.2);
+    // The list ignores the box.
+    let list = apart(&pack, 1.2, f64::INFINITY);
+    let Reading { mistakes, wrong, .. } = in_box(&boxed, &list, None, GIVEN).1.unwrap();
+    assert!(skin(&mistakes) && mistakes[1..] == [Mistake::Open] && wrong == 0, "{mistakes:?}");
+    // The file declares the box, and boundaries are open.
+    let (open, list) = (in_open_space(&pack).unwrap(), apart(&pack, 1.2, 6.0));
+    let (space, naming) = (&open, &Naming::Base(0));
+    let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
+    let terms = Terms { arithmetic, allowed: GIVEN, memory_limit, kept: WORST, without: None };
+    let list = Listed { pairs: &list, images: None };
+    let job = Job { space, list, naming, others: &[], terms };
+    let reading = explain(&job, &verify(&job).unwrap(), Some(&boxed)).unwrap().unwrap();
+    let Reading { mistakes, wrong, .. } = reading;
+    assert_eq!((mistakes[0], wrong), (Mistake::Declared([true; 3]), 0));
+    assert!(skin(&mistakes[1..]), "{mistakes:?}");
 }
 
 /// The nearest image, from far away and in a box with a shear.
