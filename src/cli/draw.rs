@@ -94,7 +94,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let pairs = match &options.pairs {
         None => Highlighted::from_scene(&periodic, limit).with_context(|| name.clone())?,
         Some(path) => {
-            let mut list = list(path)?;
+            let mut list = list(path, options.source.input.frame.unwrap_or_default())?;
             if !given.has_box && !periodic.lattice().repeats() {
                 list.without_box();
             }
@@ -127,10 +127,15 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads the pairs of another program.
-fn list(path: &Path) -> anyhow::Result<List> {
-    let list = io::pairs::read(path, &[], Frame::Only)?;
-    input::tell(&path.display().to_string(), &list.notices, Place::Argument);
+/// Reads the pairs of another program, of the frame that is drawn.
+fn list(path: &Path, frame: Frame) -> anyhow::Result<List> {
+    let list = io::pairs::read(path, &[], frame)?;
+    let name = path.display().to_string();
+    input::tell(&name, &list.notices, Place::Argument);
+    if let Some(frame) = list.frame {
+        let step = list.step.map_or_else(String::new, |step| format!(" (step {step})"));
+        say!("{name}: the list of frame {frame}{step} is drawn");
+    }
     Ok(list)
 }
 
