@@ -88,6 +88,19 @@ fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
     assert!(2 * number(&each[1], "pairs") > 3 * number(&each[0], "pairs"));
 }
 
+/// As every verb that reads a file: once, and not for what is made.
+#[test]
+fn what_is_doubtful_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("a.csv"), "x,y,z,r\n0,0,0,1\n0.001,0,0,1\n0,0,1.5,1\n").unwrap();
+    for (name, count) in [("a.csv", 1), ("packed:dim=3,n=100", 0)] {
+        let said = good(folder, &[name, "--ranks", "1,2", "--steps", "1"]).stderr;
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(said.matches("nearly concentric").count(), count, "{name}: {said}");
+    }
+}
+
 #[test]
 fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     let folder = tempfile::tempdir().unwrap();
