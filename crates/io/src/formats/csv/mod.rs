@@ -62,12 +62,14 @@ impl Reader<Loaded> for Csv<'_> {
             // An error in a last line that is being written says nothing against the order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
+            let frame = || table.frame(kept, columns.radius(), index, lines.source.name);
+            let mut read = is_kept.then(frame).transpose()?;
             match table.is_row {
                 true => choice.done_before(lines),
-                false => choice.done(Some(lines.end()), Some(&mut kept).filter(|_| is_kept)),
+                false => choice.done(Some(lines.end()), read.as_mut().map(|(kept, _)| kept)),
             }
-            if is_kept {
-                return table.frame(kept, columns.radius(), index, lines.source.name).map(Some);
+            if read.is_some() {
+                return Ok(read);
             }
         }
         Ok(None)
