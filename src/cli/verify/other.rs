@@ -77,11 +77,13 @@ impl Verified<'_> {
         let Other { frame, wrong } = other;
         let pairs = self.list.pairs.len() as u64;
         let flags = self.other_flags(other);
+        let all = match pairs {
+            1 => "the one pair agrees".into(),
+            _ => format!("all {} agree", counted(pairs, "pair")),
+        };
         match wrong {
             0 => format!(
-                "the list is that of frame {frame} of the particles: all {} agree there; give \
-                 {flags}",
-                counted(pairs, "pair")
+                "the list is that of frame {frame} of the particles: {all} there; give {flags}"
             ),
             _ => format!(
                 "the list is nearest to frame {frame} of the particles: there all but {} agree; \
