@@ -58,9 +58,12 @@ pub fn ended(result: anyhow::Result<ExitCode>) -> ExitCode {
         Ok(code) => code,
         Err(error) if broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&format!("contactbench: {error:#}"));
+            let damaged = error.chain().any(|cause| cause.is::<Damaged>());
+            let words = format!("contactbench: {error:#}");
+            // The faults of a record stand on lines of their own.
+            words.splitn(if damaged { usize::MAX } else { 1 }, '\n').for_each(say);
             // What is wrong is found, as a wrong answer is.
-            ExitCode::from(if error.chain().any(|cause| cause.is::<Damaged>()) { 1 } else { 2 })
+            ExitCode::from(if damaged { 1 } else { 2 })
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::record::row::{Course, Row};
 use crate::record::{done, file};
 use contactbench_terms::errors::Errors;
 use contactbench_terms::number::plural;
+use contactbench_terms::text;
 
 /// More threads than any machine has cores are a slip of the pen.
 pub const MOST_THREADS: usize = 1024;
@@ -37,7 +38,7 @@ impl fmt::Display for Damaged {
         let count = plural(faults.len(), "fault");
         write!(f, "{count}: the record is damaged or was edited, and nothing is made of it")?;
         for Fault { place, what } in faults.iter().take(SHOWN) {
-            write!(f, "\n{place}: {what}")?;
+            write!(f, "\n{}", text::line(&format!("{place}: {what}")))?;
         }
         if faults.len() > SHOWN {
             write!(f, "\nand {} more", faults.len() - SHOWN)?;
