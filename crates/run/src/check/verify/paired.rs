@@ -272,10 +272,10 @@ mod tests {
             &[Some(10), None],
         ] {
             let error = of(&steps, lists).unwrap_err();
-            assert!(error.contains("p: a list without rows does not show its step"), "{error}");
+            assert!(error.contains("l: a list without rows does not show its step"), "{error}");
         }
         let more = of(&[0], &[Some(0), None]).unwrap_err();
-        assert!(more.contains("p: the list of frame 1 (from 0) has no particles"), "{more}");
+        assert!(more.contains("l: the list of frame 1 (from 0) has no particles: p"), "{more}");
     }
 
     #[test]
