@@ -16,7 +16,6 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::spec::SpecError;
 use contactbench_core::detect::table::{self, TABLE};
 use contactbench_core::periodic::ImagePair;
 use contactbench_io as io;
@@ -114,9 +113,11 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
 /// Reads, detects, writes the pairs, and prints on standard error what was done.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
-    let unknown = SpecError::Unknown { name: spec.entry.name.into() };
-    // Controls measure noise and answer nothing.
-    ensure!(!spec.entry.is_control(), unknown);
+    ensure!(
+        !spec.entry.is_control(),
+        "there is no detector '{}' here: it is a control, for experiments",
+        spec.entry.name
+    );
     let threads = options.threads;
     ensure!(threads >= 1, "--threads 0: at least one is needed");
     let several = TABLE.iter().filter(|entry| entry.threads && !entry.is_control());
