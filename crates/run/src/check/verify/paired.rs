@@ -112,7 +112,11 @@ impl<'a, 'b> Paired<'a, 'b> {
                 self.hold_numbers(list.frame == Some(about.frame))?;
                 Ok(Some(list))
             }
-            (Some(Ordering::Less), Some(list)) => self.without_particles(&list),
+            (Some(Ordering::Less), Some(list)) => {
+                self.stepless |= list.step.is_none();
+                self.hold_numbers(true)?;
+                self.without_particles(&list)
+            }
             (_, next) if self.lists.is_sparse() => {
                 self.next = next;
                 self.without_rows += 1;
