@@ -71,7 +71,7 @@ fn main() -> ExitCode {
             continue;
         }
         let start = Instant::now();
-        let table = run(Plan { pairs: pairs / share, seed, test: Test::Exact });
+        let table = run(Plan { pairs: (pairs / share).max(1), seed, test: Test::Exact });
         let (errors, control) = (table.errors(), found(&table));
         println!("{name}, seed {seed}, {:.0} s\n{}", start.elapsed().as_secs_f64(), table.text());
         println!("{errors} errors; {control} in the control\n");

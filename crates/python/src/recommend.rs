@@ -70,7 +70,13 @@ pub fn recommend(
 pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
     work(py, || {
         let [verb, pairs @ ..] = &arguments[..] else { return Err(Failure::value("no arguments")) };
-        let pairs = pairs.as_chunks::<2>().0.iter();
+        let (pairs, rest) = pairs.as_chunks::<2>();
+        let known = ["--detector", "--arithmetic", "--threads", "--memory-limit"];
+        let mut names = pairs.iter().map(|[name, _]| name).chain(rest);
+        if let Some(other) = names.find(|name| !known.contains(&name.as_str())) {
+            return Err(Failure::value(format!("a runner has no option '{other}'")));
+        }
+        let pairs = pairs.iter();
         let given: BTreeMap<&str, &str> = pairs.map(|[name, value]| (&**name, &**value)).collect();
         let of = |name: &str| {
             let value = given.get(name).copied().filter(|_| verb == "runner");

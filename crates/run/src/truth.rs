@@ -3,6 +3,7 @@
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, NoTruth};
 use contactbench_core::periodic::{self, ImagePair, Truth, without_shift};
+use contactbench_core::refusal::reserve;
 use contactbench_core::searcher::Loaded;
 
 /// Finds the contacts, in ascending order; lists of them may take `limit` bytes.
@@ -15,7 +16,9 @@ pub(crate) fn truth(
         Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
         Loaded::Open(stored) => {
             let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
-            let pairs = without_shift(&found.pairs).collect();
+            let mut pairs = Vec::new();
+            reserve(&mut pairs, found.pairs.len())?;
+            pairs.extend(without_shift(&found.pairs));
             Ok(Truth { pairs, digest: found.digest })
         }
     }

@@ -5,7 +5,8 @@
 //! no rounding to argue about: no underflow, no overflow, no special case for subnormals. Where the
 //! differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the
 //! sum (nearly every pair near tangency), their squares fit 128 bits: the *short* form. Others are
-//! decided as a contact with an image is, of no shift: see [`super::image`]. Nothing here allocates.
+//! decided as a contact with an image is, of no shift: see [`super::image`]. Nothing here
+//! allocates.
 //!
 //! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,
 //! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7): x ± y = h + l

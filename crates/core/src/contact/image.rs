@@ -8,8 +8,8 @@
 //!
 //! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
 //!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1; without a shift, 2^(m+1)). Where
-//!   m + s <= 124 it fits an `i128`, as does each term; its square is below 2^252, the sum of up to four of them below
-//!   2^254.
+//!   m + s <= 124 it fits an `i128`, as does each term; its square is below 2^252, the sum of up to
+//!   four of them below 2^254.
 //! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so
 //!   every sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words;
 //!   the sum of up to four squares is below 2^4264 and fits 68.

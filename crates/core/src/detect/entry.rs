@@ -109,7 +109,8 @@ pub struct Entry {
     pub judge: Judge,
     /// What its user may choose.
     pub parameters: &'static [Parameter],
-    /// How it is made; see [`Entry::make`] and [`DetectorSpec::make`](super::spec::DetectorSpec::make).
+    /// How it is made; see [`Entry::make`] and
+    /// [`DetectorSpec::make`](super::spec::DetectorSpec::make).
     pub constructor: fn(&Params, Options) -> Box<dyn AnyDetector>,
 }
 

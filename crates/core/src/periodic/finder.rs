@@ -77,8 +77,8 @@ impl Finder {
         self.found
     }
 
-    /// As [`Finder::list`]; counts every operation, the images that are made among them, if there is
-    /// a tally.
+    /// As [`Finder::list`]; with a tally it counts every operation, among them the images that are
+    /// made.
     ///
     /// # Errors
     /// As [`Finder::list`].

@@ -73,9 +73,10 @@ pub trait Tracker: Send {
     /// a `tally` every operation is counted, which takes time.
     ///
     /// # Errors
-    /// What the detector and [`Finder::list`](crate::periodic::Finder::list) refuse, and [`Refusal::Pairs`];
-    /// [`Refusal::Rounded`] from trackers that keep lists, which decide in exact arithmetic in a
-    /// box. `contacts` is then as it was, and the next frame is taken as the first.
+    /// What the detector and [`Finder::list`](crate::periodic::Finder::list) refuse, and
+    /// [`Refusal::Pairs`]; [`Refusal::Rounded`] from trackers that keep lists, which decide in
+    /// exact arithmetic in a box. `contacts` is then as it was, and the next frame is taken as the
+    /// first.
     fn find(
         &mut self,
         frame: Frame<'_>,

@@ -169,7 +169,7 @@ pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
 }
 
 fn verlet(given: &Spec<'_>, over: &str) -> Result<TrackerSpec, TrackerError> {
-    given.form("")?;
+    given.keys(&["rule", "skin"], "verlet takes rule and skin")?;
     let skin = match given.get("skin") {
         None => SKIN,
         Some("auto") => Skin::Auto,
@@ -233,6 +233,7 @@ mod tests {
             ("verlet(nbs,rule=never)", "rule cannot be 'never'"),
             ("verlet(nbs,skin=auto,rule=every-5)", "skin=auto goes with half-skin"),
             ("verlet(nbs,skin=auto,rule=lammps-0-1-yes)", "skin=auto goes with half-skin"),
+            ("verlet(nbs,margin=0.1)", "there is no parameter 'margin'"),
             ("verlet(nbs,skin=1,skin=2)", "skin is given twice"),
             ("incremental(nbs)", "is no tracker"),
             ("verlet(nbs,rule=summed,rule=top-two)", "rule is given twice"),

@@ -71,13 +71,17 @@ impl Verlet {
             (Frame::Open(..), AnyScene::Plane(scene)) => {
                 space.forget();
                 with_stored!(scene, scene => {
-                    work.step(plane, scene, contacts, |kept, bodies, plain, _| kept.pass(bodies, plain))
+                    work.step(plane, scene, contacts, |kept, bodies, plain, _| {
+                        kept.pass(bodies, plain)
+                    })
                 })
             }
             (Frame::Open(..), AnyScene::Space(scene)) => {
                 plane.forget();
                 with_stored!(scene, scene => {
-                    work.step(space, scene, contacts, |kept, bodies, plain, _| kept.pass(bodies, plain))
+                    work.step(space, scene, contacts, |kept, bodies, plain, _| {
+                        kept.pass(bodies, plain)
+                    })
                 })
             }
             (Frame::Boxed(..), AnyScene::Plane(scene)) => {
@@ -211,8 +215,9 @@ impl Work<'_> {
             let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
             let due = self.rule.is_due(age, &ways, left);
             (step.built, step.dangerous) = (due.build, due.dangerous);
-            let served = self.served(kept, scene, age, self.rule.gone(&ways) + nearer);
             if let Thick::By(tuner) = &mut self.skin {
+                let gone = self.rule.gone(&ways) + nearer;
+                let served = served(kept, (scene.len(), 2.0 * largest), self.touching, age, gone);
                 step.built |= tuner.is_too_thick(&served);
                 if step.built {
                     tuner.learn(&served);
@@ -255,25 +260,25 @@ impl Work<'_> {
         step.listed = kept.listed();
         Ok(Some(step))
     }
+}
 
-    fn served<T: Real, const D: usize>(
-        &self,
-        kept: &Kept<D>,
-        scene: &Scene<'_, T, D>,
-        age: u32,
-        gone: f64,
-    ) -> Served {
-        let diameter = 2.0 * scene.largest_radius().wide();
-        // Points go infinitely far.
-        let in_diameters = |length: f64| if length > 0.0 { length / diameter } else { 0.0 };
-        let per_particle = |count: u64| count as f64 / scene.len().max(1) as f64;
-        Served {
-            age,
-            together: in_diameters(gone),
-            skin: in_diameters(kept.skin()),
-            listed: per_particle(kept.listed()),
-            touching: per_particle(self.touching),
-            dim: D as u32,
-        }
+/// What a list has done until now, for the tuner: of so many particles with this largest diameter.
+fn served<const D: usize>(
+    kept: &Kept<D>,
+    (particles, diameter): (usize, f64),
+    touching: u64,
+    age: u32,
+    gone: f64,
+) -> Served {
+    // Points go infinitely far.
+    let in_diameters = |length: f64| if length > 0.0 { length / diameter } else { 0.0 };
+    let per_particle = |count: u64| count as f64 / particles.max(1) as f64;
+    Served {
+        age,
+        together: in_diameters(gone),
+        skin: in_diameters(kept.skin()),
+        listed: per_particle(kept.listed()),
+        touching: per_particle(touching),
+        dim: D as u32,
     }
 }

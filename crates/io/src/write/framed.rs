@@ -77,14 +77,21 @@ impl Framed<'_> {
             self.row.extend(before);
             style.row(contact, &mut self.row);
             self.rows += 1;
-            self.text.clear();
             row(&mut self.text, self.format, self.kind, &self.row);
-            self.out.write_all(&self.text).context(self.cannot)
+            if self.text.len() < 1 << 16 {
+                return Ok(());
+            }
+            let written = self.out.write_all(&self.text);
+            self.text.clear();
+            written.context(self.cannot)
         };
         match style.by_id {
-            true => style.directed(contacts)?.into_iter().try_for_each(write),
-            false => contacts.into_iter().try_for_each(&mut write),
+            true => style.directed(contacts)?.into_iter().try_for_each(write)?,
+            false => contacts.into_iter().try_for_each(&mut write)?,
         }
+        let written = self.out.write_all(&self.text);
+        self.text.clear();
+        written.context(self.cannot)
     }
 
     fn begin(&mut self, style: &Style<'_>, names: &[&str]) -> io::Result<()> {

@@ -120,7 +120,7 @@ fn system() -> Hardware {
     Hardware { caches, memory_bytes: memory, ..processor(&read("/proc/cpuinfo")) }
 }
 
-/// Those of macOS; elsewhere there is no such program.
+/// What `sysctl` prints on macOS; BSDs have other names.
 #[cfg(all(unix, not(target_os = "linux")))]
 fn system() -> Hardware {
     let output = std::process::Command::new("sysctl").args(["machdep.cpu", "hw"]).output();
@@ -139,13 +139,13 @@ fn system() -> Hardware {
 #[cfg(any(unix, test))]
 fn processor(said: &str) -> Hardware {
     let text = |names: [&str; 3]| names.into_iter().find_map(|name| field(said, name));
-    let number = |names: [&str; 4]| names.into_iter().find_map(|name| count(said, name));
+    let number = |names: &[&str]| names.iter().find_map(|name| count(said, name));
     Hardware {
         cpu: text(["model name", "Processor", "machdep.cpu.brand_string"]),
         cpu_vendor: text(["vendor_id", "CPU implementer", "machdep.cpu.vendor"]),
-        cpu_family: number(["cpu family", "CPU variant", "machdep.cpu.family", "hw.cpufamily"]),
-        cpu_model: number(["model", "CPU part", "machdep.cpu.model", "hw.cpusubfamily"]),
-        cpu_stepping: number(["stepping", "CPU revision", "machdep.cpu.stepping", ""]),
+        cpu_family: number(&["cpu family", "CPU variant", "machdep.cpu.family", "hw.cpufamily"]),
+        cpu_model: number(&["model", "CPU part", "machdep.cpu.model", "hw.cpusubfamily"]),
+        cpu_stepping: number(&["stepping", "CPU revision", "machdep.cpu.stepping"]),
         ..Hardware::default()
     }
 }

@@ -32,7 +32,7 @@ fn over_libraries(found: &Ratios) -> Text {
     let claim = format!("{reference} is faster than the fastest library in {faster} of {of}");
     let mut rest = " (one thread)".to_string();
     ahead.sort_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
-    if let [least, .., most] | [least @ most] = &ahead[..] {
+    if let (Some(least), Some(most)) = (ahead.first(), ahead.last()) {
         let said = |it: &Library| {
             let Library { name, title, n, .. } = it;
             (times(it.ratio.median), format!("({name}; {title}, N = {n})"))

@@ -77,7 +77,8 @@ impl Talk {
             }
             Answer::Wrong(Wrong::Breaks(what)) => self.breaks(format!("{when}: {what}")),
             Answer::Wrong(other) => self.manners.broken.push(other),
-            _ => {}
+            // A runner need not speak of what its version of the protocol does not have.
+            Answer::Right | Answer::Pairs(_) | Answer::Refused(..) | Answer::Declined(_) => {}
         }
         Ok(None)
     }

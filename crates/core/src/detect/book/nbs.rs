@@ -11,17 +11,17 @@
 //!    the contact mask: the cell to the left, and the three cells below.
 //! 5. All lists are emptied by walking over *particles*. No loop over cells anywhere.
 //!
-//! In 3D every particle is put on the z-list of its layer first. The particles of a layer, and those
-//! of the layer below, are put on two sets of y-lists: one list per row. A row's particles go on
+//! In 3D every particle is put on the z-list of its layer first. The particles of a layer, and of
+//! the layer below, are put on two sets of y-lists: one list per row. A row's particles go on
 //! x-lists; those of its four neighbouring rows (one behind in the layer, three in the layer below)
-//! go together on the second set of x-lists. So the cell to the left and the three merged lists left,
-//! here and right are the 13 cells of the contact mask.
+//! go together on the second set of x-lists. So the cell to the left and the three merged lists
+//! left, here and right are the 13 cells of the contact mask.
 //!
 //! * Cost: proportional to N, independent of the packing density; each particle is pushed at most 3
 //!   times in 2D (1 y-list, 2 x-lists), 8 times in 3D (1 z-list, 2 y-lists, 5 x-lists).
-//! * Memory: `4(ny + 2nx + 2N)` bytes in 2D (BOOK 3.65), `4(nz + 2ny + 2nx + 3N)` in 3D (BOOK 3.80),
-//!   for N particles and nx, ny, nz cells per axis, two empty border cells per axis included. Nothing
-//!   is cached: integerised coordinates are computed again where they are needed.
+//! * Memory: `4(ny + 2nx + 2N)` bytes in 2D (BOOK 3.65), `4(nz + 2ny + 2nx + 3N)` in 3D (BOOK
+//!   3.80), for N particles and nx, ny, nz cells per axis; each axis has two empty border cells.
+//!   Nothing is cached: integerised coordinates are computed again where they are needed.
 //! * Refuses scenes whose lists exceed the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
 //!   heads are marked old with the highest bit instead of by adding N; particles count from 0; the

@@ -18,8 +18,10 @@ pub const FILE: &str = "samples.jsonl";
 const PACKED: &str = ".gz";
 /// No row has a line of so many bytes.
 const LONGEST: u64 = 1 << 24;
-/// A record is not read beyond so many damaged lines.
+/// Damaged lines after which the rest of a record is not read.
 const MOST_FAULTS: usize = 10_000;
+/// Bytes, unpacked, after which the rest of a record is not read.
+const MOST_BYTES: u64 = 4 << 30;
 
 /// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had
 /// no check of the line.
@@ -199,8 +201,13 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
         }
         let at = || format!("{}: line {number}", path.display());
         // A few bytes may unpack to one endless line, or to very many.
-        if length == LONGEST || found.len() == MOST_FAULTS {
-            let why = if length == LONGEST { "it is longer than a row" } else { "too many faults" };
+        let why = match () {
+            () if length == LONGEST => Some("it is longer than a row"),
+            () if found.len() == MOST_FAULTS => Some("too many faults"),
+            () if bytes > MOST_BYTES => Some("the record is longer than 4 GiB"),
+            () => None,
+        };
+        if let Some(why) = why {
             found.push((number, format!("{why}: the rest is not read")));
             break;
         } else if !line.ends_with(b"\n") {

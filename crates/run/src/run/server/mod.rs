@@ -198,6 +198,8 @@ impl Server {
     /// Reads a frame, unless it is there.
     fn fetch(&mut self, k: usize) -> Answer<()> {
         if self.frame.as_ref().is_none_or(|(last, _)| *last != k) {
+            // One frame is held at a time.
+            self.frame = None;
             self.frame = Some((k, self.read(&self.frames, k)?));
         }
         Ok(())
