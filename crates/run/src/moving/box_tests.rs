@@ -77,6 +77,18 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     assert!(missed > 500, "{missed}");
 }
 
+/// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
+/// far they go.
+#[test]
+fn a_list_serves_a_box_that_is_sheared() {
+    let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
+    let motion = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
+    let mut frames = Frames::new(&scene.given().unwrap(), motion).unwrap();
+    let frames: Vec<Given> = (0..40).map(|k| frames.at(k).unwrap()).collect();
+    let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
+    assert_eq!(followed.trackers[0].builds.built, 1);
+}
+
 /// Two that touch fly on together, through one face after the other.
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
@@ -115,6 +127,24 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     // And one that the box carries past ends, and is another when it comes again.
     let moved = followed(&frames, &[]).moved;
     assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
+}
+
+/// Missed since the frame in which they met, through the face, to the one in which it is reported.
+#[test]
+fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
+    let frames: Vec<Given> = (0..9)
+        .map(|k| {
+            let at = |x: f64| [(x + 0.5 * f64::from(k)).rem_euclid(8.0), 1.0];
+            // They meet in frame 1.
+            let gap = if k == 0 { 1.5 } else { 0.75 };
+            given(vec![at(6.25), at(6.25 + gap)], 0.5, square(8.0))
+        })
+        .collect();
+    let found = followed(&frames, &["verlet(direct,skin=0,rule=every-6)"]);
+    assert_eq!([found.moved.contacts, found.moved.born, found.moved.ended], [8, 1, 0]);
+    let late = &found.trackers[0].late;
+    assert_eq!((late.missed, late.first, late.latest, late.never), (5, Some(1), 5, 0));
+    assert_eq!(late.deepest, 0.5);
 }
 
 /// Places and ways that are whole sixteenths: nothing is rounded.

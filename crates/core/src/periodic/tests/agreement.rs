@@ -5,7 +5,7 @@ use super::super::images::Images;
 use super::super::stored::stored;
 use super::*;
 use crate::contact::{Bodies, any_bodies};
-use crate::probe::Silent;
+use crate::probe::{Op, Silent};
 use crate::scene::array;
 use crate::with_scene;
 
@@ -168,6 +168,22 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         }
     }
     assert!((1500..4500).contains(&touching), "{touching}");
+}
+
+/// A layer of 1 around the box holds a third of the box's volume; half of it is made.
+#[test]
+fn images_are_made_near_the_faces_only() {
+    let random = &mut ChaCha8Rng::seed_from_u64(3);
+    let bag = Bag {
+        centres: (0..1000).map(|_| [(); 3].map(|()| 20.0 * random.random::<f64>())).collect(),
+        radii: Radii::Uniform(0.5),
+        vectors: [[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]],
+        periodic: [true; 3],
+        origin: [0.0; 3],
+    };
+    let (_, tally) = count(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact);
+    let ghosts = tally.get(Op::GhostMade);
+    assert!((120..220).contains(&ghosts), "{ghosts}");
 }
 
 /// Above so many particles detectors are the truth, held to a sample.

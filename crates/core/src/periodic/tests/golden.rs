@@ -76,6 +76,40 @@ fn crystals() {
     }
 }
 
+/// matscipy's wild cell, on a grid of 2^-10 so that copies are exact: ten particles of ten radii,
+/// in and around the box. A particle has as many contacts in any supercell.
+#[test]
+fn a_wild_cell_repeated_has_the_same_contacts() {
+    let random = &mut ChaCha8Rng::seed_from_u64(1);
+    let wild = [[205.0, 1229.0, 1434.0], [1434.0, 102.0, 1638.0], [1331.0, 2048.0, -102.0]];
+    let wild = wild.map(|vector| vector.map(|x| x / 1024.0));
+    let mut all = 0;
+    for flags in 0..8 {
+        let periodic = [flags & 1 > 0, flags & 2 > 0, flags & 4 > 0];
+        let mut one = bag::<3>(&[], 0.0, wild, periodic);
+        one.radii = Radii::Each((0..10).map(|_| 0.25 + 0.75 * random.random::<f64>()).collect());
+        one.centres = (0..10)
+            .map(|_| {
+                let s: [f64; 3] = std::array::from_fn(|_| 3.0 * random.random::<f64>() - 1.0);
+                std::array::from_fn(|k| {
+                    let x: f64 = (0..3).map(|v| s[v] * wild[v][k]).sum();
+                    (x * 1024.0).round() / 1024.0
+                })
+            })
+            .collect();
+        let times = [2, 3, 1];
+        let many = relations::supercell(&one, times);
+        let (counts, copies) = (neighbours(&one), neighbours(&many));
+        let repeated = (0..3).filter(|&v| periodic[v]).map(|v| times[v]).product::<i32>() as usize;
+        assert_eq!(copies.len(), 10 * repeated);
+        for (k, &count) in copies.iter().enumerate() {
+            assert_eq!(count, counts[k % 10], "{periodic:?}, particle {k}");
+        }
+        all += counts.iter().sum::<usize>();
+    }
+    assert!(all > 300, "{all}");
+}
+
 /// What others got wrong.
 #[test]
 fn scenes_that_codes_were_wrong_about() {

@@ -78,6 +78,15 @@ fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> 
 }
 
 #[test]
+fn the_corner_of_the_box_decides_nothing() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
+        let origin = [(); 3].map(|()| f64::from(random.random_range(-5000..5000)) / 256.0);
+        one(Bag { origin, ..bag.clone() }, |pair| pair)
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+#[test]
 fn whole_vectors_change_the_images_alone() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
     where
@@ -123,7 +132,7 @@ fn other_vectors_of_the_same_lattice_change_the_images_alone() {
 }
 
 /// `times` boxes side by side as one, along periodic vectors.
-fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D>
+pub fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
