@@ -1,5 +1,5 @@
-//! What the false promises of files cost, and what reading takes. What is read of files is in the
-//! tests of crates/io.
+//! Memory that reading takes, also of files that announce more than they contain. The tests in
+//! crates/io check what is read.
 
 use std::io::{BufReader, Read, Write};
 
@@ -13,7 +13,7 @@ use crate::quiet;
 const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
-/// What is wrong with a file, and the most bytes that reading it took.
+/// Returns the error of reading a file, and the most bytes that reading it took.
 fn refusal(bytes: &[u8], options: Options) -> (String, u64) {
     let (read, usage) = alloc::measure(|| io::load_from(bytes, "p", "", options));
     let message = read.map(|(_, about)| about).expect_err("it is refused");
@@ -53,7 +53,7 @@ fn npz(member: &[u8]) -> Vec<u8> {
     archive
 }
 
-/// A point cloud of VTK XML, with a piece of so many points.
+/// Returns a point cloud in VTK XML, with a piece of this many points.
 fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
     format!(
         "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" {attributes}>\

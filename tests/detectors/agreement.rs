@@ -32,8 +32,8 @@ where
     Scene::new(centres, Radii::Uniform(r)).unwrap().into()
 }
 
-/// Holds a detector to brute force in every arithmetic that takes the scene. Returns how many it
-/// took, and how many it refused, each without a word.
+/// Compares a detector with brute force in every arithmetic that can store the scene. Returns in
+/// how many the detector answered, and in how many it refused; a refusal must not report pairs.
 fn agree(detector: &mut dyn AnyDetector, scene: &AnyScene<'static>, what: &str) -> [u32; 2] {
     let mut seen = [0; 2];
     for arithmetic in Arithmetic::SAFE {
@@ -47,7 +47,7 @@ fn agree(detector: &mut dyn AnyDetector, scene: &AnyScene<'static>, what: &str) 
     seen
 }
 
-/// The number of contacts, which all detectors must agree on; `direct` refuses nothing.
+/// Returns the number of contacts, on which all detectors must agree; `direct` must not refuse.
 fn contacts(name: &str, scene: &AnyScene<'static>) -> u64 {
     for entry in detectors() {
         let what = format!("{} on {name}", entry.name);

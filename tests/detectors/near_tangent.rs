@@ -8,7 +8,8 @@ use contactbench_campaigns::{Counts, Plan, Table, What};
 
 const PLAN: Plan = Plan { pairs: 30_000, seed: 7, test: Test::Exact };
 
-/// No errors, and of each label more than `least` in every row; all rows together.
+/// Checks that no row has errors, and that each row has more than `least` overlapping and separate
+/// pairs. Returns the sum of the rows.
 fn right(table: &Table, least: u64) -> Counts {
     assert_eq!(table.errors(), 0, "\n{}", table.text());
     for (row, counts) in &table.0 {
@@ -24,7 +25,7 @@ fn the_contact_test_is_right_on_every_family() {
     let sum = right(&table, 150);
     assert!(sum.get(What::Pairs) >= PLAN.pairs && sum.get(What::Sampled) > 30);
     assert!(sum.get(What::Tangent) > 1_500, "\n{}", table.text());
-    // These couples must reach exact arithmetic, and mislead f64.
+    // These pairs must reach exact arithmetic, and f64 must decide some of them wrongly.
     assert!(sum.get(What::Exact) > PLAN.pairs / 2, "\n{}", table.text());
     assert!(sum.get(What::RoundedWrong) > 3_000, "\n{}", table.text());
 }

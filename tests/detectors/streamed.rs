@@ -208,7 +208,7 @@ fn few_pairs_are_left_to_the_contact_test() {
     assert_eq!(asked_of_contacts(lattice), (2700, 2700));
 }
 
-/// Counts how often the contact test is asked.
+/// Counts calls of the contact test.
 #[derive(Clone, Copy)]
 struct Counted<'a, B>(B, &'a AtomicU64);
 

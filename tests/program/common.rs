@@ -94,7 +94,7 @@ impl Place {
         ended(shell.stdin(Stdio::null()).output().unwrap())
     }
 
-    /// What a run prints as JSON; its exit code is 0 or 1.
+    /// Returns what a run prints as JSON; its exit code must be 0 or 1.
     pub fn json(&self, line: &str) -> Value {
         let ended = self.run(&format!("{line} --json"));
         assert!(matches!(ended.code, Some(0 | 1)), "{line}: {}", ended.stderr);

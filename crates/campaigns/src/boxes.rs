@@ -56,7 +56,7 @@ enum Shape {
     Small,
 }
 
-/// Every detector on couples at the borders of cells.
+/// Runs every detector on pairs at the borders of cells.
 pub fn detectors(plan: Plan) -> Table {
     rows(plan, &[(Shape::Open, "borders")], &OFFSETS)
 }
@@ -97,9 +97,9 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
 struct Row<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
-    /// In open space the offset in diameters; 0: about the origin. In boxes particles are named by
-    /// images up to so many vectors away; 0: by the next at most. At 0 numbers have all the bits
-    /// there are.
+    /// In open space: the offset from the origin, in diameters. In boxes: the number of box vectors
+    /// by which the image that names a particle may lie away; 0 allows the adjacent ones. With 0,
+    /// coordinates use all bits of an f64.
     away: f64,
 }
 
@@ -128,7 +128,7 @@ impl<const D: usize> Row<'_, D> {
         (1i64 << bits) as f64 / (3.0 * self.away + 1.0)
     }
 
-    /// A couple at every site of open space.
+    /// Builds a scene in open space with a pair at every site.
     fn on_borders(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let sites: i64 = if D == 2 { 12 } else { 5 };
         let cells = PITCH * (sites + 1);
@@ -158,7 +158,7 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// A couple at every site of a box.
+    /// Builds a scene in a box with a pair at every site.
     fn at_sites(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let most = if D == 2 { [1, 6, 10] } else { [1, 3, 4] };
         let sites: i64 = most[index % 3];
@@ -279,7 +279,7 @@ impl<const D: usize> Row<'_, D> {
     }
 }
 
-/// Where our cells have a border of the textbook's at `x`.
+/// Returns the border of our cells that corresponds to the textbook's border at `x`.
 fn margin(x: i64) -> i64 {
     (i128::from(x) * (1 << 18) / ((1 << 18) - 1)) as i64
 }

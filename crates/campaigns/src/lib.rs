@@ -47,7 +47,7 @@ pub enum What {
     /// Frames given to a tracker, and those in which it built its list.
     Frames,
     Built,
-    /// Couples that came into touch and were not listed at first.
+    /// Pairs that came into contact and were not listed at first.
     Came,
     /// Errors, from here on: touching couples not reported.
     Missed,
@@ -68,7 +68,7 @@ pub enum What {
     Refused,
 }
 
-/// Of each kind of [`What`].
+/// Name of each kind of [`What`].
 const NAMES: [&str; 19] = [
     "pairs",
     "tangent",
@@ -116,10 +116,10 @@ impl AddAssign for Counts {
     }
 }
 
-/// After the name of a tracker that may miss contacts, and must be seen to.
+/// Suffix of the name of a tracker that may miss contacts, and must be found to miss some.
 pub const CONTROL: &str = " (control)";
 
-/// Counts by what was tried (a family, a kind of box, a tracker) and where.
+/// Counts by what was tested (a family, a kind of box, a tracker) and by place.
 #[derive(Default)]
 pub struct Table(pub BTreeMap<(String, String), Counts>);
 
@@ -133,7 +133,7 @@ impl Table {
         self
     }
 
-    /// Of all that may make no error, or of the controls.
+    /// Sums the rows that must not have errors if `safe`, otherwise those of the controls.
     pub fn total(&self, safe: bool) -> Counts {
         let lines = self.0.iter().filter(|((what, _), _)| what.ends_with(CONTROL) != safe);
         lines.fold(Counts::default(), |mut sum, (_, counts)| {
@@ -142,7 +142,7 @@ impl Table {
         })
     }
 
-    /// What must not be: any error, but what controls miss.
+    /// Returns the number of errors, except the contacts that controls miss.
     pub fn errors(&self) -> u64 {
         let control = self.total(false);
         self.total(true).errors() + control.errors() - control.get(What::Missed)

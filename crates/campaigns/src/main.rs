@@ -1,23 +1,24 @@
 //! `cargo run --release -p contactbench-campaigns -- --pairs 1000000000 [PART ...]`
 //!
-//! * `predicate`: is the exact contact test right? On pairs as near to tangency as numbers go,
-//!   built from integers, so that apart, tangent or overlapping is known without the library:
+//! * `predicate`: is the exact contact test right? It decides pairs as near to tangency as numbers
+//!   go, built from integers, so that apart, tangent or overlapping is known without the library:
 //!   Pythagorean triples and quadruples moved by one ulp, random directions whose sum of radii is
-//!   the rounded distance, sums that need 60 bits, couples that leave their axis by as little as
+//!   the rounded distance, sums that need 60 bits, pairs that leave their axis by as little as
 //!   2^-900; scales from 2^-1010 to 2^970, offsets up to 10^12 diameters.
-//! * `detectors`: does a detector lose, add or repeat a pair? On isolated couples within one ulp of
-//!   the borders of cells.
-//! * `boxes`: the same in boxes that repeat, where couples meet through faces, edges and corners,
-//!   and particles meet images of themselves; particles are named by images up to 10^6 boxes away.
-//! * `courses`: does a tracker that promises to miss no contact miss one? In all motions, in 2D and
-//!   3D, at speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered, of one size
-//!   and of many, in every safe arithmetic, frames in order or, once in four times, in any. Every
-//!   detector is asked in every frame and builds the lists of every safe rule.
-//! * `couples`: couples that come into touch just when their ways have used up the skin, to the
-//!   unit, made of whole numbers, at scales from 2^-900 to 2^900 and offsets to 10^9 diameters.
+//! * `detectors`: does a detector lose, add or repeat a pair? Each pair is isolated, and within one
+//!   ulp of the borders of cells.
+//! * `boxes`: the same in periodic boxes, in which pairs meet through faces, edges and corners, and
+//!   particles meet images of themselves; particles are named by images up to 10^6 boxes away.
+//! * `courses`: does a tracker that promises to miss no contact miss one? It follows all motions,
+//!   in 2D and 3D, at speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered, of
+//!   one size and of many, in every safe arithmetic, frames in order or, once in four times, in
+//!   any. Every detector searches every frame, and builds the lists of every safe rule.
+//! * `couples`: pairs that come into contact just when their displacements have used up the skin,
+//!   to the unit, made of whole numbers, at scales from 2^-900 to 2^900 and offsets to 10^9
+//!   diameters.
 //!
-//! Column *exact* counts decisions that the filter left to exact arithmetic, *wrong in f64* couples
-//! that the rounded test decides wrongly: the proof that these couples can find an error. Controls
+//! Column *exact* counts decisions that the filter left to exact arithmetic, *wrong in f64* pairs
+//! that the rounded test decides wrongly: the proof that these pairs can find an error. Controls
 //! must be found to miss some. Ends with 1 if there is an error.
 
 use std::process::ExitCode;
@@ -34,7 +35,7 @@ struct Arguments {
     /// Decisions in each part; a tenth of `couples`
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
-    /// The same seed gives the same couples and courses
+    /// The same seed gives the same pairs and trajectories
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// 0: all cores

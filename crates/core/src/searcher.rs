@@ -31,7 +31,7 @@ pub enum LoadError {
     Boxed(#[from] PeriodicError),
 }
 
-/// A scene whose contacts are wanted, and how they are decided.
+/// A scene to search, and how its contacts are decided.
 #[derive(Clone, Copy)]
 pub enum Frame<'a> {
     /// In open space.

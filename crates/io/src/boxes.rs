@@ -24,13 +24,13 @@ pub struct Declared {
     pub periodic: Option<[bool; 3]>,
     /// The vectors are differences of what stands in the file, and were rounded.
     pub rounded: bool,
-    /// The least and the largest coordinate along each axis, where its edges are along the axes and
-    /// the file says so.
+    /// Least and largest coordinate along each axis, if the edges of the box lie along the axes and
+    /// the file states these coordinates.
     pub ranges: Option<Vec<[f64; 2]>>,
 }
 
-/// The vectors of a box of so many numbers: two or three edges along the axes, three and the tilt
-/// of LAMMPS, or two or three vectors, one after the other.
+/// Returns the vectors of a box, by how many numbers there are: two or three edges along the axes,
+/// three and the tilt of LAMMPS, or two or three vectors, one after the other.
 pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
     Some(match *numbers {
         [x, y] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0; 3]],

@@ -97,7 +97,8 @@ impl<'a> Lines<'a> {
         Ok(false)
     }
 
-    /// Goes to row `k` of `n`; `of` says in an error what ends, and what to do.
+    /// Goes to row `k` of `n`. If the file ends before, `of` names the rows and the remedy in the
+    /// error.
     pub fn row(&mut self, k: u64, n: u64, of: &str) -> anyhow::Result<()> {
         ensure!(self.advance()?, "{} ends after {k} of the {n} {of}", self.source.name);
         Ok(())

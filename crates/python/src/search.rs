@@ -120,7 +120,7 @@ impl<T> Owned<T> {
     }
 }
 
-/// What is searched with.
+/// A detector or a tracker to search with.
 enum Spec {
     Detector(DetectorSpec),
     Tracker(TrackerSpec),
@@ -248,7 +248,7 @@ impl Search {
                 None => find(),
             }?;
             smaller_first(&mut contacts.plain);
-            // In a box its dimension: an image has this many numbers.
+            // Dimension of the box, if there is one: the number of components of an image.
             let boxed = match &scene {
                 Loaded::Open(_) => None,
                 Loaded::InBox(periodic) => Some(periodic.scene().dim()),

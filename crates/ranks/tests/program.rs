@@ -88,7 +88,7 @@ fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
     assert!(2 * number(&each[1], "pairs") > 3 * number(&each[0], "pairs"));
 }
 
-/// As every verb that reads a file: once, and not for what is made.
+/// Notices are printed once, as by every verb that reads a file, and not for generated scenes.
 #[test]
 fn what_is_doubtful_is_printed() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What is true of a scene, in open space or in a box.
+//! True contacts of a scene, in open space or in a box.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, NoTruth};

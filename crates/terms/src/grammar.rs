@@ -21,7 +21,7 @@ pub struct Spec<'a> {
     pub stray: Option<&'a str>,
 }
 
-/// What is wrong with a text: the text, the piece of it, and what may stand there.
+/// An error in a text: the text, the wrong piece of it, and what is allowed there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{text}': {what}")]
 pub struct Error {

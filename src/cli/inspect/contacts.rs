@@ -20,7 +20,7 @@ use contactbench_terms::number::{number, plural};
 /// Couples whose distance differs from the sum of their radii by less than this share of it are
 /// near tangent.
 const NEAR: f64 = 1e-9;
-/// Where more contacts than this are to be expected in open space, they are not looked for.
+/// Largest expected number of contacts in open space for which contacts are searched.
 const MOST: f64 = 5e7;
 
 /// The contacts of a scene, in its box or in open space.

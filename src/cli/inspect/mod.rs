@@ -32,7 +32,7 @@ pub struct Inspect {
     json: bool,
 }
 
-/// What is found: labels with their values for people, all values for programs, and warnings.
+/// Findings: labels with their values for people, all values for programs, and warnings.
 #[derive(Default)]
 struct Report {
     lines: Vec<(&'static str, String)>,
@@ -166,7 +166,7 @@ fn of_centres(particles: &Particles, out: &mut Report) {
     }
 }
 
-/// What the scene with its radii says.
+/// Describes the scene with its radii.
 fn of_scene(
     options: &Inspect,
     particles: Particles,

@@ -10,7 +10,8 @@ use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::Progress;
 use contactbench_terms::text::line;
 
-/// A bar on a terminal, and nothing elsewhere. It is gone before anything else is printed.
+/// A progress bar on a terminal; nothing is drawn elsewhere. The bar is removed before anything
+/// else is printed.
 struct Bar(Option<ProgressBar>);
 
 impl Bar {

@@ -88,8 +88,8 @@ relations! {
 /// Small, so that far-away particles are refused, and not slow.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
-/// Compares what a detector finds before and after; the number of pairs before, `None` if nothing
-/// was compared.
+/// Compares what a detector finds before and after a change. Returns the number of pairs before, or
+/// `None` if nothing was compared.
 fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared
 where
     AnyScene<'static>: From<Flat<D>>,
@@ -154,8 +154,8 @@ where
     format!("missed {missed:?}, added {added:?} of {all}\nbefore:\n{before}after:\n{after}")
 }
 
-/// Holds all detectors to a relation, in all arithmetics, and prints how much was compared: in each
-/// arithmetic it must be something.
+/// Checks a relation for all detectors in all arithmetics, and prints how much was compared. At
+/// least one comparison must be made in each arithmetic.
 fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>)
 where
     AnyScene<'static>: From<Flat<D>>,

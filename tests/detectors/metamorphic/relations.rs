@@ -17,7 +17,7 @@ pub struct Given<'a, const D: usize> {
     pub random: &'a mut ChaCha8Rng,
 }
 
-/// What a relation says of the scene; `None` where it is not exact.
+/// The claim of a relation about the scene; `None` if the change is not exact.
 type Change<const D: usize> = Option<Claim<D>>;
 
 impl<const D: usize> Given<'_, D>

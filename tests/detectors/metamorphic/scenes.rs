@@ -23,8 +23,8 @@ pub fn map<const D: usize>(
     Scene::new(centres.collect::<Vec<_>>(), radii).ok()
 }
 
-/// What an arithmetic keeps of a scene, in f64; by cells in units of the cell. `None` if it cannot
-/// be stored.
+/// Returns a scene as an arithmetic stores it, in f64; coordinates stored by cell are in units of
+/// the cell. `None` if it cannot be stored.
 pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>>
 where
     AnyScene<'static>: From<Flat<D>>,

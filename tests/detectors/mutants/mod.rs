@@ -13,8 +13,8 @@
 //!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
-/// Declares the mistakes and, after a semicolon, the changes that are none; those with a number for
-/// each of some.
+/// Declares the mistakes and, after a semicolon, the changes that are not mistakes. A way with a
+/// parameter lists its values after `in`.
 macro_rules! ways {
     (
         $($(#[doc = $wrong:literal])* $mutant:ident $(($of:ty) in $each:expr)?,)*;
@@ -27,14 +27,14 @@ macro_rules! ways {
             $($(#[doc = $none])* $right $(($by))?,)*
         }
 
-        /// All that must be found out.
+        /// Mistakes that the catalogue must find.
         pub fn mutants() -> Vec<Way> {
             let mut all = Vec::new();
             $(all.extend(ways!(@ $mutant $($each)?));)*
             all
         }
 
-        /// All that must not be found out.
+        /// Changes that must pass the catalogue.
         pub fn right() -> Vec<Way> {
             let mut all = Vec::new();
             $(all.extend(ways!(@ $right $($all)?));)*

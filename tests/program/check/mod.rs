@@ -1,5 +1,4 @@
-//! `check`: detectors and runners that are right pass, and those that are wrong, each in its way,
-//! are found out.
+//! Tests of `check`: right detectors and runners pass, and wrong ones, each in its way, fail.
 
 mod finds;
 mod runners;

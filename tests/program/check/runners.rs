@@ -5,7 +5,7 @@ use std::process::Command;
 use super::{CPP, PYTHON, check, root};
 use crate::common::{PROGRAM, Place, has};
 
-/// Compiles a program in C++; fails if the compiler has a word to say.
+/// Compiles a program in C++; fails on any error or warning.
 fn built(at: &Place, arguments: &str) {
     let mut compiler = Command::new("c++");
     compiler.args(["-Wall", "-Wextra", "-Werror"]).args(arguments.split(' '));
@@ -44,8 +44,8 @@ fn the_example_in_cpp_passes() {
     check(&at, "./my_detector", "--seconds 0", 0, &words);
 }
 
-/// The example as it was in version 1 of the protocol, which knows one path; and one whose library
-/// prints, from Python or by its descriptor: that is not taken for a reply.
+/// Checks the example in version 1 of the protocol, which has one path. Checks an example whose
+/// library prints, from Python or by its descriptor; what it prints is not taken for a reply.
 #[test]
 fn old_and_noisy_runners_in_python_are_understood() {
     if !has("python3") {
@@ -72,7 +72,7 @@ fn old_and_noisy_runners_in_python_are_understood() {
     }
 }
 
-/// It prints, gives no answer unless it was reset since the last one, and none unless its hook was
+/// A runner that prints, and answers only if it was reset since its last answer and its hook was
 /// called for the scene.
 const STRICT: &str = r#"#include "runner.hpp"
 template <int D> struct Strict {

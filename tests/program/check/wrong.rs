@@ -19,7 +19,7 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
     assert!(csv.ends_with("x,y,r\n0.0,0.0,1.0\n0.0,0.0,1.0\n"), "{csv}");
     let svg = at.read("failing-my-detector-f64.svg");
     assert!(svg.starts_with("<svg") && svg.contains("1 missed") && svg.contains("dasharray"));
-    // What it prints finds it again.
+    // The printed command finds the failure again.
     let again = "check --scene ./failing-my-detector-f64.csv --runner 'python3 changed.py'";
     assert!(ended.stdout.contains(&format!("  again:  contactbench {again}")), "{}", ended.stdout);
     at.ends(1, again, &[": 1 missed, 0 spurious"]);

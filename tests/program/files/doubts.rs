@@ -1,4 +1,4 @@
-//! What is doubtful about a file, by kind; that every verb prints it is in `cases/files.txt`.
+//! Notices about doubtful files, by kind; `cases/files.txt` tests that every verb prints them.
 
 use crate::common::Place;
 
@@ -60,7 +60,7 @@ fn each_kind_is_recognised_and_nothing_else() {
         (scaled, &["apart", "scaled"]),
         (gas, &["deep"]),
         (format!("x,y,z,r\n{}", six.collect::<String>()), &["digits"]),
-        // The few digits of a lattice are let alone.
+        // The few digits of a lattice are not reported.
         (table(lattice), &["apart"]),
         ("x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n".into(), &["flat"]),
     ] {

@@ -11,7 +11,8 @@ fn no_part_of_a_file_is_left_under_its_name() {
     at.file("discs.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(300)));
     at.file("before.csv", "i,j\n7,9\n");
     for output in ["pairs.vtk", "pairs.csv", "pairs.npy", "before.csv"] {
-        // Told that the file is too large, or by a signal, which does not end the program.
+        // The system reports a too large file by an error, or by a signal that must not end the
+        // program.
         for trap in ["trap '' XFSZ;", ""] {
             // Files may have 64 blocks of 512 or 1024 bytes.
             let failed = at.shell(&format!(

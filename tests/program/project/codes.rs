@@ -16,14 +16,14 @@ fn block(section: &str, language: &str) -> &'static str {
     block.split_once("```").unwrap().0
 }
 
-/// Does a program start? Some of the codes end badly after their help.
+/// Returns whether a program starts. Some of the codes exit with an error after their help.
 fn starts(program: &str) -> bool {
     let mut command = Command::new(program);
     command.arg("-h").current_dir(std::env::temp_dir());
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Runs a program to a good end; the reason if MPI could not start.
+/// Runs a program, which must succeed; returns the reason if MPI could not start.
 fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
     let mut started = Command::new(command[0]);
     started.args(&command[1..]).current_dir(at.root()).stdin(Stdio::null());

@@ -1,4 +1,4 @@
-//! What the project says of itself: pages, protocol, runners, templates, walls.
+//! Tests of the project's pages, protocol, runners and templates, and of the walls between crates.
 
 mod codes;
 mod help;

@@ -124,7 +124,7 @@ fn runners_away_from_the_repository_say_where_to_start() {
     }
 }
 
-/// The reply of a runner that does not get to its library.
+/// Returns the reply of a runner that cannot load its library.
 fn reply(command: &mut Command) -> Option<Value> {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     // A runner that prints no more has closed its input.

@@ -24,7 +24,7 @@ fn the_example_workflow_passes() {
     let (workflow, action) = (read("docs/ci/github.yml"), read("action.yml"));
     let make = workflow.lines().find_map(|line| line.strip_prefix("#   contactbench ")).unwrap();
     at.good(make);
-    // What the workflow gives, and else what the action takes.
+    // Inputs of the workflow, otherwise the defaults of the action.
     let input = |name: &str| {
         let said = workflow.lines().find_map(|line| line.trim().strip_prefix(name));
         let declared = action.split(&format!("\n  {name}:\n")).nth(1).unwrap();

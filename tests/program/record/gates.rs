@@ -66,7 +66,7 @@ fn slower(row: &mut Value) {
     }
 }
 
-/// The exit code of a comparison, what it prints, and what of the cell of sweep.
+/// Returns the exit code of a comparison, what it prints, and the times of the cell of sweep.
 fn compared(at: &Place, more: &str) -> (Option<i32>, Value, Value) {
     let ended = at.run(&format!("compare a slower --json {more}"));
     let all: Value = serde_json::from_str(&ended.stdout).unwrap();

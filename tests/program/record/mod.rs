@@ -1,5 +1,5 @@
-//! Result folders beside each other and put together: shards, machines, revisions; what their
-//! pages say of them; and records that contradict themselves.
+//! Tests of comparing and merging result folders (shards, machines, revisions), of their pages, and
+//! of records that contradict themselves.
 
 mod builds;
 mod ci;

@@ -1,5 +1,5 @@
-//! Where rows come from, and what makes their times doubtful: noted while they are measured, and
-//! printed wherever they are shown.
+//! Origins of rows, and reasons to doubt their times: recorded during the measurement, and printed
+//! wherever times are shown.
 
 use std::path::Path;
 use std::process::Command;

@@ -5,8 +5,8 @@ use contactbench::record::row::{Outcome, Pass, Row};
 use super::{EMPTY, HEAD, SPARSE, of, rows};
 use crate::common::{PROGRAM, Place, answers, fake, runner, sample, say};
 
-/// What no runner can have measured costs it its rows, with the reason; `check` prints the same.
-/// What that is, is tested where it is decided, in `run/possible`.
+/// A runner that reports impossible numbers loses its rows, with the reason; `check` prints the
+/// same. The tests of `run/possible` cover which numbers are impossible.
 #[test]
 fn impossible_numbers_are_refused() {
     let fields = r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#;
@@ -96,7 +96,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
         let untimed = |row: &&Row| row.time_ns.is_none() || row.outcome == Outcome::Wrong;
         assert!(cell.iter().all(untimed), "{name}: a time without a right answer");
     }
-    // Nothing is a wrong answer if there is something to be found, and the right one if not.
+    // An empty answer is wrong if the scene has contacts, and right if it has none.
     let alone = of(&sparse, "empty", 100);
     let right = |row: &&&Row| row.outcome == Outcome::Ok && row.time_ns == Some(300_000);
     assert_eq!(alone.iter().filter(right).count(), 1, "{alone:?}");
@@ -122,7 +122,7 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     // One pair, (0, 1), which is none of the scene's.
     let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
     let open = answers(&[("sample", &one), ("pairs", write)]);
-    // One that hands over another list than the one it was judged by.
+    // A runner that writes another list than the one it was judged by.
     let fickle = answers(&[("sample", &sample(1, "0x0000000000000001")), ("pairs", write)]);
     let text = format!(
         "detectors = [\"nbs\"]\n{SPARSE}{}{}{}",

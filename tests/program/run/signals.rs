@@ -10,8 +10,8 @@ use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
-/// Starts a run with a detector that hangs until a file says otherwise; the numbers of its
-/// processes are in `pids`. Waits until it hangs.
+/// Starts a run with a runner that hangs unless the file `go` exists; the ids of its processes are
+/// in `pids`. Waits until the runner hangs.
 fn hanging(at: &Place) -> Child {
     let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let waits = runner("waits", "sh", &answers(&[("sample", sample)]));

@@ -28,8 +28,8 @@ fn memory_is_measured_with_the_threads_of_the_row_and_sequential_detectors_have_
     assert!(lists.contains(&peak_of_two), "{peak_of_two}, formula {formula_of_two}");
 }
 
-/// Threads 1 and 2; a detector that has a use for them, two that have none, a runner that is told,
-/// one that is there with two only, and one that does not listen.
+/// Returns an experiment with 1 and 2 threads: a detector that uses threads, two that do not, and
+/// three runners. One runner receives the number, one starts with 2 only, and one ignores it.
 fn threaded(n: &str) -> String {
     let told = format!("exec {PROGRAM} runner --detector direct --threads {{threads}}");
     let particular = format!("[ {{threads}} = 2 ] || exit 7; {told}");

@@ -124,7 +124,7 @@ fn films_are_of_slices_and_files_too() {
     assert!(radii(1) > 2 * radii(0) && count(&data["frames"][1][3]) == 1, "{data}");
 }
 
-/// As many frames as are offered are as many as there is room for.
+/// The number of frames that the error suggests fits, and fills most of the limit.
 #[test]
 fn a_film_has_at_most_5_mb() {
     let at = Place::new();

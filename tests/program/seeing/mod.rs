@@ -1,4 +1,4 @@
-//! What people look at: drawings, traces, pages in a browser.
+//! Tests of drawings, traces, and pages in a browser.
 
 mod boxes;
 mod browser;

@@ -186,8 +186,8 @@ fn of_many_frames_the_worst_are_shown() {
     assert!(rows[1].trim_start().starts_with("1000 "), "{said}");
 }
 
-/// What `detect` writes of all frames, `verify` reads; one pair that is taken out is missed, and
-/// the list of another frame is known.
+/// `verify` reads the contacts of all frames that `detect` writes. It reports a removed pair as
+/// missed, and recognises the list of another frame.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {
     let at = Place::new();

@@ -52,7 +52,7 @@ fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
     }
 }
 
-/// What `track` prints of a tracker, an experiment has in its record: two paths through the program.
+/// An experiment records of a tracker what `track` prints: two paths through the program.
 #[test]
 fn experiments_find_of_a_course_what_track_finds() {
     let at = Place::new();

@@ -2,10 +2,10 @@
 //!
 //! A binary floating-point number is an integer times a power of two. The numbers of one test are
 //! brought to one common power of two; then differences, sums and squares are integers and there is
-//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. Where the
+//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. If the
 //! differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the
-//! sum (nearly every pair near tangency), their squares fit 128 bits: the *short* form. Others are
-//! decided as a contact with an image is, of no shift: see [`super::image`]. Nothing here
+//! sum (nearly every pair near tangency), their squares fit 128 bits: the *short* form. Other pairs
+//! are decided like a contact with an image of shift 0: see [`super::image`]. Nothing here
 //! allocates.
 //!
 //! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,

@@ -6,19 +6,19 @@ use super::{Slack, exact};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Real};
 
-/// Two bodies: their numbers, and where they are.
+/// Two particles: their numbers and their centres.
 #[derive(Clone, Copy)]
 pub struct Couple<'a, T, const D: usize> {
     /// The numbers.
     pub ids: [u32; 2],
-    /// The centre of the first.
+    /// Centre of the first particle.
     pub a: &'a [T; D],
-    /// The centre of the second.
+    /// Centre of the second particle.
     pub b: &'a [T; D],
 }
 
 impl<T, const D: usize> Couple<'_, T, D> {
-    /// What both have of something.
+    /// Returns the value of `of` for each of the two particles.
     #[inline(always)]
     fn each<R>(&self, of: impl Fn(usize) -> R) -> (R, R) {
         (of(self.ids[0] as usize), of(self.ids[1] as usize))

@@ -157,14 +157,14 @@ enum Thick<'a> {
     By(&'a mut Tuner),
 }
 
-/// What a step has to do.
+/// Input of one step.
 struct Work<'a> {
     rule: Rule,
     /// Contacts of the frame before.
     touching: u64,
     test: Test,
     skin: Thick<'a>,
-    /// Who builds a list.
+    /// Searcher that builds a list.
     search: &'a mut Searcher,
     /// The box, if there is one.
     lattice: Option<&'a Lattice>,
@@ -262,7 +262,8 @@ impl Work<'_> {
     }
 }
 
-/// What a list has done until now, for the tuner: of so many particles with this largest diameter.
+/// Sums up for the tuner what a list has done so far, for this many particles with this largest
+/// diameter.
 fn served<const D: usize>(
     kept: &Kept<D>,
     (particles, diameter): (usize, f64),

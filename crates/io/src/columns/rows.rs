@@ -15,7 +15,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// What is read of a frame of no rows, of which columns cannot be known.
+    /// Returns a frame without rows, whose columns cannot be read: `names` gives them.
     pub fn none(names: &str, has_radii: bool) -> Rows {
         let columns = Columns::named(names.split(' '));
         Rows { columns, particles: Particles::new(3, has_radii) }
@@ -32,9 +32,9 @@ impl Rows {
         columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
     }
 
-    /// Adds the particles of the next `count` records, such as "vertex", of a binary file; `fields`
-    /// are the types, none of what is no number, and the bytes of the columns. Returns how many
-    /// records there are.
+    /// Adds the particles of the next `count` records of a binary file; `what` names a record, such
+    /// as "vertex". `fields` are the types of the columns (`None` if not a number) and their sizes
+    /// in bytes. Returns how many records were read.
     pub fn push_records(
         &mut self,
         source: &mut Source<'_>,

@@ -95,7 +95,7 @@ impl Framed for Data<'_> {
     }
 }
 
-/// The columns of a frame, by the number of cells in its first row.
+/// Returns the columns of a frame, chosen by the number of cells in its first row.
 fn columns(lines: &Lines<'_>) -> anyhow::Result<Columns> {
     Ok(match words(lines.line()).count() {
         8 => Columns::named(PLANE.split(' ')),

@@ -26,9 +26,9 @@ use crate::{Loaded, Notice, Options};
 pub struct Format {
     /// Its name on the command line.
     pub key: &'static str,
-    /// What it holds, for the help.
+    /// Contents of a file in this format, for the help.
     pub help: &'static str,
-    /// Its name for people.
+    /// Name of the format in messages.
     pub name: &'static str,
     pub endings: &'static [&'static str],
     /// With what every such file begins, for messages; empty where anything may stand first.

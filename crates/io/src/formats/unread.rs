@@ -28,8 +28,7 @@ const KRATOS: &str = "write its nodes and their RADIUS as CSV with a header x,y,
 const ESYS: &str = "write the lines between BeginParticles and EndParticles as CSV with a header \
                     x,y,z,r";
 
-/// A name, with its article; the bytes by which the format is known, and where they stand; and the
-/// way out.
+/// Formats recognised by bytes at a fixed place: name with its article, place, bytes, and remedy.
 const BYTES: [(&str, usize, &[u8], &str); 37] = [
     ("compressed with bzip2", 0, b"BZh", UNPACK),
     ("compressed with xz", 0, b"\xfd7zXZ\0", UNPACK),
@@ -70,7 +69,8 @@ const BYTES: [(&str, usize, &[u8], &str); 37] = [
     ("a geometry of ESyS-Particle (geo)", 0, b"LSMGeometry", ESYS),
 ];
 
-/// The same, of formats that more than some bytes tell. The first that fits is named.
+/// Format that is recognised by a function: name with its article, function, and remedy. The first
+/// that fits is named.
 type Form = (&'static str, fn(&[u8]) -> bool, &'static str);
 const FORMS: [Form; 19] = [
     ("an Excel workbook", excel, TABLE),

@@ -20,9 +20,9 @@ pub(super) struct Csv<'a> {
     columns: Option<Columns>,
     /// The line at hand is still to be taken.
     ahead: bool,
-    /// Some row was taken.
+    /// Whether a row was taken.
     any: bool,
-    /// The comment before the row at hand that names a frame.
+    /// Comment before the current row that names a frame.
     divided: Option<String>,
     notices: Vec<Notice>,
 }

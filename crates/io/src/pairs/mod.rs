@@ -167,19 +167,20 @@ fn open<'a>(
     Ok(Box::new(Table::new(csv::Csv::new(lines, columns))))
 }
 
-/// Rows of pairs, which may each say their frame.
+/// Rows of pairs, each of which may contain its frame.
 trait Rows {
-    /// Reads what stands before the rows; [`Choice::sparse`] if they say their frame.
+    /// Reads what precedes the rows; sets [`Choice::sparse`] if rows contain their frame.
     fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()>;
 
-    /// Goes to the next row; the frame or the step that it says, else 0. None at the end.
+    /// Goes to the next row. Returns the frame or the step in the row, 0 if it has neither, and
+    /// `None` at the end.
     fn advance(&mut self) -> anyhow::Result<Option<i64>>;
 
     fn place(&self) -> String;
 
     fn take(&mut self, list: &mut List) -> anyhow::Result<()>;
 
-    /// A list without pairs, when its rows begin.
+    /// Returns an empty list, before its rows are read.
     fn list(&mut self) -> List;
 
     /// What is to be said of the list when its rows are read.
@@ -189,7 +190,7 @@ trait Rows {
 struct Table<R> {
     rows: R,
     begun: bool,
-    /// What the row at hand says, which is not taken yet.
+    /// Frame or step of the current row, which is not taken yet.
     ahead: Option<i64>,
     last: Option<i64>,
 }
@@ -208,7 +209,7 @@ impl<R: Rows> Reader<List> for Table<R> {
             rows.begin(choice)?;
             *ahead = rows.advance()?;
         }
-        // Rows that say no frame are one list, even if there are none.
+        // Rows without a frame are one list, even if the file has no rows.
         let mut one = (is_first && !choice.sparse).then_some(0);
         while let Some(label) = ahead.or(one.take()) {
             let mut list = List { sparse: choice.sparse, ..rows.list() };

@@ -1,5 +1,5 @@
-//! What is read of one file (`cases`) and of several (`series`); long arrays, and pairs that are
-//! written (`npy`); frames that are being written (`frames`); and that no bytes make a reader panic
+//! Tests of reading one file (`cases`), several files (`series`), long arrays and written pairs
+//! (`npy`), and frames that are still being written (`frames`). No bytes may make a reader panic
 //! (`refused`).
 
 mod cases;

@@ -22,9 +22,9 @@ pub struct Framed<'a> {
     names: Option<Vec<&'static str>>,
     /// The type of the numbers of npy.
     kind: &'static str,
-    /// What an error of the system begins with.
+    /// Beginning of the message for an error of the system.
     cannot: &'static str,
-    /// How many rows there will be, if that is known before.
+    /// Number of rows, if it is known beforehand.
     count: Option<usize>,
     rows: usize,
     row: Vec<Number>,
@@ -147,7 +147,7 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
 }
 
 /// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
-/// output. Rows say their frame if they are `numbered`; `count` is their number, if it is known.
+/// output. Rows contain their frame if `numbered`; `count` is the number of rows, if it is known.
 /// The file is there as a whole or not at all: see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,

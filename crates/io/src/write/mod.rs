@@ -46,7 +46,7 @@ pub enum SceneFormat {
     Npy,
 }
 
-/// What the ending of a file's name stands for; `what` the file holds, for messages.
+/// Returns the choice for the ending of a file's name; `what` names the contents in messages.
 fn by_ending<T: Copy, const N: usize>(
     path: &Path,
     what: &str,

@@ -46,7 +46,7 @@ impl Lab {
     pub fn rows(&self) -> Vec<Row> {
         self.rows.clone()
     }
-    /// What is found in the cells of the rows.
+    /// Returns what `finding` returns for the cells of the rows.
     pub fn find<T>(&self, finding: impl FnOnce(&[&Cell]) -> T) -> T {
         finding(&cells(&self.rows).iter().collect::<Vec<_>>())
     }

@@ -83,8 +83,8 @@ impl Shard {
     }
 }
 
-/// The variables of a job array: its index; the first, the last, and the step between them; and how
-/// many there are. Empty where it has none.
+/// Environment variables of a job array: index, first index, last index, step and number of
+/// indices. The name is empty if the scheduler does not set that variable.
 type Array = [&'static str; 5];
 
 /// Slurm, PBS Pro, Torque, Grid Engine, LSF. Indices begin at 1 unless a variable holds the first.
@@ -122,7 +122,7 @@ fn rank_of(variable: &dyn Fn(&str) -> Option<String>) -> Option<(usize, usize)> 
 const NO_JOB: &str = "there is neither a job array (Slurm, PBS, Grid Engine, LSF) nor an MPI job \
                       here; give --shard k/n";
 
-/// The part with this index of a job array.
+/// Returns the shard of the job with this index in a job array.
 fn in_array(
     [name, first, last, step, count]: Array,
     index: usize,

@@ -57,7 +57,7 @@ impl<'a> Courses<'a> {
             let (_, done) = scenes.entry(cell.id.scene_id()).or_insert((&cell.id, BTreeMap::new()));
             done.insert(cell.id.contender(), cell);
         }
-        // What was missed is known where answers were compared.
+        // Missed contacts are known if answers were compared.
         let judged = |cell: &&Cell| cell.values.contains_key("search_missed");
         let course = |(id, done): &(&CellId, BTreeMap<String, &'a Cell>)| {
             let frames = done.values().next().map_or(1.0, |cell| cell.frames());

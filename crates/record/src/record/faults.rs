@@ -248,10 +248,10 @@ fn is_hex(text: &str) -> bool {
         .is_some_and(|d| d.len() == 16 && d.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')))
 }
 
-/// What rows that must agree hold, and the numbers of the rows that hold it.
+/// Values of rows that must agree, each with the numbers of the rows that hold it.
 type Votes<T> = BTreeMap<T, Vec<usize>>;
 
-/// What rows say of the same scene must be the same.
+/// Checks that rows of the same scene agree on it.
 fn together(rows: &[Row]) -> Vec<(usize, String)> {
     let mut scenes: HashMap<Projection, Votes<&str>> = HashMap::new();
     let mut answers: HashMap<(Projection, &str), Votes<&str>> = HashMap::new();

@@ -1,5 +1,5 @@
-//! What a machine is made of, as far as its system says: what tells two machines of one name apart.
-//! What cannot be known stays unknown, on any system.
+//! Hardware of a machine, as far as its operating system reports it. It tells two machines of the
+//! same name apart. What a system does not report stays unknown.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub struct Hardware {
     pub cpu_family: Option<u64>,
     pub cpu_model: Option<u64>,
     pub cpu_stepping: Option<u64>,
-    /// Instructions that detectors and compilers make use of, as the compiler calls them.
+    /// Instruction sets that detectors and compilers use, under the compiler's names.
     pub cpu_features: Option<Vec<String>>,
     pub cores: Option<u64>,
     /// Level and kind (`L1d`, `L1i`, `L2`, `L3`) to size (`32K`).
@@ -174,7 +174,7 @@ fn field(lines: &str, name: &str) -> Option<String> {
     (!value.is_empty()).then(|| value.to_string())
 }
 
-/// The same of a whole number, decimal or with `0x`.
+/// Returns the whole number, decimal or with `0x`, in the first line `name: value`.
 #[cfg(any(unix, test))]
 fn count(lines: &str, name: &str) -> Option<u64> {
     let text = field(lines, name)?;

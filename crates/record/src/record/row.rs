@@ -14,11 +14,11 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 use contactbench_terms::scene::Stats;
 
-/// A field that is a column: its name, the pass that measures it (none where every pass knows it),
-/// its unit, and its value.
+/// A field that is a column: its name, the pass that measures it (`None` if every pass has it), its
+/// unit, and its value.
 pub(super) type Field<T> = (&'static str, Option<Pass>, &'static str, fn(&T) -> Option<f64>);
 
-/// What a column can be read from.
+/// A type whose values can be shown in a column.
 trait Number {
     fn number(self) -> Option<f64>;
 }
@@ -41,8 +41,8 @@ impl<T: Number> Number for Option<T> {
     }
 }
 
-/// Defines a part of a row. A field with `= pass, unit` is a column. Fields after `@known` are
-/// written only if they have a value.
+/// Defines a struct that is a part of a row. A field declared with `= pass, unit` is also a column.
+/// Fields after `@known` are written only if they have a value.
 macro_rules! table {
     (
         $(#[$meta:meta])* $name:ident {

@@ -43,7 +43,7 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// What would end a line of code.
+/// Returns whether this character would end a line of code.
 fn is_break(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
 }

@@ -25,7 +25,7 @@ pub enum Block {
     /// Text as it is, a command, say.
     Code(String),
     Table(Table),
-    /// What a figure shows, and its file, in the folder `figures`.
+    /// Title of a figure, and its file in the folder `figures`.
     Figure {
         title: String,
         path: PathBuf,
@@ -72,8 +72,8 @@ impl Text {
         self
     }
 
-    /// The words in a language: what stands around each style but the plain one, and how words are
-    /// escaped.
+    /// Writes the words in a language: `around` is put around each style except the plain one, and
+    /// `escape` escapes words.
     fn written(&self, around: [[&str; 2]; 3], escape: impl Fn(Style, &str) -> String) -> String {
         let span = |(style, text): &(Style, String)| {
             let [open, close] = match style {

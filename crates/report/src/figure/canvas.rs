@@ -33,7 +33,7 @@ impl Text {
     pub const fn centred(self) -> Text {
         Text { anchor: HPos::Center, ..self }
     }
-    /// The same, which ends at the point.
+    /// Returns this style for a text that ends at its point.
     pub const fn ending(self) -> Text {
         Text { anchor: HPos::Right, ..self }
     }
@@ -51,7 +51,7 @@ impl Text {
     }
 }
 
-/// What a figure is drawn on. Nothing fails: plotters writes to a string.
+/// The surface that a figure is drawn on. Drawing cannot fail: plotters writes to a string.
 pub struct Canvas<'a>(SVGBackend<'a>);
 
 /// Draws an SVG on a white ground: viewers may have a dark one.
@@ -93,7 +93,7 @@ impl Canvas<'_> {
         };
     }
 
-    /// A line in pieces: how much is drawn, and how much skipped; without these a whole one.
+    /// Draws a line; `dash` holds the drawn and the skipped length, and is `None` for a solid line.
     pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Point>) {
         match dash {
             None => self.line(points, colour, width),
@@ -165,7 +165,7 @@ impl Canvas<'_> {
     }
 }
 
-/// The ends of the lines of an x, and of a plus.
+/// Returns the end points of the two lines of an x; `upright` returns those of a plus.
 pub fn slanted((x, y): Point, r: f64) -> [Point; 4] {
     [(x - r, y - r), (x + r, y + r), (x - r, y + r), (x + r, y - r)]
 }

@@ -85,7 +85,7 @@ const RULES: [(&str, Colour, Marker); 5] = [
     ("lammps-", (230, 159, 0), Marker::Diamond),
     ("every-", (213, 94, 0), Marker::Down),
 ];
-/// The same of a skin that is found while a list is used.
+/// Style of the rule `auto`, which finds the skin while a list is used.
 const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
 
 /// The styles of all detectors of a record.
@@ -188,7 +188,7 @@ fn detector(name: &str) -> String {
     }
 }
 
-/// The letter that marks a cell without a value, and what it says.
+/// The letter that marks a cell without a value, and its meaning.
 pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     match outcome {
         Outcome::Ok => ("", "ok"),

@@ -8,7 +8,7 @@ use crate::sections::conditions;
 use contactbench_terms::text::html as escape;
 
 impl Origin {
-    /// What else the machine did, and how often it was slow.
+    /// Returns paragraphs on other load of the machine, and on how often the machine was slow.
     pub fn machine(&self) -> impl Iterator<Item = Block> {
         conditions::machine(&self.conditions).into_iter().map(Block::paragraph)
     }

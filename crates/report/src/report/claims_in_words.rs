@@ -23,7 +23,7 @@ fn lab() -> Lab {
     lab
 }
 
-/// What comes of a claim, and its evidence.
+/// Judges a claim, and returns its verdict and its evidence.
 fn judge(lab: &Lab, claim: &str) -> (Verdict, String) {
     let experiment = testing::experiment(&format!("[[claim]]\nname = 'c'\n{claim}"));
     let cells = cells::cells(&lab.rows());

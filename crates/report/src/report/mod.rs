@@ -52,9 +52,9 @@ pub struct Facts<'a> {
     pub verdicts: Vec<Verdict>,
     pub styles: Styles,
     pub origin: Origin,
-    /// How much of each plan is there, and why times are doubtful.
+    /// Notes on incomplete plans, and on why times are doubtful.
     pub alerts: Vec<Block>,
-    /// Who is wrong, and what was left out.
+    /// Warnings of wrong answers, and of what was left out.
     pub warnings: Vec<String>,
 }
 
@@ -70,7 +70,7 @@ pub struct Part<'a> {
     pub asks_fastest: bool,
     /// How the detector of interest compares with libraries, in a sentence: the answer.
     pub answer: Option<Text>,
-    /// How it compares with the fastest, where no library was measured.
+    /// How the detector of interest compares with the fastest, if no library was measured.
     pub headline: Option<Text>,
     /// Who is right, case by case, if the experiment asks.
     pub matrix: Option<Matrix>,
@@ -87,7 +87,7 @@ pub struct Part<'a> {
 pub struct Origin {
     /// Command, revision and machine.
     pub provenance: Option<Value>,
-    /// The same of runs that went on with the record, in the order of their dates.
+    /// Provenance of the runs that resumed the record, in the order of their dates.
     pub resumed: Vec<Value>,
     /// What makes its times doubtful, and what else the machine did.
     pub conditions: Conditions,

@@ -47,7 +47,7 @@ fn lab(spacings: &[u64], blocks: usize) -> Lab {
 struct Held {
     summary: Summary,
     verdicts: Vec<Verdict>,
-    /// What is said of the part that is there.
+    /// Words about the part of the plan that is measured.
     words: String,
 }
 
@@ -106,7 +106,7 @@ fn a_part_is_not_covered_and_says_which() {
     let claims = vec![Claim { filter, ..near.claims[0].clone() }];
     let near = Experiment { claims, ..near };
     assert_eq!(Held::new(part, &near, Value::Null).statuses(), [Holds]);
-    // What is false in a part is false.
+    // A claim that is false in a part of the plan is false.
     part.param("s", 50).detector("nbs").count(&[("list_push", 900)]);
     assert_eq!(Held::plain(part).statuses()[0], Fails);
 }

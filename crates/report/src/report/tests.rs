@@ -41,7 +41,7 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     ] {
         assert!(markdown.contains(part), "{part} is not in\n{markdown}");
     }
-    // The three say the same.
+    // Report, page and terminal contain the same facts.
     for part in ["signal 11", "3.00 (3.00 to 3.00)", "exactly, in 2 cells", "packed, 2D, N = 1000"]
     {
         let texts = [&markdown, &page, &terminal];

@@ -1,4 +1,4 @@
-//! What the report and the terminal say.
+//! Texts of the report and of the terminal.
 
 use serde_json::Value;
 

@@ -5,7 +5,7 @@ use contactbench_record::findings::conditions::{Conditions, Load, percent};
 use contactbench_record::record::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, plural};
 
-/// Why the times of a record are doubtful, in one sentence; none where there is no reason.
+/// Returns in one sentence why the times of a record are doubtful; `None` if they are not.
 pub fn sentence(conditions: &Conditions) -> Option<String> {
     let doubts = &conditions.doubts;
     let said = || format!("do not quote the times of this record: {}", doubts.join("; "));

@@ -19,8 +19,7 @@ pub(super) struct Scene {
     pub given: Given,
 }
 
-/// The specs without dimension, number and seed; those in space say of a lattice of squares that it
-/// is cubic.
+/// Specs without dimension, number and seed. In 3D a cubic lattice replaces the square one.
 ///
 /// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to
 /// it as rounding allows.

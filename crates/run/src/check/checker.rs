@@ -47,7 +47,8 @@ impl<'a> Checker<'a> {
         self.started.elapsed() > self.limits.time || self.decided()
     }
 
-    /// Checks scene after scene. False if it is over: where the time counts, or nobody is left.
+    /// Checks scene after scene. Returns false if the check stops early: no subject is left or, if
+    /// `in_time`, the time is over.
     pub(super) fn all(
         &mut self,
         scenes: impl Iterator<Item = anyhow::Result<Scene>>,

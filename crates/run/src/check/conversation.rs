@@ -55,7 +55,8 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
 }
 
 impl Talk {
-    /// The reply to a request with further fields; none, and a finding, if there is none.
+    /// Returns the reply to a request with additional fields. Without a reply it records what is
+    /// wrong, and returns `None`.
     fn say(
         &mut self,
         when: &str,
@@ -77,7 +78,7 @@ impl Talk {
             }
             Answer::Wrong(Wrong::Breaks(what)) => self.breaks(format!("{when}: {what}")),
             Answer::Wrong(other) => self.manners.broken.push(other),
-            // A runner need not speak of what its version of the protocol does not have.
+            // A runner need not support what its version of the protocol does not have.
             Answer::Right | Answer::Pairs(_) | Answer::Refused(..) | Answer::Declined(_) => {}
         }
         Ok(None)

@@ -141,7 +141,7 @@ pub(super) fn digest(contacts: u64, text: &str) -> Result<Digest, Wrong> {
     protocol::digest(contacts, text).map_err(Wrong::Breaks)
 }
 
-/// A runner to talk with; one that has ended is started anew.
+/// A connection to a runner, which is started again after it has ended.
 pub(super) struct Line {
     pub foreign: Foreign,
     pub deadline: Duration,
@@ -149,7 +149,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Sends a request with further fields, and gives the reply, whatever it says.
+    /// Sends a request with additional fields, and returns the reply, of whatever kind.
     pub fn say(&mut self, request: &Request, fields: &[(&str, &str)]) -> Result<Reply, Stop> {
         let mut client = match self.client.take() {
             Some(client) => client,

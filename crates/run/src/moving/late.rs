@@ -15,11 +15,11 @@ use contactbench_core::periodic::ImagePair;
 pub struct Late<P: Eq + Hash = ImagePair> {
     /// Missed pair-steps.
     pub missed: u64,
-    /// The most missed in one frame.
+    /// Largest number of contacts missed in one frame.
     pub worst: u64,
-    /// The first of these frames.
+    /// First frame with this many missed contacts.
     pub first: Option<u64>,
-    /// Frames in which one was missed.
+    /// Number of frames in which a contact was missed.
     pub frames: u64,
     /// Contacts that ended, or were there in the last frame, and were never reported.
     pub never: u64,
@@ -32,9 +32,9 @@ pub struct Late<P: Eq + Hash = ImagePair> {
 }
 
 impl Late {
-    /// Compares what was reported in frame `k` with the truth, both in ascending order, and
-    /// returns how many contacts were reported that are none, or twice. `names` are those of the
-    /// frame; the default ones do in open space.
+    /// Compares what was reported in frame `k` with the truth, both in ascending order, and returns
+    /// the number of spurious and repeated contacts. `names` are those of the frame; the default
+    /// names suffice in open space.
     pub fn take(
         &mut self,
         k: u64,

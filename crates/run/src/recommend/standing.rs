@@ -1,4 +1,4 @@
-//! Who takes part in a race, where each stands, and who leaves it.
+//! Subjects of a race: their times so far, and the rules by which slow subjects leave.
 
 use contactbench_core::detect::table::Entry;
 use contactbench_core::oracle::Errors;
@@ -49,7 +49,7 @@ impl Standing {
         self.times.clear();
     }
 
-    /// Returns whether its times can be compared.
+    /// Returns whether the times of this subject can be compared.
     pub fn is_timed(&self) -> bool {
         self.outcome.is_good() && !self.times.is_empty()
     }
@@ -77,12 +77,11 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
 }
 
 pub(super) struct Rule {
-    /// Those that take more times as long as the fastest leave.
+    /// Subjects that take more than this many times as long as the fastest leave the race.
     pub limit: f64,
-    /// How many times as long one takes as the fastest.
+    /// Returns how many times as long the first subject takes as the second, the fastest.
     over: fn(&Standing, &Standing) -> Option<f64>,
-    /// In what they are slower. So few of their times show nothing more, and are dropped; `None`
-    /// keeps what was measured.
+    /// Where a subject was slower, for the reason; its few times are dropped. `None` keeps them.
     place: Option<&'static str>,
 }
 
@@ -107,7 +106,7 @@ pub(super) const BEHIND: Rule =
     Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
 
 impl Rule {
-    /// Ends those who are too slow; but two stay, so that there is a margin to be told.
+    /// Removes the subjects that are too slow, but keeps two, so that there is a margin to report.
     pub fn apply(&self, standings: &mut [Standing]) {
         let mut racing: Vec<usize> =
             (0..standings.len()).filter(|&k| standings[k].racing).collect();

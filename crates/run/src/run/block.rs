@@ -45,7 +45,7 @@ struct Player {
 }
 
 impl Stage<'_, '_> {
-    /// A block of those that are timed together; gives those that are still in the race.
+    /// Times one block of these subjects together; returns the subjects that are still in the race.
     pub fn block(
         &mut self,
         entry: Vec<Running>,

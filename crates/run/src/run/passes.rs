@@ -84,8 +84,8 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// A runner in a process of its own, with the scene; on this processor, if one is given. It must
-/// say the same `hello` as before.
+/// A runner in a process of its own, with the scene; on this processor, if one is given. Its reply
+/// to `hello` must be the same as before.
 pub fn fresh(
     start: &Start,
     hello: Option<&Hello>,

@@ -19,7 +19,7 @@ const TRIED: u64 = 1000;
 const ROW_BYTES: u64 = 2000;
 const REPORT_BYTES: u64 = 8 << 20;
 
-/// What is the same for all scenes of a run.
+/// Settings that all scenes of a run share.
 pub(crate) struct Job {
     pub quick: bool,
     /// The program to start as runner: this one.
@@ -85,8 +85,8 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     few.frames(&few.given()?).map(drop)
 }
 
-/// An error unless files can be written into `folder` and among the temporary ones, and there is
-/// room for a record of these scenes, of which `done` rows are there, and for the scenes.
+/// Checks that files can be written into `folder` and into `temporary`, and that both have room:
+/// for the record of these scenes, of which `done` rows exist, and for the scenes.
 pub(crate) fn room(
     job: &Job,
     scenes: &[Planned<'_>],

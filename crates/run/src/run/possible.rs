@@ -219,7 +219,7 @@ mod tests {
         most_listed: Some(100 * 100),
     };
 
-    /// Empty words: it is taken.
+    /// Checks that a reply is refused with these words, or accepted if they are empty.
     fn says(reply: &Reply, asked: &Asked, words: &str) {
         match check(reply, asked) {
             Ok(()) => assert_eq!(words, "", "{reply:?}"),

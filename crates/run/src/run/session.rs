@@ -137,7 +137,7 @@ fn measure(
     Ok(())
 }
 
-/// Opens the record of a folder, of which so many rows were read.
+/// Opens the record of a folder, from which `rows` rows were read.
 fn opened(folder: &Path, rows: usize) -> anyhow::Result<(Writer, Origins)> {
     let path = folder.join(row::FILE);
     let record = Writer::append(&path).with_context(|| {

@@ -78,9 +78,9 @@ pub struct Parameter {
 /// Which values a parameter takes.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A finite number of which this holds, with what it must be.
+    /// A finite number: what it must be, and the function that tests it.
     Number(&'static str, fn(f64) -> bool),
-    /// A whole number, likewise.
+    /// A whole number: what it must be, and the function that tests it.
     Whole(&'static str, fn(u64) -> bool),
     /// true or false.
     Yes,
@@ -147,7 +147,7 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
-    /// What most generators have in common.
+    /// Values that most generators share.
     pub(crate) const PLAIN: Generator = Generator {
         name: "",
         dims: &[2, 3],

@@ -94,8 +94,8 @@ pub fn lines(dim: u32, line: &[f64], park: f64) -> Vec<Place> {
     (0..dim as usize).flat_map(along).collect()
 }
 
-/// A square or cubic lattice with so many sites per axis in the plane and in space, x first; site k
-/// of an axis has the coordinate `at(k)`.
+/// Builds a square or cubic lattice with this many sites per axis in the plane and in space, x
+/// first; site k of an axis has the coordinate `at(k)`.
 pub fn lattice(dim: u32, sites: [u32; 2], at: impl Fn(f64) -> f64) -> Vec<Place> {
     let m = by_dim(dim, sites);
     let layers = if dim == 2 { 1 } else { m };

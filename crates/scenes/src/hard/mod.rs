@@ -74,7 +74,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
 pub struct Case {
     /// The name, in words joined by `-`.
     pub name: &'static str,
-    /// What kind of difficulty it is, one of [`GROUPS`].
+    /// Kind of difficulty, one of [`GROUPS`].
     pub group: &'static str,
     /// The dimensions in which it is made.
     pub dims: &'static [u32],

@@ -72,7 +72,7 @@ pub struct Circle {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// Those of the bodies that have one, in their order.
+    /// Circle of each particle, in the order of particles; `None` if a particle has none.
     circles: Vec<Option<Circle>>,
     /// For spheres: the slice.
     pub slice: Option<Slice>,

@@ -87,7 +87,7 @@ fn picture(frame: &Frame, page: &PageCoordinates) -> [String; 3] {
     [discs, contacts, missed]
 }
 
-/// Strokes on the line of time, so long.
+/// Returns strokes on the time line, one for each marked frame.
 fn marks(film: &Film, is_marked: impl Fn(&Frame) -> bool, stroke: &str) -> String {
     let marked = film.frames.iter().enumerate().filter(|(_, frame)| is_marked(frame));
     marked.map(|(k, _)| format!("M{k} {stroke}")).collect()

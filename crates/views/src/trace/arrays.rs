@@ -17,7 +17,7 @@ const CAPTION: f64 = 16.0;
 const LINE: f64 = VALUE[1] + CAPTION + 6.0;
 const TITLE: f64 = 26.0;
 
-/// What one block of the panel shows.
+/// Contents of one block of the panel.
 #[derive(Clone, Copy)]
 pub enum Kind {
     /// The first particles of lists that lie along an axis.

@@ -51,7 +51,7 @@ impl<'a> Scene<'a> {
         Scene { trace, edge, first: [0, 1].map(|axis| trace.shown(axis).start), cells, size }
     }
 
-    /// What templates show of a scene and its arrays in all steps.
+    /// Returns the template values of a scene and its arrays that are the same in all steps.
     pub fn values(&self, arrays: &Arrays<'_>) -> [(&'static str, String); 7] {
         let panel = |[width, height]: [f64; 2]| format!("0 0 {} {}", px(width), px(height));
         [

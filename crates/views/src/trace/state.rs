@@ -33,7 +33,7 @@ pub struct Node {
 /// The arrays of an algorithm, with the contacts found so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// The arrays by letter, as [`blocks`] has them.
+    /// Arrays by letter; [`blocks`] lists the letters.
     arrays: BTreeMap<char, Vec<Slot>>,
     pub nodes: Vec<Node>,
     pub contacts: Vec<[u32; 2]>,
@@ -49,8 +49,8 @@ pub fn links(heads: char) -> char {
 }
 
 impl State {
-    /// The arrays of an algorithm for `n` particles in so many cells along the axes, before it
-    /// begins.
+    /// Builds the arrays of an algorithm before its first step, for `n` particles and this many
+    /// cells along each axis.
     pub fn new(algorithm: Algorithm, n: usize, cells: [usize; 2]) -> State {
         let mut state = State::default();
         for &(letter, kind, _) in blocks(algorithm) {
@@ -65,7 +65,7 @@ impl State {
             };
             state.arrays.insert(letter, vec![Slot::default(); length]);
         }
-        // Sorting has all particles in their order.
+        // Array D, which only sorting has, begins with all particles in ascending order.
         (0..n).for_each(|k| state.set('D', k, Some(k as u32)));
         state
     }

@@ -15,7 +15,7 @@ pub struct Stills<'a> {
     scene: Scene<'a>,
     arrays: Arrays<'a>,
     template: String,
-    /// What does not change from step to step.
+    /// Template values that are the same in all steps.
     values: Vec<(&'static str, String)>,
 }
 

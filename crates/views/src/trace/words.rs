@@ -6,7 +6,7 @@ use crate::trace::state::links;
 use contactbench_core::event::{Event, Part};
 use contactbench_terms::number::plural;
 
-/// What is said of an algorithm at the beginning, and at the end.
+/// Returns the texts shown before and after the steps of an algorithm.
 fn about(algorithm: Algorithm) -> [&'static str; 2] {
     match algorithm {
         Algorithm::Nbs => [

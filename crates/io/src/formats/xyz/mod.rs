@@ -80,7 +80,7 @@ fn maybe_box(line: &str) -> Option<Notice> {
     })
 }
 
-/// Of what a frame has too few.
+/// End of the error for a frame with too few particles.
 const ROWS: &str = "particles that the frame's first line announces: it is cut off, or still being \
                     written; mend the number or the file";
 

@@ -18,9 +18,9 @@ const SERIES: usize = 3;
 pub(super) struct Finding {
     pub status: Status,
     pub words: String,
-    /// True where there was nothing to check.
+    /// True if there was nothing to check.
     pub nothing: bool,
-    /// True where more cells may turn a failure round.
+    /// True if more cells may turn a failure into success.
     pub open: bool,
     pub used: BTreeSet<CellId>,
 }

@@ -51,7 +51,7 @@ pub struct Against {
     pub drift: Option<f64>,
 }
 
-/// The name of the one of two that has it; none if both have it, or neither.
+/// Returns the name of the record that alone has something; `None` if both have it, or neither.
 fn only(a: bool, b: bool) -> Option<&'static str> {
     (a != b).then_some(if a { "A" } else { "B" })
 }
@@ -73,9 +73,10 @@ pub struct Compared {
     /// What must be the same and is not.
     pub changes: Vec<Change>,
     pub absent: Option<String>,
-    /// Whether it is in both records.
+    /// Whether the cell is in both records.
     pub in_both: bool,
-    /// What cannot be compared though the cell is in both, a line each: a run was cut short.
+    /// What cannot be compared although the cell is in both records, one line each: a run was cut
+    /// short.
     pub lacks: Vec<String>,
     /// The times, where both have some.
     pub timing: Option<Timing>,

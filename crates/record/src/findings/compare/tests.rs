@@ -14,7 +14,7 @@ fn against(detector: &str, drift: f64) -> Options {
     Options { against: Some(Against { detector: detector.into(), drift }), ..options() }
 }
 
-/// Of two builds that took turns, with the twins in these rows.
+/// Options for two builds that were timed in turns, with the twins in these rows.
 fn in_turns(rows: &[Row]) -> Options {
     Options { side_by_side: Some(floors(&cells(rows))), ..options() }
 }
@@ -61,7 +61,7 @@ fn times_are_judged_by_the_whole_interval() {
         (400_000, nbs.clone(), WithinBand),
         (200_000, nbs.clone(), Faster),
         (600_000, nbs.clone(), Slower),
-        // Less than what the control itself drifted by decides nothing.
+        // A change smaller than the drift of the control is undecided.
         (432_000, nbs.clone(), Undecided),
         (600_000, against("nbs", 1.6), Undecided),
         (400_000, two.clone(), NotJudged),
@@ -91,7 +91,7 @@ fn the_control_is_a_detector_with_a_twin_and_its_drift_is_known() {
         assert!((found.drift.unwrap() - 1.2).abs() < 1e-3, "{found:?}");
         assert_eq!(control(&a, &b, Some("sweep")).unwrap().detector, "sweep");
         assert_eq!(control(&a, &one(&[1]), None), None);
-        // A name without times: no drift of 0%.
+        // The drift of a control without times is unknown, not 0%.
         assert_eq!(control(&a, &b, Some("streamed-nbs")).unwrap().drift, None);
         let judged = timings(&a, &b, &Options { against: Some(found), ..options() });
         assert!(judged.iter().any(|it| it.judgement != Judgement::NotJudged));

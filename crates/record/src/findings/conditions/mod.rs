@@ -141,7 +141,7 @@ impl Conditions {
             let limit = OTHERS.max(OTHERS_OF_ALL * cores);
             let others = share(|span| span.others_s, limit, "other processes used");
             let stolen = share(|span| span.stolen_s, STOLEN, "the host took away");
-            // Short ones say nothing: the load average is read instead.
+            // A short run decides nothing: the load average is read instead.
             if seconds >= SHORTEST_S && others >= busiest {
                 busiest = others;
                 self.load = Load::Watched { seconds, others, stolen };

@@ -130,7 +130,7 @@ impl Plot {
     }
 }
 
-/// What tells lines and panels of a figure apart.
+/// Names that tell the lines and panels of a figure apart.
 struct Names<'a> {
     x: &'a str,
     /// Which of these have several values.

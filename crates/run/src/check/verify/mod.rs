@@ -217,7 +217,7 @@ fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Contact
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())
 }
 
-/// The radius with which particles touch that are apart by no more than `skin`.
+/// Returns a radius at which particles touch if the gap between them is at most `skin`.
 fn with_skin(r: f64, skin: f64) -> f64 {
     ((r + skin / 2.0) * (1.0 + 1e-9)).min(f64::MAX)
 }

@@ -243,7 +243,7 @@ mod tests {
         told.map_err(|error| format!("{error:#}"))
     }
 
-    /// A file of a list for each of these steps; a file without rows where there is none.
+    /// Each list is one file; a list without a step is a file without rows.
     #[test]
     fn files_without_rows_are_lists_of_the_frames_of_their_number() {
         let of = |particles: &[i64], lists: &[Option<i64>]| {

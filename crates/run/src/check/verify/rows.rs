@@ -9,13 +9,13 @@ use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_core::scene::Radii;
 use contactbench_core::with_scene;
 
-/// A mistake that is tried: hands on what would touch with each variant of it.
+/// A kind of mistake; `tries` passes on the contacts that each variant of the mistake would give.
 pub(super) struct Row {
     pub kind: Kind,
     pub tries: fn(&Search<'_>, At<'_>, Each<'_>),
 }
 
-/// Takes what touches with a mistake, and returns whether more is to be tried.
+/// Receives a mistake with the contacts that it would give; returns whether to try more.
 pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, Contacts) -> bool;
 
 #[derive(Clone, Copy, PartialEq)]

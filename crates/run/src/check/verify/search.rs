@@ -208,7 +208,7 @@ impl<'a> Search<'a> {
         errors.missed >= least && spurious.count == spurious.far
     }
 
-    /// Tries what touches with radii `by` times as large, and a little more.
+    /// Tries the contacts of radii `by` times as large, and of slightly larger ones.
     pub fn with_radii(
         &self,
         at: At<'_>,
@@ -225,7 +225,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries what touches in a box of these vectors and axes; returns whether more is to be tried.
+    /// Tries the contacts in a box of these vectors and axes; returns whether to try more.
     pub fn in_box(
         &self,
         at: At<'_>,

@@ -1,4 +1,4 @@
-//! One frame, in open space or in a box: what is true of it, and how an answer differs.
+//! One frame, in open space or in a box: its true contacts, and how an answer differs from them.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -84,7 +84,8 @@ impl<'a> Frame<'a> {
         Ok(Frame { given, boxed, memory_limit, known: HashMap::new() })
     }
 
-    /// Compares the sorted contacts of an answer; those of the right one if there are none.
+    /// Compares the sorted contacts of an answer with the truth; `None` stands for the right
+    /// answer.
     pub fn compare(
         &mut self,
         arithmetic: Arithmetic,

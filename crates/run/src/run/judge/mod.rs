@@ -29,7 +29,7 @@ pub struct Judge<'a> {
     /// The files of the frames; `None` for a scene at rest, which stays.
     trajectory: Option<Trajectory>,
     memory_limit: u64,
-    /// The frame that was looked at last.
+    /// The frame that was loaded last, with its number.
     frame: Option<(usize, Frame<'a>)>,
     right: Known<Rc<[Right]>>,
     /// Answers judged before, by who gave them: timed samples repeat the same answer.
@@ -38,7 +38,7 @@ pub struct Judge<'a> {
 
 type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
 
-/// Keeps what was found out, unless that is a defect.
+/// Caches a result, unless it is a defect.
 fn kept<T: Clone>(
     known: &mut Known<T>,
     arithmetic: Arithmetic,
@@ -116,11 +116,11 @@ pub(crate) struct Said<'a> {
     pub found: &'a Found,
 }
 
-/// What an answer to several frames shows of its tracker.
+/// Builds and late contacts of a tracker, taken from its answer to several frames.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracked {
     pub builds: Builds,
-    /// What was missed in the frames in which it was there.
+    /// Contacts that were missed in frames in which they existed.
     pub late: Late,
 }
 
@@ -174,7 +174,7 @@ pub fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
 }
 
 impl<'a> Judge<'a> {
-    /// A judge of a scene at rest. A list of contacts may take `memory_limit` bytes.
+    /// Builds a judge of a scene at rest. A list of contacts may take `memory_limit` bytes.
     ///
     /// # Errors
     /// A box that does not suit the scene.
@@ -209,8 +209,9 @@ impl<'a> Judge<'a> {
         Judge { trajectory, memory_limit, frame: None, right, seen }
     }
 
-    /// Judges an answer. `fetch` asks for the pairs of a frame, in order; it is not called for a
-    /// frame whose answer is right, nor for what was judged before.
+    /// Judges an answer. `fetch` returns the pairs of a frame, and is called in the order of
+    /// frames. It is not called for a frame whose answer is right, nor for an answer that was
+    /// judged before.
     pub(crate) fn judge(
         &mut self,
         contender: &str,
@@ -295,8 +296,8 @@ impl<'a> Judge<'a> {
         Ok((Judged::new(all, said), tracked))
     }
 
-    /// The right answers to all frames; where they are found now, `each` gets the frames with what
-    /// is true in them.
+    /// Returns the right answers to all frames. If they are computed now, `each` receives every
+    /// frame with its truth.
     fn right(
         &mut self,
         arithmetic: Arithmetic,
@@ -338,7 +339,7 @@ impl<'a> Judge<'a> {
         self.frame.as_mut().map(|(_, frame)| frame).context("there is no frame")
     }
 
-    /// How many contacts there are by the arithmetic's own contact test, or why that is not known.
+    /// Returns the number of contacts by the arithmetic's own contact test, or why it is unknown.
     pub fn count(&mut self, arithmetic: Arithmetic) -> anyhow::Result<(Count, Option<Nothing>)> {
         match self.right(arithmetic, |_, _| Ok(())) {
             Ok(right) => {
@@ -352,7 +353,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Notes what is late in a frame; an answer without contacts is the right one.
+/// Records the late contacts of a frame; `None` stands for the right answer.
 fn late(
     late: &mut Late,
     k: usize,

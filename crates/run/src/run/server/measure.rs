@@ -16,10 +16,10 @@ const MOST_PASSES: u64 = 64;
 
 #[derive(Default)]
 struct Times {
-    /// Of each frame, in all passes together, in nanoseconds.
+    /// Time of each frame, summed over all passes, in nanoseconds.
     ns: Vec<u64>,
     passes: u64,
-    /// Of all frames, for building lists that are kept.
+    /// Time for building neighbour lists, summed over all frames and passes, in nanoseconds.
     building: Option<u64>,
     steps: Steps,
 }

@@ -2,10 +2,10 @@
 //! requests of [`crate::run::protocol`] on standard input. A detector that crashes, hangs or eats
 //! memory costs its own rows and nothing else.
 //!
-//! A pass of a trajectory looks at each frame in turn, which is read from its file outside the
-//! clock. A scene at rest, a trajectory of one frame, stays in memory: a pass of a detector is then
-//! one detection, and a reset has nothing to drop, because the detectors of the table keep buffers,
-//! and nothing that was computed from coordinates.
+//! A pass of a trajectory searches each frame in turn; reading a frame from its file is not timed.
+//! A scene at rest, a trajectory of one frame, stays in memory: a pass of a detector is then one
+//! detection, and a reset has nothing to drop, because the detectors of the table keep buffers, and
+//! nothing that was computed from coordinates.
 
 mod measure;
 
@@ -37,16 +37,16 @@ pub struct Server {
     options: Options,
     /// Keeps its buffers from scene to scene.
     searcher: Searcher,
-    /// At work in its place, if this is a tracker or the trajectory has several frames.
+    /// Used instead of `searcher`, if this is a tracker or the trajectory has several frames.
     tracker: Option<Box<dyn Tracker>>,
-    /// Without frames if none is loaded.
+    /// Empty if no trajectory is loaded.
     frames: Trajectory,
     /// The frame that was read last, and its number.
     frame: Option<(usize, Loaded<'static>)>,
     contacts: Contacts,
     /// Detections of a sample of a scene at rest, once they are known.
     calls: Option<u64>,
-    /// After a pass that ended at the pairs of a frame: the frame after it.
+    /// The frame after the last one whose pairs were written; the next pairs go on from there.
     next: Option<usize>,
 }
 
@@ -167,7 +167,7 @@ impl Server {
         })
     }
 
-    /// Looks at a frame, in the place of what is in the list.
+    /// Finds the contacts of the loaded frame; replaces what is in `contacts`.
     fn step(&mut self, k: usize, tally: Option<&mut Tally>) -> Answer<Seen> {
         let Server { tracker, searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else {
@@ -195,7 +195,7 @@ impl Server {
         }
     }
 
-    /// Reads a frame, unless it is there.
+    /// Reads a frame, unless it is loaded already.
     fn fetch(&mut self, k: usize) -> Answer<()> {
         if self.frame.as_ref().is_none_or(|(last, _)| *last != k) {
             // One frame is held at a time.
@@ -205,7 +205,7 @@ impl Server {
         Ok(())
     }
 
-    /// Looks at all frames, as if none had been seen before.
+    /// Finds the contacts of all frames, after a reset.
     fn pass(
         &mut self,
         mut tally: Option<&mut Tally>,
@@ -230,8 +230,8 @@ impl Server {
         self.next = None;
     }
 
-    /// Writes the pairs of a frame, of the last if none is named; those in a box in order. Frames
-    /// that are asked for in order are of one pass.
+    /// Writes the pairs of a frame, by default the last; pairs in a box are sorted. Frames that are
+    /// requested in order belong to one pass.
     fn write(&mut self, path: &Path, frame: Option<u64>) -> Answer {
         let count = self.frames.frames.len();
         let wanted = frame.unwrap_or(count as u64 - 1);

@@ -103,7 +103,7 @@ impl Sheet<'_> {
         )
     }
 
-    /// What the scene is, and which part of it is seen.
+    /// Describes the scene, and the part of it that is drawn.
     fn subtitle(&self) -> String {
         let (scene, lattice) = (self.periodic.scene(), self.periodic.lattice());
         let count = scene.len();
@@ -182,7 +182,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Says what lines of this look mean.
+    /// Adds a row that explains lines of this look.
     fn meaning(&mut self, look: &str, meaning: String) {
         self.rows.push((format!("<path d=\"M0 0H32\" {look} fill=\"none\"/>"), meaning));
     }
