@@ -1,4 +1,4 @@
-//! Whole detectors, in open space and in boxes that repeat, on isolated couples.
+//! Tests of whole detectors on isolated pairs, in open space and in periodic boxes.
 //!
 //! ```text
 //!      |         |         |         |     open space: borders at low + m·reach (a textbook grid)

@@ -19,8 +19,8 @@ use contactbench_core::contact::Test;
 /// What is to be done.
 #[derive(Clone, Copy)]
 pub struct Plan {
-    /// Couples for the contact test; decisions (couples times detectors) for detectors; contacts in
-    /// frames, each counted for every tracker that is to report it. At least this many.
+    /// Least number of decisions: pairs for the contact test, pairs times detectors for detectors,
+    /// and contacts in frames, once per tracker, for trackers.
     pub pairs: u64,
     pub seed: u64,
     /// The test under trial: exact; the rounded one must be found wrong. Trackers are always held

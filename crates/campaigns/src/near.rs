@@ -1,4 +1,4 @@
-//! Couples as near to tangency as numbers go, in whole numbers: the label is the sign of an
+//! Pairs as near to tangency as numbers go, in whole numbers: the label is the sign of an
 //! expression in 128-bit integers that is written here, and no code of the library takes part.
 
 use std::cmp::Ordering;
@@ -20,7 +20,7 @@ pub struct Lengths<'a, const D: usize> {
     pub fine: i32,
 }
 
-/// The vector from the first to the second of a couple, the radii, and the sign of the gap.
+/// A pair: the vector from the first particle to the second, the radii, and the sign of the gap.
 pub struct Near<const D: usize> {
     pub vector: [i64; D],
     pub radii: [i64; 2],
@@ -36,8 +36,8 @@ impl<'a, const D: usize> Lengths<'a, D> {
         Lengths { sphere, multiple, sizes, reach, fine: reach.leading_zeros() as i32 - 11 }
     }
 
-    /// The next couple: along a Pythagorean direction, any direction, or an axis, moved by one unit
-    /// or not at all.
+    /// Returns the next pair: along a Pythagorean direction, any direction, or an axis, moved by
+    /// one unit or not at all.
     pub fn near(&self, draw: &mut Draw) -> Near<D> {
         let Lengths { sphere, multiple, sizes, reach, fine } = *self;
         let small = sizes && draw.once_in(2);

@@ -114,7 +114,7 @@ fn batch<const D: usize>(
     counts
 }
 
-/// A couple somewhere, with coordinates below 2^53 units.
+/// Returns a pair at a random place, with coordinates below 2^53 units.
 fn on_the_grid<const D: usize>(
     lengths: &Lengths<'_, D>,
     far: bool,
@@ -175,7 +175,7 @@ fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ord
     distance.cmp(&square(integer(ra) + integer(rb)))
 }
 
-/// Asks for couples 0-1, 2-3, ..., and counts missed and spurious ones.
+/// Tests the pairs 0-1, 2-3, ..., and counts missed and spurious ones.
 struct Ask<'a> {
     truths: &'a [Ordering],
     tally: &'a mut Tally,

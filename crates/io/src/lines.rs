@@ -227,7 +227,7 @@ pub(crate) fn step_of(cell: &[u8]) -> Option<i64> {
     std::str::from_utf8(cell).ok()?.parse().ok()
 }
 
-/// Whether a word is among those of a list, which blanks separate.
+/// Returns whether a word is in a list whose words are separated by blanks.
 pub(crate) fn among(list: &str, word: &str) -> bool {
     list.split(' ').any(|it| it == word)
 }

@@ -185,7 +185,7 @@ impl Search {
 
 #[pymethods]
 impl Search {
-    /// Of a detector, or of a tracker if it `tracks`.
+    /// Builds the search of a detector or, if it `tracks`, of a tracker.
     #[new]
     fn new(
         text: &str,
@@ -266,7 +266,7 @@ impl Search {
         answer(py, found, boxed)
     }
 
-    /// Of a detector: how often each operation happens, without those that do not.
+    /// Returns how often each operation of a detector happens, without those that do not happen.
     fn count(
         &self,
         py: Python<'_>,

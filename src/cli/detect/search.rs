@@ -108,7 +108,7 @@ impl Search {
         });
         let time = started.elapsed();
         result?;
-        // What is left on the heap is the lists of pairs and the detector's buffers.
+        // Live bytes are those of the lists of pairs and of the detector's buffers.
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));

@@ -9,7 +9,8 @@ use proptest::prelude::*;
 
 use super::Flat;
 
-/// A scene with centres and radii changed, each by itself; `None` if that is no scene.
+/// Returns a scene with centres and radii changed, each by itself; `None` if the result is not a
+/// valid scene.
 pub fn map<const D: usize>(
     scene: &Flat<D>,
     centre: impl Fn([f64; D]) -> [f64; D],

@@ -49,8 +49,8 @@ fn check_takes_scenes() {
     let words = "on two.csv: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n";
     at.ends(1, &format!("{line} --out new/folder"), &[words]);
     assert!(at.path("new/folder/failing-nothing-exact-two.csv").exists());
-    // The folder that nobody named stays as it is: the temporary folder of tests is this folder,
-    // and one more folder is all there is.
+    // Without --out, `check` writes into a new temporary folder. The tests use this folder as the
+    // temporary one, so it gains one folder.
     let before = std::fs::read_dir(at.root()).unwrap().count();
     let wrong = at.ends(1, line, &[]).stdout;
     let place = wrong.lines().find_map(|line| line.split_once("smallest failing scene: "));

@@ -24,7 +24,7 @@ fn shards_merge_to_the_record_of_the_whole() {
     let words = ["the same everywhere (28 cells compared, 0 in one only)"];
     at.ends(0, "compare a whole --strict", &words);
     at.ends(0, "merge part-1 part-3 --out two", &["missing: 1 part, the first is 2/3"]);
-    // A shard of its own is not complete, which fails only if that is asked for.
+    // A single shard is incomplete, which is an error only on request.
     at.good("compare a part-1");
     at.ends(1, "compare a part-1 --strict", &[]);
     // More shards than scenes: the last have nothing to do, and can be merged all the same.

@@ -111,7 +111,7 @@ impl Browser {
         self.post("/execute/sync", json!({"script": code, "args": []}))
     }
 
-    /// The same, as a type.
+    /// Returns what a piece of JavaScript returns, as a type.
     pub fn get<T: DeserializeOwned>(&self, code: &str) -> T {
         serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
     }

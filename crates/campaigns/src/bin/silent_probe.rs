@@ -3,8 +3,8 @@
 //!
 //! `cargo run --release -p contactbench-campaigns --bin silent_probe` runs both under `valgrind
 //! --tool=callgrind`, which counts instructions repeatably on a busy machine, subtracts what the
-//! program needs without either, and fails if the counts differ by more than 1%. The same with
-//! [`Tally`] shows that the comparison can fail. Without valgrind it compares nothing.
+//! program needs without either, and fails if the counts differ by more than 1%. Comparing with
+//! [`Tally`] as well shows that the comparison can fail. Without valgrind it compares nothing.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};

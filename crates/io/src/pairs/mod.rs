@@ -183,7 +183,7 @@ trait Rows {
     /// Returns an empty list, before its rows are read.
     fn list(&mut self) -> List;
 
-    /// What is to be said of the list when its rows are read.
+    /// Adds to the list what its rows have shown about the columns.
     fn end(&mut self, list: &mut List);
 }
 

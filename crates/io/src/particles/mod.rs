@@ -27,7 +27,7 @@ impl Default for Centres {
     }
 }
 
-/// The same expression for the points of either dimension.
+/// Evaluates one expression for the points of either dimension.
 macro_rules! with_points {
     ($centres:expr, $points:ident => $body:expr) => {
         match $centres {

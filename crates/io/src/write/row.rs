@@ -35,9 +35,9 @@ impl Extra {
 #[derive(Clone, Copy, Debug)]
 pub struct Style<'a> {
     pub scene: &'a AnyScene<'a>,
-    /// The same in their box, if they have one.
+    /// The scene in its periodic box, if it has one.
     pub periodic: Option<&'a Periodic<'a>>,
-    /// Their ids, if they have any.
+    /// Ids of the particles, if they have any.
     pub ids: Option<&'a [i64]>,
     /// Contacts are named by the ids, the smaller first, and stand in their order.
     pub by_id: bool,

@@ -19,7 +19,8 @@ pub struct Index {
     scenes: HashMap<Projection, String>,
 }
 
-/// A subject on a scene, and whether these are copies: that copies failed says nothing of the rest.
+/// A subject on a scene, and whether copies were measured: failed copies decide nothing for the
+/// rest.
 type Tried = (CellId, bool);
 
 fn tried(row: &Row) -> Tried {
@@ -30,8 +31,8 @@ fn anywhere(row: &Row) -> Measurement {
     Measurement { id: row.id.clone().anywhere(), ..row.measurement() }
 }
 
-/// The scene that a row asks for, whatever was measured on it. A file decides how many particles
-/// there are, and in how many dimensions.
+/// Returns the scene of a row, whatever was measured on it. A file decides how many particles there
+/// are, and in how many dimensions.
 pub fn scene(id: &CellId) -> Projection {
     let scene = id.scene_id();
     if id.scene == FILE { scene.without(&["dim", "n"]) } else { scene }

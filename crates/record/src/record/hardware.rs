@@ -1,5 +1,5 @@
-//! Hardware of a machine, as far as its operating system reports it. It tells two machines of the
-//! same name apart. What a system does not report stays unknown.
+//! Hardware of a machine, as far as its operating system reports it. Two machines of the same name
+//! may differ in it. Fields that the system does not report stay unknown.
 
 use std::collections::BTreeMap;
 
@@ -120,7 +120,7 @@ fn system() -> Hardware {
     Hardware { caches, memory_bytes: memory, ..processor(&read("/proc/cpuinfo")) }
 }
 
-/// What `sysctl` prints on macOS; BSDs have other names.
+/// Output of `sysctl` on macOS; BSDs have other names.
 #[cfg(all(unix, not(target_os = "linux")))]
 fn system() -> Hardware {
     let output = std::process::Command::new("sysctl").args(["machdep.cpu", "hw"]).output();

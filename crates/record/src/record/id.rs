@@ -1,8 +1,7 @@
-//! What makes a measurement this one and no other.
-//! A measurement has *axes*: the fields of [`CellId`] and the parameters in it, each under the name
-//! that filters and expressions call it by (`per_cluster` for `per-cluster`). Where names clash,
-//! the field goes first, then the scene's parameter, then the detector's; `detector_level` always
-//! means the last.
+//! What makes a measurement this one and no other. A measurement has *axes*: the fields of
+//! [`CellId`] and the parameters in it, each under the name that filters and expressions call it by
+//! (`per_cluster` for `per-cluster`). If names clash, the field goes first, then the scene's
+//! parameter, then the detector's; `detector_level` always means the last.
 
 use std::collections::BTreeMap;
 

@@ -81,7 +81,8 @@ pub(super) struct Rule {
     pub limit: f64,
     /// Returns how many times as long the first subject takes as the second, the fastest.
     over: fn(&Standing, &Standing) -> Option<f64>,
-    /// Where a subject was slower, for the reason; its few times are dropped. `None` keeps them.
+    /// Place where a subject was slower, for the reason; its few times are dropped. `None` keeps
+    /// them.
     place: Option<&'static str>,
 }
 

@@ -109,7 +109,7 @@ fn quarter(dim: u32, x: f64) -> Steps {
     in_box(uniform(dim, [[x, 0.5, 0.5], [0.75, 0.5, 0.5]], 0.125), cube(1.0), ALL)
 }
 
-/// Three bodies in touch along x.
+/// Three particles in contact along x.
 fn three(dim: u32, edge: f64) -> Steps {
     in_box(uniform(dim, places(3, |k| [k, 1.0, 1.0]), 0.5), edges([edge, 9.0, 9.0]), X)
 }

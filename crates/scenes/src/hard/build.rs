@@ -26,7 +26,8 @@ pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
     Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
 }
 
-/// One step: a lattice of bodies of one radius; its sites per axis in the plane and in space.
+/// Returns one step: a lattice of particles of one radius; `sites` per axis in the plane and in
+/// space.
 pub fn grid(dim: u32, sites: [u32; 2], r: f64, at: impl Fn(f64) -> f64) -> Steps {
     uniform(dim, lattice(dim, sites, at), r)
 }
@@ -76,7 +77,7 @@ pub fn drawn(seed: u64, n: u32, mut place: impl FnMut(&mut Draw) -> Place) -> Ve
     (0..n).map(|_| place(&mut draw)).collect()
 }
 
-/// The same radius for all of some places.
+/// Returns particles at these places, all with radius `r`.
 pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator<Item = Body> {
     places.into_iter().map(move |place| (place, r))
 }

@@ -58,7 +58,7 @@ fn in_order(dim: u32, place: impl Fn(u32) -> u32) -> Steps {
     uniform(dim, (0..ROW).map(|k| [0.75 * f64::from(place(k)), 0.0, 0.0]), 0.5)
 }
 
-/// 200 bodies apart, of which one is moved to touch another.
+/// 200 separate particles, one of which is moved to touch another.
 fn one_couple(dim: u32, moved: usize, other: usize) -> Steps {
     let mut places: Vec<Place> = (0..200).map(|k| site(k, 3.0)).collect();
     places[moved] = plus(places[other], 1.0, [0.0, 1.0, 0.0]);

@@ -28,7 +28,7 @@ pub const MAKERS: &[Maker] = &[
         history([all, fewer, again].map(|places| uniform(dim, places, 0.5)))
     }),
     ("all-cross-a-cell", |dim| {
-        // The last body keeps the box where it is.
+        // The last particle keeps the box where it is.
         let moved = |by: f64| lattice(dim, [12, 6], |k| k + by).into_iter().chain([[-5.0; 3]]);
         history([0.0, 1.0].map(|by| uniform(dim, moved(by), 0.5)))
     }),

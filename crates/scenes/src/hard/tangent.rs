@@ -108,7 +108,7 @@ fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> St
     each(dim, bodies)
 }
 
-/// Couples in all directions of a triple, each with all of these steps outward and radii.
+/// Pairs in all directions of a triple, each with all of these steps outward and radii.
 fn turned<const N: usize>(dim: u32, v: Place, gap: f64, forms: [(i32, [f64; 2]); N]) -> Steps {
     let of = |v| forms.map(|(outward, radii)| Couple { v, outward, radii });
     together(dim, gap, orientations(dim, v).into_iter().flat_map(of))
@@ -120,7 +120,7 @@ fn ties(dim: u32, v: Place, length: f64, scale: f64) -> Steps {
     uniform(dim, couples, 0.5 * length * scale)
 }
 
-/// Couples in all directions of `v`, at places `gap` apart from `corner` on.
+/// Pairs in all directions of `v`, at places `gap` apart that begin at `corner`.
 fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
     orientations(dim, v).into_iter().enumerate().flat_map(move |(k, v)| {
         let first = plus(corner, 1.0, site(k, gap));

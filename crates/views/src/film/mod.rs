@@ -23,7 +23,8 @@ pub const MOST_CIRCLES: usize = 20_000;
 /// bits for each number, four letters for three bytes.
 const CIRCLE: [usize; 2] = [6, 8];
 const PAIR: usize = 6;
-/// The same of the picture of the first frame, as text; of a frame; and of the page without frames.
+/// Bytes of the first frame's picture, as text, for a circle and for a pair; bytes of a frame; and
+/// bytes of the page without frames.
 const DRAWN: [usize; 2] = [64, 40];
 const FRAME: usize = 64;
 const EMPTY: usize = 20_000;

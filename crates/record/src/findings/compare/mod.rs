@@ -75,8 +75,8 @@ pub struct Compared {
     pub absent: Option<String>,
     /// Whether the cell is in both records.
     pub in_both: bool,
-    /// What cannot be compared although the cell is in both records, one line each: a run was cut
-    /// short.
+    /// Values that cannot be compared although the cell is in both records, one line each: a run
+    /// was cut short.
     pub lacks: Vec<String>,
     /// The times, where both have some.
     pub timing: Option<Timing>,

@@ -16,7 +16,7 @@ use crate::record::seal::{self, Flaw};
 pub const FILE: &str = "samples.jsonl";
 
 const PACKED: &str = ".gz";
-/// No row has a line of so many bytes.
+/// Bytes of a line that is too long to be a row.
 const LONGEST: u64 = 1 << 24;
 /// Damaged lines after which the rest of a record is not read.
 const MOST_FAULTS: usize = 10_000;

@@ -144,7 +144,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A skin, or diameters taken for radii or the other way, in another box or a part of it.
+    /// Tries two mistakes at once: a skin, or diameters and radii mixed up, in another box or a
+    /// part of it.
     fn two_at_once(&mut self, space: &Periodic<'_>) {
         let limit = self.job.terms.memory_limit;
         let Compared { spurious, .. } = &self.found;

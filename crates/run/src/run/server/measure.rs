@@ -1,4 +1,4 @@
-//! What a runner measures: times, operations, memory.
+//! Measurements of a runner: times, operations, memory.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -25,7 +25,7 @@ struct Times {
 }
 
 impl Server {
-    /// What was found in a pass: of a detector of a scene at rest, without steps.
+    /// Returns what a pass found, without steps for a detector on a scene at rest.
     fn found(&self, steps: Steps) -> Found {
         let found = Found::from(steps);
         if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
@@ -75,7 +75,8 @@ impl Server {
         Ok(Times { building: Some(building), ..times })
     }
 
-    /// Detections in a scene at rest, as many as last `min_ns` nanoseconds in the first sample.
+    /// Times detections in a scene at rest; the first sample, of at least `min_ns` nanoseconds,
+    /// fixes their number.
     fn detections(&mut self, min_ns: u64) -> Answer<Times> {
         let (passes, elapsed_ns) = match self.calls {
             Some(calls) => (calls, self.repeat(calls)?),

@@ -9,7 +9,7 @@ const CONTACT: &str = "#0b5394";
 const ACROSS: &str = "#0f8577";
 const TANGENT: &str = "#7b2d8e";
 
-/// A line of a pair: the bodies, and their centres on the page.
+/// The line of a pair: its particles, and their centres on the page.
 type Line = ([u32; 2], [[f64; 2]; 2]);
 
 /// Marks of one kind where pairs are tangent, and the number of those pairs.
