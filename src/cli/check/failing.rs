@@ -8,6 +8,7 @@ use anyhow::Context;
 
 use super::Check;
 use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::spec;
 use contactbench_core::memory::default_limit;
 use contactbench_core::periodic::{self, ImagePair, depth};
 use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
@@ -180,7 +181,8 @@ pub(super) fn describe(
     let place = shlex::try_quote(&place).unwrap_or_default();
     writeln!(out, "  again:  contactbench check --scene {place} {who}")?;
     let detect = format!("contactbench detect {place} --arithmetic {arithmetic} --detector");
-    if options.runner.is_none() {
+    let control = spec::parse(detector).is_ok_and(|spec| spec.entry.is_control());
+    if options.runner.is_none() && !control {
         writeln!(out, "  see it: {detect} {detector}")?;
     }
     writeln!(out, "  truth:  {detect} direct")?;

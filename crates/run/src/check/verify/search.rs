@@ -151,7 +151,7 @@ impl<'a> Search<'a> {
         let Compared { spurious, .. } = &self.found;
         // One pair beside the others is no skin.
         let skin = (spurious.count - spurious.far > 1).then_some(Mistake::Skin(spurious.gap));
-        for mistake in skin.into_iter().chain([0.5, 2.0].map(Mistake::Radii)) {
+        for mistake in [0.5, 2.0].map(Mistake::Radii).into_iter().chain(skin) {
             let size = |r: f64| match mistake {
                 Mistake::Skin(gap) => with_skin(r, gap),
                 Mistake::Radii(by) => (by * r).min(f64::MAX),
