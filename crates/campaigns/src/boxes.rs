@@ -109,11 +109,12 @@ impl<const D: usize> Row<'_, D> {
         let mut whole = Whole::default();
         for v in 0..D {
             whole.vectors[v][v] = edges[v] + draw.bit();
-            for k in 0..if tilted { v } else { 0 } {
-                whole.vectors[v][k] = match draw.below(3) {
+            let below = if tilted { v } else { 0 };
+            for (entry, &edge) in whole.vectors[v][..below].iter_mut().zip(&edges) {
+                *entry = match draw.below(3) {
                     0 => draw.bit(),
-                    1 => edges[k] / 2 + draw.bit(),
-                    _ => draw.below(edges[k]),
+                    1 => edge / 2 + draw.bit(),
+                    _ => draw.below(edge),
                 };
             }
             whole.periodic[v] = !draw.once_in(4);

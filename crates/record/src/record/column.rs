@@ -18,8 +18,11 @@ pub struct Column {
     pub pass: Option<Pass>,
     /// Its unit; empty for a ratio or a plain count.
     pub unit: &'static str,
-    read: Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>,
+    read: Read,
 }
+
+/// The number that a row has in a column.
+type Read = Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>;
 
 /// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
@@ -50,7 +53,10 @@ const ERRORS: [(&str, &str, Which); 7] = [
     ("wrong", "pairs", |errors| errors.wrong() as f64),
 ];
 
-const MOVED: [(&str, &str, fn(&Moved) -> Option<f64>); 6] = [
+/// A column's name, its unit, and its value.
+type Named<T> = (&'static str, &'static str, fn(&T) -> Option<f64>);
+
+const MOVED: [Named<Moved>; 6] = [
     ("mean_way", "diameters", |it| Some(it.mean_way())),
     ("longest_way", "diameters", |it| Some(it.way.longest)),
     ("born", "pairs", |it| Some(it.born as f64)),

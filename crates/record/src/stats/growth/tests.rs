@@ -15,7 +15,8 @@ fn wobble(n: f64) -> f64 {
 
 #[test]
 fn laws_are_recognised_exact_and_with_noise() {
-    let laws: [(fn(f64) -> f64, Model); 6] = [
+    type Law = fn(f64) -> f64;
+    let laws: [(Law, Model); 6] = [
         (|n| 4.0 * n, Model::Linear),
         (|n| 4.0 * n + 100.0, Model::Linear),
         (|n| 3.0 * n - 2.0 * n.sqrt(), Model::Linear),
