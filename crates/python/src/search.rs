@@ -127,7 +127,7 @@ enum Spec {
 }
 
 enum Finder {
-    Detector(Searcher),
+    Detector(Box<Searcher>),
     Tracker(Box<dyn Tracker>),
 }
 
@@ -159,7 +159,7 @@ pub struct Search {
 fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Failure> {
     let options = Options { memory_limit, threads };
     let finder = match spec {
-        Spec::Detector(spec) => Finder::Detector(Searcher::new(spec, options)),
+        Spec::Detector(spec) => Finder::Detector(Box::new(Searcher::new(spec, options))),
         Spec::Tracker(spec) => Finder::Tracker(spec.make(options)),
     };
     // One thread needs no pool.

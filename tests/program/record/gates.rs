@@ -17,7 +17,8 @@ fn counts_bytes_and_digests_are_gated() {
     at.ends(0, "compare a b --junit compare.xml", &["compare: passed", "multiple of that of nbs"]);
     assert_eq!(junit(&at.path("compare.xml")), (28, 0));
     assert_eq!(junit(&at.path("run.xml")), (2, 0), "the claim, right answers");
-    let cases: [(&str, usize, fn(&mut Value)); 5] = [
+    type Change = fn(&mut Value);
+    let cases: [(&str, usize, Change); 5] = [
         ("list_push", 1, |row| {
             if is_cell(row, "count") {
                 row["counts"]["list_push"] = 51.into();

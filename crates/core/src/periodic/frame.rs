@@ -19,7 +19,7 @@
 //! **Which vectors.** All this is true of any vectors of the lattice. Where the given ones make
 //! many more images than the shortest ([`Lattice::reduced`]), as in a box whose tilt is many box
 //! lengths, H are the shortest, whole numbers times the given ones. They are rounded: where a
-//! product with them stands above, what their errors ([`off_by`]) make of it is added to rab. T,
+//! product with them stands above, what their errors (`off_by`) make of it is added to rab. T,
 //! and the numbers that bring particles into the box, are of these vectors; what a body is called,
 //! and everything that is decided, of the given ones ([`Frame::given`]). Vectors that are nearly as
 //! good are left as they are, so that particles in the box are in the frame, and need not be moved.
@@ -28,7 +28,7 @@
 //! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at
 //! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|,
 //! each; adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m; and the last sum is
-//! rounded. So the place is within u|place| + 2^-100 m + 2^-1073 of the true one: [`off_by`] takes
+//! rounded. So the place is within u|place| + 2^-100 m + 2^-1073 of the true one: `off_by` takes
 //! twice as much. A place that is not shifted is exact.
 
 use crate::refusal::Refusal;

@@ -2,8 +2,8 @@
 //! or the files beside it.
 //!
 //! What can be said without a program stands in the page as HTML, made here: the answer, verdicts,
-//! figures, what did not end well, machine and method. [`data`] gives the charts and the table
-//! their numbers; [`marks`] keeps the colours of the figures; [`markup`] lets no text of a record
+//! figures, what did not end well, machine and method. `data` gives the charts and the table
+//! their numbers; `marks` keeps the colours of the figures; `markup` lets no text of a record
 //! become markup. Style and program are in `crates/report/assets/report`, the charting library,
 //! uPlot, in `crates/report/assets/uplot`. A content security policy in the page forbids every
 //! request.
