@@ -119,7 +119,7 @@ pub fn follow(
         survey.take(&in_any_box(&given)?, &truth, memory_limit);
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         going.for_each(|follower| {
-            if let Err(why) = follower.step(k, &frame, arithmetic, &survey.names, &truth) {
+            if let Err(why) = follower.step(k, &frame, question, &survey.names, &truth) {
                 follower.tracked.refused = Some(format!("frame {k}: {why}"));
             }
         });
@@ -137,21 +137,21 @@ impl Follower {
         &mut self,
         k: u64,
         frame: &Loaded<'_>,
-        arithmetic: Arithmetic,
+        question: &Question<'_>,
         names: &Names,
         truth: &[ImagePair],
     ) -> Result<(), Refusal> {
         let Follower { tracker, tracked, contacts } = self;
         contacts.clear();
         let started = Instant::now();
-        let step = tracker.find(frame.frame(arithmetic), None, contacts)?;
+        let step = tracker.find(frame.frame(question.arithmetic), None, contacts)?;
         tracked.times.push(started.elapsed());
         tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;
         tracked.listed = tracked.listed.saturating_add(step.listed);
         tracked.reported += contacts.len();
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
-        let found = contacts.sorted(frame.particles(), u64::MAX)?;
+        let found = contacts.sorted(frame.particles(), question.memory_limit)?;
         let depth = |pair| truth::depth(frame, pair);
         tracked.spurious += tracked.late.take(k, names, depth, &found, truth);
         Ok(())

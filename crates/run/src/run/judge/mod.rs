@@ -17,7 +17,7 @@ use crate::run::trajectory::Trajectory;
 use crate::truth::depth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{Causes, Errors, NoTruth};
-use contactbench_core::periodic::Contacts;
+use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_core::searcher::Loaded;
 use contactbench_core::sink::{Digest, splitmix64};
 use contactbench_io::Given;
@@ -283,10 +283,12 @@ impl<'a> Judge<'a> {
                     return Ok(Judged::unseen(&format!("{place}{why}")));
                 }
             }
+            let limit = self.memory_limit;
             let frame = self.frame(k)?;
             if moving {
                 let known = frame.known(arithmetic)?;
-                late(&mut tracked.late, k, &known, &mut names, contacts.as_ref())?;
+                let reported = contacts.as_ref().map(|it| sorted(it, &known, limit)).transpose()?;
+                late(&mut tracked.late, k, &known, &mut names, reported)?;
             }
             if let Some(contacts) = &contacts {
                 all.add(&frame.compare(arithmetic, Some(contacts))?);
@@ -353,24 +355,24 @@ impl<'a> Judge<'a> {
     }
 }
 
+/// Returns the contacts in ascending order; the list may take `limit` bytes.
+fn sorted(contacts: &Contacts, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
+    Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
+}
+
 /// Records the late contacts of a frame; `None` stands for the right answer.
 fn late(
     late: &mut Late,
     k: usize,
     known: &Truths,
     names: &mut Names,
-    contacts: Option<&Contacts>,
+    reported: Option<Vec<ImagePair>>,
 ) -> Result<(), Unjudged> {
     if let Loaded::InBox(periodic) = &*known.stored {
         // In frames that were passed over nothing was missed: no name goes through them.
         names.next(periodic);
     }
-    let sorted = |contacts: &Contacts| {
-        let sorted = contacts.sorted(known.stored.particles(), u64::MAX);
-        sorted.map_err(NoTruth::from)
-    };
-    let truth = sorted(&known.own.contacts)?;
-    let reported = contacts.map(sorted).transpose()?;
+    let truth = sorted(&known.own.contacts, known, u64::MAX)?;
     let depth = |pair| depth(&known.stored, pair);
     late.take(k as u64, names, depth, reported.as_ref().unwrap_or(&truth), &truth);
     Ok(())
