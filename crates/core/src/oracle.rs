@@ -340,6 +340,28 @@ mod tests {
     }
 
     #[test]
+    fn judges_must_agree_with_each_other_and_with_the_sample() {
+        const RIGHT: [[u32; 2]; 2] = [[0, 1], [2, 3]];
+        let judges = table::judges(|it| it.boxed);
+        let agreed = |second: &[[u32; 2]], tested: &[[u32; 2]]| {
+            let asked = std::cell::Cell::new(0);
+            let ask = |_: &mut dyn AnyDetector| {
+                asked.set(asked.get() + 1);
+                Ok(if asked.get() == 1 { RIGHT.to_vec() } else { second.to_vec() })
+            };
+            let sample = Sample { n: 4, particles: 4 };
+            sample.agreed(&judges, 1 << 20, ask, |_| Ok(tested.to_vec()), |pair| pair)
+        };
+        assert_eq!(agreed(&RIGHT, &RIGHT).unwrap().unwrap(), RIGHT);
+        let disagree = agreed(&RIGHT[..1], &RIGHT).unwrap_err();
+        assert!(matches!(disagree, NoTruth::Disagree { a: 2, b: 1, .. }), "{disagree}");
+        for tested in [&RIGHT[..1], &[[0, 1], [1, 2], [2, 3]], &[[0, 1], [2, 4]]] {
+            let found = agreed(&RIGHT, tested).unwrap_err();
+            assert!(matches!(found, NoTruth::Sample { .. }), "{tested:?}: {found}");
+        }
+    }
+
+    #[test]
     fn errors_are_counted_apart() {
         // Unit discs in a row, the centres 0, 1.5, 2, ... 6.5 apart from the first.
         let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
