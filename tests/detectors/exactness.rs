@@ -9,28 +9,10 @@ use contactbench::contact::{Bodies, Test, WithBodies, with_bodies};
 use contactbench::detect::Refusal;
 use contactbench::probe::Silent;
 use contactbench::scene::{Radii, Scene};
+use contactbench_campaigns::predicate::{integer, squares};
 use nalgebra::Point;
 use num_bigint::BigInt;
 use proptest::prelude::*;
-
-/// A double in units of 2^-1074, as an integer.
-fn integer(x: f64) -> BigInt {
-    let bits = x.to_bits();
-    let field = bits >> 52 & 0x7ff;
-    let fraction = bits & ((1 << 52) - 1);
-    let magnitude = if field == 0 {
-        BigInt::from(fraction)
-    } else {
-        BigInt::from(fraction | 1 << 52) << (field - 1)
-    };
-    if x.is_sign_negative() { -magnitude } else { magnitude }
-}
-
-/// (|a - b|², (ra + rb)²) by a library that rounds nothing, in units of 2^-2148.
-fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (BigInt, BigInt) {
-    let square = |x: BigInt| &x * &x;
-    ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))
-}
 
 /// The depth within 10^-15 of 2(s² - d²) / (s² + sd), and within 2^-1074 where it is subnormal.
 fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {

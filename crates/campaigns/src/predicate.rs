@@ -22,9 +22,9 @@ pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
 pub const FAR: i64 = 1 << 52;
 /// Couples in a batch.
 const BATCH: u64 = 4096;
-/// Every so many couples, labels are compared with rational arithmetic.
+/// Interval, in pairs, at which labels are compared with rational arithmetic.
 const SAMPLE: u64 = 997;
-/// Every so many couples, the sign of the depth is compared.
+/// Interval, in pairs, at which the sign of the depth is compared.
 const DEPTHS: u64 = 16;
 /// Needles are few, because one in sixteen takes the widest numbers there are.
 const NEEDLES: usize = 9;
@@ -158,21 +158,29 @@ fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
     }
 }
 
-/// The sign of |a - b|² - (ra + rb)² by a library that rounds nothing, in units of 2^-2148.
+/// Returns the sign of |a - b|² - (ra + rb)².
 fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
-    let integer = |x: f64| {
-        let (bits, field) = (x.to_bits(), x.to_bits() >> 52 & 0x7ff);
-        let fraction = bits & ((1 << 52) - 1);
-        let magnitude = if field == 0 {
-            BigInt::from(fraction)
-        } else {
-            BigInt::from(fraction | 1 << 52) << (field - 1)
-        };
-        if x.is_sign_negative() { -magnitude } else { magnitude }
-    };
+    let (distance, reach) = squares(a, b, ra, rb);
+    distance.cmp(&reach)
+}
+
+/// Returns |a - b|² and (ra + rb)² in units of 2^-2148, by a library that rounds nothing.
+pub fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (BigInt, BigInt) {
     let square = |x: BigInt| &x * &x;
-    let distance: BigInt = (0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum();
-    distance.cmp(&square(integer(ra) + integer(rb)))
+    ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))
+}
+
+/// Returns a double in units of 2^-1074.
+pub fn integer(x: f64) -> BigInt {
+    let bits = x.to_bits();
+    let field = bits >> 52 & 0x7ff;
+    let fraction = bits & ((1 << 52) - 1);
+    let magnitude = if field == 0 {
+        BigInt::from(fraction)
+    } else {
+        BigInt::from(fraction | 1 << 52) << (field - 1)
+    };
+    if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
 /// Tests the pairs 0-1, 2-3, ..., and counts missed and spurious ones.
