@@ -100,8 +100,9 @@ impl Notice {
                 if *pairs == 1 { "1 pair is".into() } else { format!("{pairs} pairs are") }
             ),
             Notice::Coincident(count, first) => format!(
-                "at least {count} particles have the centre of another, such as particle {first} \
-                 (from 0): was something written twice?"
+                "{} or more with the centre of another, such as particle {first} (from 0): was \
+                 something written twice?",
+                if *count == 1 { "1 particle".into() } else { format!("{count} particles") }
             ),
             Notice::Scaled => "all coordinates are from 0 to 1, and fill that range: are they \
                                scaled by a box?"

@@ -121,8 +121,8 @@ fn undecided_all(contests: &[Contest]) -> String {
     let others = contests.iter().flat_map(|contest| &contest.others);
     let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
     if blocks < 5 {
-        let blocks = plural(blocks, "block");
-        return format!("Undecided{scenes}: {blocks} decide nothing; five are needed.");
+        let few = plural(blocks, "block");
+        return format!("Undecided{scenes}: {few} of the five that a decision needs.");
     }
     let several = contests.iter().filter(|contest| !contest.others.is_empty());
     let open = several.map(|contest| -> BTreeSet<&str> {
@@ -212,7 +212,7 @@ mod tests {
         assert!(text.starts_with(words), "{text}");
         let mut lab = Lab::new("e", "loose");
         lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
-        assert!(said(&lab).starts_with("Undecided: 3 blocks decide nothing"));
+        assert!(said(&lab).starts_with("Undecided: 3 blocks of the five"));
     }
 
     #[test]
