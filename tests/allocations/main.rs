@@ -13,7 +13,7 @@ static ALLOCATOR: Counting = Counting;
 
 static QUIET: Mutex<()> = Mutex::new(());
 
-/// Who held the lock before may still be telling the harness how it ended, which allocates.
+/// Lets one test run at a time. The harness allocates while it prints the end of the test before.
 fn quiet() -> MutexGuard<'static, ()> {
     let guard = QUIET.lock().unwrap_or_else(PoisonError::into_inner);
     std::thread::sleep(std::time::Duration::from_millis(200));

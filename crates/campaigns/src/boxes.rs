@@ -35,10 +35,10 @@ use crate::{Counts, Plan, Table, What, in_batches};
 const LIMIT: u64 = 1 << 28;
 /// Reaches from couple to couple.
 const PITCH: i64 = 6;
-/// Every so many scenes of a row, the first included, detectors are asked in the rounded
-/// arithmetics, too, and the truth of the library is compared with the construction.
+/// Interval, in scenes of a row, at which detectors also run in the rounded arithmetics and the
+/// truth of the library is compared with the construction. The first scene is included.
 const ALSO: usize = 8;
-/// Particles in boxes are named by images up to so many vectors away.
+/// Distances, in vectors of the box, of the images by which particles are named.
 const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
 
 /// What a box is like.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use contactbench_core::contact::Test;
 
-/// What is to be done.
+/// The work to do.
 #[derive(Clone, Copy)]
 pub struct Plan {
     /// Least number of decisions: pairs for the contact test, pairs times detectors for detectors,
@@ -28,7 +28,7 @@ pub struct Plan {
     pub test: Test,
 }
 
-/// What is counted.
+/// A quantity that is counted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum What {
     /// Pairs decided.

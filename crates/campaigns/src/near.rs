@@ -10,7 +10,7 @@ use crate::draw::{Draw, Sphere, direction, power, square};
 #[derive(Clone, Copy)]
 pub struct Lengths<'a, const D: usize> {
     pub sphere: &'a Sphere<D>,
-    /// Of the sphere's length.
+    /// Multiple of the length that the sphere gives.
     pub multiple: i64,
     /// Couples of several sizes; else one radius for all.
     pub sizes: bool,

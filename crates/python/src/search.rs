@@ -143,7 +143,7 @@ struct Done {
     built: bool,
 }
 
-/// What the classes `Detector` and `Verlet` of the package hold.
+/// The state of the classes `Detector` and `Verlet` of the package.
 #[pyclass(frozen)]
 pub struct Search {
     spec: Spec,

@@ -208,7 +208,7 @@ where
     /// rank's own numbers, own particles first ([`Rank::id`]).
     ///
     /// # Errors
-    /// What the detector refuses.
+    /// The refusals of the detector.
     pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {

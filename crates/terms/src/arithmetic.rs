@@ -78,7 +78,7 @@ impl Arithmetic {
         self.entry().0
     }
 
-    /// What it means, in a phrase.
+    /// The meaning, in a phrase.
     pub fn summary(self) -> &'static str {
         self.entry().1
     }

@@ -1,4 +1,4 @@
-//! What a motion is like from frame to frame.
+//! Statistics of a motion from frame to frame.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What may import what, and how much a folder holds.
+//! Allowed imports between crates, and sizes of folders.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

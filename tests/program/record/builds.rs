@@ -35,7 +35,7 @@ fn builds_take_turns_in_one_record() {
             assert!(row.time_ns.unwrap().abs_diff(mean) <= 1, "{row:?}");
         }
     }
-    // What takes turns is on one processor.
+    // Builds that take turns share one processor.
     let place = |row: &Row| (row.block, row.id.scene_id());
     for row in named("nbs") {
         let other = named("nbs@base").into_iter().find(|other| place(other) == place(row));

@@ -1,4 +1,4 @@
-//! What continuous integration is told.
+//! Output for continuous integration.
 
 use std::path::Path;
 use std::process::Command;

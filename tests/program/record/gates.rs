@@ -1,4 +1,4 @@
-//! What fails a comparison, and what is only shown.
+//! Columns that fail a comparison, and columns that are only shown.
 
 use serde_json::Value;
 

@@ -172,7 +172,7 @@ frames = 5
             assert_eq!(moves && outcome != "control", !row["course"].is_null(), "{row}");
         }
     }
-    // What was measured is not measured again.
+    // Rows that are there are not measured again.
     let before = at.read("out/samples.jsonl");
     at.good("run mixed.toml --out out --resume");
     assert_eq!(before, at.read("out/samples.jsonl"));

@@ -38,7 +38,7 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     let on = "--motion drift:speed=0.1 --frames 3 --tracker every-step(nbs)";
     let alone = at.json(&format!("track a.xyz {on}"));
     assert_eq!(moved(&alone), moved(&at.json(&format!("track all.xyz --frame last {on}"))));
-    // Without its box there are fewer.
+    // Open space has fewer.
     let open = at.json(&format!("track all.xyz --open {trackers}"));
     assert!(open["contacts"].as_u64() < read["contacts"].as_u64(), "{open}");
 }

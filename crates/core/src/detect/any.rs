@@ -18,7 +18,7 @@ pub trait AnyDetector: Send {
     /// Finds the contacts of what is searched.
     ///
     /// # Errors
-    /// What the detector refuses.
+    /// The refusals of the detector.
     fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal>;
 
     /// Most bytes of a list of pairs.
@@ -76,7 +76,7 @@ pub trait AnyDetector: Send {
     }
 }
 
-/// What is wanted of a detector.
+/// The task of a detector.
 pub enum Task<'a, 'p> {
     /// The contacts alone, from this thread: what is timed.
     List(&'a mut PairList<'p>),
@@ -84,7 +84,7 @@ pub enum Task<'a, 'p> {
     Count(&'a mut Tally, &'a mut dyn Sink),
 }
 
-/// What is searched, in either dimension.
+/// The particles to search, in either dimension.
 pub enum Searched<'a> {
     /// Discs.
     Plane(Of<'a, 2>),
@@ -92,7 +92,7 @@ pub enum Searched<'a> {
     Space(Of<'a, 3>),
 }
 
-/// What is searched, in `D` dimensions.
+/// The particles to search, in `D` dimensions.
 pub enum Of<'a, const D: usize> {
     /// A scene, and how contacts are decided in it.
     Scene(&'a Stored<'a, D>, Test),

@@ -1,11 +1,11 @@
-//! What an entry of the table says of a detector, its parameters among it.
+//! An entry of the table of detectors, with its parameters.
 
 use std::collections::BTreeMap;
 
 use super::Options;
 use super::any::AnyDetector;
 
-/// What a detector is there for.
+/// The purpose of a detector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Finds all contacts.
@@ -22,7 +22,7 @@ pub enum Role {
 /// Detectors that experiments name together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// Of Munjiza's book.
+    /// Detectors of Munjiza's book.
     Book,
     /// Grids, trees and sweeps as they are used today.
     Modern,
@@ -69,9 +69,9 @@ pub enum Speed {
 /// Judges that are asked together are of different families, the fast ones first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judge {
-    /// Where sizes are alike.
+    /// Scenes whose particles are of similar size.
     pub alike: u8,
-    /// Where sizes differ: cells as large as the largest particle hold nearly all others.
+    /// Scenes whose sizes differ: cells as large as the largest particle hold nearly all others.
     pub differ: u8,
     /// Among the images of a periodic box.
     pub boxed: u8,
@@ -93,21 +93,21 @@ pub struct Entry {
     pub role: Role,
     /// Which group it belongs to.
     pub group: Group,
-    /// What it does, in a few words.
+    /// A summary of the algorithm, in a few words.
     pub summary: &'static str,
     /// Cost for N particles.
     pub cost: &'static str,
     /// Memory in bytes: n.. are cells per axis (borders included), N particles.
     pub memory: &'static str,
-    /// What it refuses or does badly.
+    /// Scenes that it refuses or is slow on.
     pub limits: &'static str,
     /// Can use more than one thread.
     pub threads: bool,
     /// How the detector's times usually compare with those of other detectors.
     pub speed: Speed,
-    /// Where the truth of a scene is asked of it.
+    /// Scenes whose truth it may decide.
     pub judge: Judge,
-    /// What its user may choose.
+    /// The parameters that a user can set.
     pub parameters: &'static [Parameter],
     /// How it is made; see [`Entry::make`] and
     /// [`DetectorSpec::make`](super::spec::DetectorSpec::make).
@@ -135,15 +135,15 @@ impl Entry {
 /// A choice that a detector leaves to its user. It may change times and memory, never the contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// What stands before the `=`.
+    /// The name before the `=`.
     pub name: &'static str,
     /// All words that it takes, the default first.
     pub values: &'static [&'static str],
-    /// What it takes beside them, if anything.
+    /// Other values that it takes, if any.
     pub beside: Option<Beside>,
     /// Another parameter, which cannot be given with it.
     pub instead_of: Option<&'static str>,
-    /// What is chosen, in a phrase.
+    /// The choice, in a phrase.
     pub meaning: &'static str,
 }
 
@@ -152,7 +152,7 @@ pub struct Parameter {
 pub struct Beside {
     /// The one way to write a value, or none if it is no value.
     pub normal: fn(&str) -> Option<String>,
-    /// What a value looks like, with an example.
+    /// The form of a value, with an example.
     pub form: &'static str,
 }
 

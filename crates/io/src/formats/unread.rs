@@ -120,7 +120,7 @@ pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> 
     let bytes = bytes.next().map(|&(name, .., out)| (name, out));
     let form = || forms.next().map(|&(name, _, out)| (name, out));
     let Some((name, out)) = bytes.or_else(form) else { return Ok(()) };
-    // What is packed, or not the file at all, may hold either.
+    // A compressed file, or a saved page instead of the file, may hold either.
     let way = way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8].contains(&out)).unwrap_or(out);
     let way = way.replace("FILE", file);
     let read = if name.starts_with("compressed") { "" } else { ", which is not read" };

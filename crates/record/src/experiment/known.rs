@@ -80,7 +80,7 @@ impl Known {
         let unknown =
             |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
         let found = expression.variables().find(|(name, _)| unknown(name));
-        // Without a scene or a subject nothing is known.
+        // Nothing is known if the scene or the subject is absent.
         let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
         let columns = COLUMNS.iter().map(|column| &*column.name);
         let mut all: BTreeSet<String> =

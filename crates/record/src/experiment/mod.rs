@@ -221,7 +221,7 @@ impl Experiment {
         must!(
             names().next().is_some(),
             "detectors",
-            "detectors is empty, and there is no runner: nobody takes part; name one"
+            "detectors is empty, and there is no runner: nothing would be measured; name one"
         );
         let some = !self.arithmetics.is_empty();
         must!(some, "arithmetics", "arithmetics is empty; leave it out for exact");

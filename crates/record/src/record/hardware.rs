@@ -53,7 +53,7 @@ impl Hardware {
             && memory
     }
 
-    /// With what is known of the same machine from elsewhere.
+    /// Fills the unknown fields from another description of the same machine.
     pub fn or(self, other: Hardware) -> Hardware {
         Hardware {
             cpu: self.cpu.or(other.cpu),

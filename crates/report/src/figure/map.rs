@@ -88,7 +88,7 @@ pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String 
     })
 }
 
-/// What depth of colour means; names stand in the tiles.
+/// Draws the legend of the shades; the tiles hold the names.
 fn legend(canvas: &mut Canvas, y: f64) {
     let head = "the next takes, times as long:";
     canvas.text(head, (MARGIN, y), NOTE);

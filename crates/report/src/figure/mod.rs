@@ -21,7 +21,7 @@ use contactbench_record::cells::Cell;
 use contactbench_record::cells::machine::Machine;
 use contactbench_record::experiment::{Experiment, Figure, FigureKind};
 
-/// What a figure is drawn from.
+/// The data of a figure.
 pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub figure: &'a Figure,

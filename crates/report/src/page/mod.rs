@@ -115,7 +115,7 @@ fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
         head.extend(sections::answer::blocks(&part.verdicts, true));
         out += &format!("<article>\n{}", document::html(&head));
         let asked = part.asks_fastest && contests;
-        // Of a single experiment the card has said it.
+        // The card already names a single experiment.
         if parts.len() > 1 && asked {
             let sentence = document::inline_html(&part.sentence());
             out += &format!("<p class=\"lead\">{sentence}</p>\n");

@@ -38,7 +38,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Those of an experiment that can be drawn, from its cells.
+    /// Draws the figures of an experiment from its cells, as far as it has the data.
     pub fn all(experiment: &Experiment, own: &[contactbench_record::cells::Cell]) -> Vec<Drawn> {
         let drawn = |figure: &Figure| match &figure.kind {
             // Why one cannot be drawn is said where its figure is drawn.

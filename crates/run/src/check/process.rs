@@ -181,7 +181,7 @@ impl Line {
         }
     }
 
-    /// What cannot be in the reply that has just come.
+    /// Returns what is impossible in the last reply.
     pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
         self.client.as_ref().and_then(|client| client.impossible(request, reply))
     }

@@ -1,4 +1,4 @@
-//! What a motion is like from frame to frame.
+//! Statistics of a motion from frame to frame.
 
 use super::names::Names;
 use super::through::Through;
@@ -88,7 +88,7 @@ mod tests {
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
         assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
         assert_eq!(moved.uncounted, None);
-        // What cannot be counted costs nothing else.
+        // A scene that cannot be counted loses nothing else.
         take([0.0, 2.5, 4.5, 1.7e308], &[]);
         let moved = take([0.0, 2.5, 4.5, -1.7e308], &[]);
         assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");

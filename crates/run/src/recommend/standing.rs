@@ -102,7 +102,7 @@ pub(super) const FAR: Rule = Rule {
     },
     place: Some("each of the first blocks"),
 };
-/// With the whole interval.
+/// Drops a subject whose ratio to the fastest exceeds the limit with its whole interval.
 pub(super) const BEHIND: Rule =
     Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
 

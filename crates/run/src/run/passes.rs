@@ -42,7 +42,7 @@ impl Running {
         processors::in_block(block).filter(|_| self.contender.threads == 1)
     }
 
-    /// It is not timed side by side with others.
+    /// Returns whether the subject is timed alone.
     pub fn is_alone(&self) -> bool {
         self.contender.duet.is_none()
     }

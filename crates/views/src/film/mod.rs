@@ -43,8 +43,9 @@ pub struct Film {
     own_radii: bool,
     particles: usize,
     factor: f64,
-    /// Of all frames.
+    /// Number of circles in all frames.
     circles: usize,
+    /// Number of pairs in all frames.
     pairs: usize,
 }
 

@@ -44,9 +44,9 @@ pub struct Nbs<const D: usize> {
     options: Options,
     /// Heads of the lists along the last axis: of rows in 2D (B), of layers in 3D (C).
     last: Heads,
-    /// Of the y-lists in 3D (B): of the central layer and of the layer below.
+    /// Heads of the y-lists in 3D (B): of the central layer and of the layer below.
     rows: [Heads; 2],
-    /// Of the x-lists (A): of the central row, and of its neighbouring rows together.
+    /// Heads of the x-lists (A): of the central row, and of its neighbouring rows together.
     cells: [Heads; 2],
     /// Links of the lists along each axis, the last axis first: Y and X in 2D, Z, Y and X in 3D.
     links: Links<D>,

@@ -21,7 +21,7 @@ const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetec
     Entry { name, role, group, summary, cost, memory, limits, speed, constructor, ..PLAIN }
 }
 
-/// What most entries have in common.
+/// Fields that most entries share.
 const PLAIN: Entry = Entry {
     name: "",
     role: Role::Detector,

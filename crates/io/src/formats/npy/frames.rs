@@ -80,7 +80,7 @@ fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::
         source.name
     );
     let (particles, radius) = particles(source, header, options)?;
-    // Who gives the dimension knows the columns.
+    // A user who gives the dimension knows the columns.
     let which = match particles.counted().filter(|_| options.dim.is_none()) {
         Some(Counted::First) => "first column counts the particles, and is taken for x",
         Some(Counted::Last) => "last column counts the particles, and is taken for the radius",

@@ -188,7 +188,7 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
             least(|it| it.1)
         ));
     }
-    // What decided comes first.
+    // The deciding row comes first.
     others.sort_by_key(|(fails, _)| !fails);
     let more = others.len().saturating_sub(SERIES);
     parts.extend(others.into_iter().take(SERIES).map(|(_, words)| words));

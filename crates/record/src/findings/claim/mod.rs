@@ -55,7 +55,7 @@ pub struct Verdict {
     pub evidence: Evidence,
 }
 
-/// What was found of a claim, and what it was found without.
+/// The finding of a claim, and the rows that were left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evidence {
     /// The numbers behind the verdict, in a line.

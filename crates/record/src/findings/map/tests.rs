@@ -82,7 +82,7 @@ fn what_else_varies_makes_panels_until_there_are_too_many() {
             lab.seed(2).time(&[50; 5]).seed(1);
         }
         let found = map(&lab, "n", "fraction", "");
-        // With one value nothing varies.
+        // One value does not vary.
         let title = if k == 0 { "packed, 2D" } else { "packed, 2D, kind = order-0" };
         if k < 12 {
             let found = found.unwrap();

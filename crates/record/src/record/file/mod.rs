@@ -254,7 +254,7 @@ fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow:
 
 /// The schema of a line, which must be one that is read.
 fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Result<u32> {
-    // What is no JSON is damaged, and tells no schema.
+    // A line that is not JSON is damaged, and has no schema.
     let version = serde_json::from_slice(line).map(|it: Version| it.schema);
     let schema = version.unwrap_or(newest.max(OLDEST));
     let or = if schema > SCHEMA { ", or a later one" } else { "" };

@@ -67,7 +67,7 @@ fn pairs_that_cannot_be_seen_are_wrong_with_the_reason() {
         assert_eq!((judged.outcome, judged.errors), (Outcome::Wrong, None));
         assert!(judged.reason.contains(words), "{}", judged.reason);
     }
-    // Nobody asks for the pairs of a right answer.
+    // The pairs of a right answer are not requested.
     let right = judged(&mut judge, Arithmetic::F32, &contacts(&RIGHT, None), Err("asked"));
     assert_eq!(right.outcome, Outcome::Ok);
 }

@@ -110,7 +110,7 @@ impl Server {
         }
     }
 
-    /// Nanoseconds of so many detections, each into the same lists: the timed loop.
+    /// Times `calls` detections into the same lists, in nanoseconds: the timed loop.
     fn repeat(&mut self, calls: u64) -> Answer<u64> {
         let Server { searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else { return Ok(0) };

@@ -62,7 +62,7 @@ impl Server {
     /// A server without a scene: of a detector or of a tracker.
     ///
     /// # Errors
-    /// It is neither.
+    /// The text is neither a detector nor a tracker.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
         let spec = track::parse(text)?;
         Ok(Server {

@@ -44,7 +44,7 @@ const BOX: &str = "#555";
 const MISSED: &str = "#d11507";
 const SPURIOUS: &str = "#e07b00";
 
-/// What is drawn.
+/// The drawing.
 pub struct Sheet<'a> {
     pub periodic: &'a Periodic<'a>,
     pub bodies: &'a Bodies,
