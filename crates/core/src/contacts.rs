@@ -1,4 +1,4 @@
-//! The contacts of plain slices of numbers: what most programs want of this crate.
+//! Contacts of plain slices of numbers: the entry point for most programs.
 
 use std::borrow::Cow;
 
@@ -9,29 +9,28 @@ use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Radii, Scene, SceneError, points};
 use crate::sink::smaller_first;
 
-/// Why there are no contacts.
+/// Why [`contacts`] failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The centres and radii are not those of a scene.
+    /// The centres and radii do not form a valid scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The scene cannot be searched.
+    /// The detector cannot search this scene.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
 
-/// The pairs of discs (`D` = 2) or spheres (`D` = 3) that touch or overlap: |a - b| <= ra + rb,
-/// decided exactly for the numbers given.
+/// Finds the pairs of discs (`D` = 2) or spheres (`D` = 3) that touch or overlap: |a - b| <= ra +
+/// rb, decided exactly for the given numbers.
 ///
-/// `radii` has one radius for each centre, in the same unit, or a single one for all. A pair is two
-/// positions in `centres`, the smaller first; each pair comes once, the pairs in no particular
-/// order. To call it again and again, as a simulation does, keep a [`Contacts`].
+/// `radii` holds one radius per centre, in the same unit, or a single radius for all. A pair is two
+/// positions in `centres`, the smaller first. Each pair is returned once; the order of pairs is not
+/// specified. To call this repeatedly, as a simulation does, keep a [`Contacts`].
 ///
 /// # Errors
-/// Coordinates or radii that are not finite, negative radii, as many radii as are neither one nor
-/// the number of centres, more than 2^31 - 1 particles, arrays or pairs of
-/// more than 4 GiB or a quarter of the machine's memory, a scene of 2^31
-/// cells along an axis.
+/// Fails if a number is not finite or a radius is negative; if `radii` has neither one element nor
+/// as many as `centres`; if there are more than 2^31 - 1 particles or 2^31 cells along an axis; or
+/// if arrays or pairs need more than 4 GiB or a quarter of the machine's memory.
 pub fn contacts<const D: usize>(centres: &[[f64; D]], radii: &[f64]) -> Result<Vec<[u32; 2]>, Error>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
@@ -41,24 +40,24 @@ where
     Ok(contacts.pairs)
 }
 
-/// As [`contacts`], and keeps its buffers: a call for a scene of about the size of the one before
-/// allocates next to nothing.
+/// Finds contacts as [`contacts`] does and keeps its buffers. A call for a scene of about the same
+/// size as before allocates next to nothing.
 pub struct Contacts<const D: usize> {
     detector: Box<dyn AnyDetector>,
     pairs: Vec<[u32; 2]>,
 }
 
 impl<const D: usize> Contacts<D> {
-    /// With these limits: memory, and threads of rayon's global pool to be used from 30,000
-    /// particles on.
+    /// Creates a finder with a memory limit and a number of threads. Threads of rayon's global pool
+    /// are used from 30,000 particles on.
     pub fn new(options: Options) -> Contacts<D> {
         Contacts { detector: table::fast(options), pairs: Vec::new() }
     }
 
-    /// The touching pairs; see [`contacts`]. They are valid until the next call.
+    /// Returns the touching pairs as [`contacts`] does; they are valid until the next call.
     ///
     /// # Errors
-    /// See [`contacts`]; the memory limit is that of the options.
+    /// Fails as [`contacts`], with the memory limit of the options.
     pub fn find(&mut self, centres: &[[f64; D]], radii: &[f64]) -> Result<&[[u32; 2]], Error>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
@@ -76,7 +75,7 @@ impl<const D: usize> Contacts<D> {
 }
 
 impl<const D: usize> Default for Contacts<D> {
-    /// 4 GiB, or a quarter of the machine's memory if that is less, and one thread.
+    /// Uses one thread and at most 4 GiB, or a quarter of the machine's memory if that is less.
     fn default() -> Contacts<D> {
         Contacts::new(Options::default())
     }

@@ -1,7 +1,7 @@
-//! How many pairs a scene has, before they are looked for.
+//! Estimates how many pairs a scene has before a detector runs.
 //!
-//! Radii in another unit than the coordinates make every particle touch hundreds or all of the
-//! others. A sample tells in a moment what a detection would say after minutes.
+//! If radii are given in another unit than the coordinates, every particle may touch hundreds of
+//! others. A sample detects this within a moment, before a detection that takes minutes.
 
 use crate::pair_list::PAIR_BYTES;
 use crate::refusal::Refusal;
@@ -9,23 +9,23 @@ use crate::scene::{AnyScene, Real, Scene, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
-/// So many particles are compared with all others.
+/// Number of particles that are compared with all others.
 const SAMPLE: usize = 100;
-/// An estimate is sure of what it says less so many standard errors.
+/// Standard errors that are subtracted from the mean for a safe lower bound.
 const SURE: f64 = 4.0;
 
-/// Contacts per particle, from a sample.
+/// Contacts per particle, estimated from a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crowd {
-    /// In the mean.
+    /// Mean number of contacts per particle.
     pub mean: f64,
-    /// At least, as far as a sample can tell; the mean itself where all particles were asked.
+    /// Lower bound of the mean; equal to the mean if all particles were sampled.
     pub least: f64,
 }
 
 impl Crowd {
-    /// Compares 100 random particles, the same in each call, with all others; all particles of a
-    /// smaller scene. Distances are rounded.
+    /// Compares 100 random particles, the same in each call, with all others; in smaller scenes,
+    /// all particles. Distances are rounded.
     pub fn new(scene: &AnyScene<'_>) -> Crowd {
         let n = scene.len();
         let asked: Vec<usize> = if n <= SAMPLE {
@@ -44,7 +44,8 @@ impl Crowd {
     }
 }
 
-/// How many particles touch particle `i`. Where a square leaves the range of doubles, fewer.
+/// Counts the particles that touch particle `i`. Pairs whose squares leave the range of f64 are not
+/// counted.
 fn touching<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize) -> usize {
     (0..scene.len()).filter(|&j| touch(scene, i, j)).count()
 }
@@ -58,10 +59,10 @@ fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -
     i != j && near && (reach * reach > 0.0 || a == b)
 }
 
-/// Might particles touch `each` others or more in the mean? Asks random couples, the same in each
-/// call: so many that six would touch. If they do, fewer than three of these couples touch once in
-/// 16 times, and once in 2,000 where they touch twice as many; a list then ends at its limit. Yes
-/// where that takes too many couples, or where there are few particles.
+/// Returns whether the mean number of contacts may be `each` or more. It tests so many random pairs
+/// that six would touch if the mean were `each`. Fewer than three of them then touch once in 16
+/// times, and once in 2,000 if the mean is twice as large; the list then ends at its limit. Returns
+/// true if too many pairs would be needed or there are few particles.
 fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;
@@ -77,14 +78,14 @@ fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     })
 }
 
-/// Refuses a scene whose list of pairs will surely take more than `limit` bytes.
+/// Refuses a scene whose list of pairs will almost certainly take more than `limit` bytes.
 ///
 /// # Errors
-/// [`Refusal::Crowd`].
+/// Returns [`Refusal::Crowd`].
 pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
     let n = scene.len() as f64;
     let bytes = |each: f64| 0.5 * each * n * PAIR_BYTES as f64;
-    // Most scenes are so small that nothing need be asked.
+    // Most scenes are too small to exceed the limit.
     if bytes(n - 1.0) <= limit as f64 {
         return Ok(());
     }
@@ -112,7 +113,7 @@ mod tests {
 
     #[test]
     fn crowds_are_refused_and_packs_are_not() {
-        // 4,000 in one point have 7,998,000 pairs of 8 bytes.
+        // 4,000 particles at one point have 7,998,000 pairs of 8 bytes.
         let heap = scene(4000, |_| [1.0, 2.0], 0.0);
         assert_eq!(Crowd::new(&heap), Crowd { mean: 3999.0, least: 3999.0 });
         assert_eq!(within(&heap, 63_984_000), Ok(()));
@@ -121,19 +122,20 @@ mod tests {
         let few = scene(80, |_| [1.0, 2.0], 0.0);
         assert_eq!(within(&few, 8 * 80 * 79 / 2), Ok(()));
         assert!(within(&few, 8 * 80 * 79 / 2 - 1).is_err());
-        // A square lattice, whose pairs a sample cannot tell so well: those inside have four.
+        // A square lattice, where the sample is uneven: particles inside have four contacts, at the
+        // edges fewer.
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];
         let pack = scene(4096, lattice, 0.5);
         let crowd = Crowd::new(&pack);
         assert!(crowd.least < 4.0 && crowd.mean > 3.5, "{crowd:?}");
         assert_eq!(within(&pack, 8 * 8064), Ok(()));
-        // Diameters of 10 in the unit of which the lattice has 1: some 300 neighbours.
+        // Diameters of 10 on a lattice of spacing 1: about 300 neighbours.
         let crowd = Crowd::new(&scene(4096, lattice, 5.0));
         assert!((200.0..320.0).contains(&crowd.least) && crowd.mean < 320.0, "{crowd:?}");
     }
 
-    /// A pack of four neighbours is not compared with all because some couple touches by chance,
-    /// and one of 300 is, where 100 are the limit.
+    /// A packing with four neighbours is not sampled in full only because some pair touches by
+    /// chance; one with 300 neighbours is, at a limit of 100.
     #[test]
     fn couples_tell_packs_from_crowds() {
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];

@@ -1,4 +1,5 @@
-//! What a detector sees of a scene, and the contact test as a type.
+//! The view of a scene that detectors work on: positions for filters, and the contact test as a
+//! type.
 
 use nalgebra::Point;
 
@@ -10,53 +11,54 @@ use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
 
-/// What a detector sees of a scene: positions for its filters, the contact test for its decisions.
+/// Positions and radii for a detector's filters, and the contact test for its decisions.
 pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
-    /// The number of particles.
+    /// Returns the number of particles.
     fn len(&self) -> usize;
-    /// True if there are none.
+    /// Returns whether there are no particles.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// The centre of particle `i`, in f64 without error.
+    /// Returns the centre of particle `i` in f64, without rounding.
     fn position(&self, i: u32) -> [f64; D];
-    /// Do particles `i` and `j` touch? Counts one contact test.
+    /// Returns whether particles `i` and `j` touch, and counts one contact test.
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool;
-    /// An upper bound for the true distance between the centres of any two particles that `touch`
-    /// accepts.
+    /// Returns an upper bound for the true distance between the centres of any two particles that
+    /// `touch` accepts.
     fn reach(&self) -> f64;
-    /// The same of two whose radii are at most `a` and `b`: the reach of two classes of sizes. For
-    /// the textbook's filters it is their sum, whatever the test accepts.
+    /// Returns the same bound for two particles with radii of at most `a` and `b`. With textbook
+    /// margins it is a + b, whatever the test accepts.
     fn class_reach(&self, a: f64, b: f64) -> f64 {
         match self.margin() {
             Margin::Safe => self.slack().reach(a, b),
             Margin::Textbook => a + b,
         }
     }
-    /// The radius of particle `i`, in f64 without error.
+    /// Returns the radius of particle `i` in f64, without rounding.
     fn radius(&self, i: u32) -> f64;
-    /// The radius of all particles, if it is the same for all, in f64 without error.
+    /// Returns the radius that all particles share, in f64 without rounding, or `None` if radii are
+    /// stored one by one.
     fn uniform(&self) -> Option<f64>;
-    /// How much the test's rounding can move the distance at which two particles touch.
+    /// Returns how far the test's rounding can move the distance at which two particles touch.
     fn slack(&self) -> Slack;
-    /// Whether filters may lose pairs to rounding.
+    /// Returns whether filters may lose pairs to rounding.
     fn margin(&self) -> Margin {
         Margin::Safe
     }
-    /// The smallest and the largest coordinates, where somebody has looked for them already.
+    /// Returns the smallest and the largest coordinates, if they have been computed already.
     fn corners(&self) -> Option<Corners<D>> {
         None
     }
 }
 
-/// The smallest and the largest coordinates along each axis.
+/// The smallest and the largest coordinate along each axis.
 pub type Corners<const D: usize> = ([f64; D], [f64; D]);
 
 /// The centres of a scene, in order.
 pub trait Centres<T: Real, const D: usize>: Copy + Sync {
-    /// How many there are.
+    /// Returns the number of centres.
     fn count(&self) -> usize;
-    /// Centre `i`.
+    /// Returns centre `i`.
     fn at(&self, i: usize) -> &[T; D];
 }
 
@@ -71,11 +73,11 @@ impl<T: Real, const D: usize> Centres<T, D> for &[Point<T, D>] {
     }
 }
 
-/// Centres in two pieces, so that images can be beside a scene that is not copied.
+/// Centres in two slices, so that images can follow the particles of a scene that is not copied.
 #[derive(Clone, Copy)]
 pub struct Pieces<'a, T: Real, const D: usize> {
     first: &'a [Point<T, D>],
-    /// After them.
+    /// Centres numbered after those of `first`.
     rest: &'a [Point<T, D>],
 }
 
@@ -93,7 +95,7 @@ impl<T: Real, const D: usize> Centres<T, D> for Pieces<'_, T, D> {
     }
 }
 
-/// A scene with its contact test resolved to a type.
+/// A scene with its contact test as a type, for static dispatch.
 #[derive(Clone, Copy)]
 pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
     centres: C,
@@ -105,7 +107,7 @@ pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
     corners: Option<Corners<D>>,
 }
 
-/// Bodies whose contact test is looked up for each pair.
+/// A scene whose contact test is chosen at run time, for each pair.
 pub type AnyBodies<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, Pieces<'a, T, D>, D>;
 
 impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
@@ -157,20 +159,20 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     }
 }
 
-/// Work on a scene that is compiled for each type of contact test.
+/// Work on a scene that is compiled separately for each type of contact test.
 pub trait WithBodies<T: Real, const D: usize> {
-    /// The result of the work.
+    /// Type of the result.
     type Output;
     /// Works on `bodies`.
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output;
 }
 
-/// Resolves radii and contact test to a type, once per detection, and hands the result to `then`;
-/// a rounded test is rounded in f64.
+/// Picks the type of the contact test from radii and test, once per detection, and calls `then`
+/// with it. A rounded test is rounded in f64.
 ///
 /// # Errors
-/// [`Refusal::Overflow`] if the test is rounded and cannot hold the square of the largest diameter,
-/// and what `then` refuses.
+/// Returns [`Refusal::Overflow`] if the test is rounded and the square of the largest diameter
+/// overflows, and whatever error `then` returns.
 pub fn with_bodies<const D: usize, W, O>(
     scene: &Scene<'_, f64, D>,
     test: Test,
@@ -185,11 +187,11 @@ where
     }
 }
 
-/// As [`with_bodies`], for a scene in any storage: a rounded test is rounded in that storage, for
-/// the exact test the scene is widened to f64, so that it is compiled for f64 only.
+/// Works as [`with_bodies`] on a scene in any storage. A rounded test is rounded in that storage;
+/// for the exact test the scene is widened to f64, so that this test is compiled for f64 only.
 ///
 /// # Errors
-/// See [`with_bodies`].
+/// Fails as [`with_bodies`].
 pub fn with_stored<const D: usize, W, O>(
     scene: &Stored<'_, D>,
     test: Test,
@@ -242,11 +244,11 @@ where
     }
 }
 
-/// As [`with_bodies`], with a contact test that is looked up for each pair: for what is not timed,
-/// and for detectors that seldom ask it. Takes every storage, also for the exact test.
+/// Returns the scene with a contact test that is chosen for each pair, for code that is not timed
+/// and for detectors that seldom call the test. Every storage works, also with the exact test.
 ///
 /// # Errors
-/// [`Refusal::Overflow`], see [`with_bodies`].
+/// Returns [`Refusal::Overflow`] as [`with_bodies`].
 pub fn any_bodies<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
@@ -273,37 +275,38 @@ fn any_rule<'a, T: Real>(
     Ok((envelope, rule))
 }
 
-/// Particles and, numbered after them, images of some of them: the bodies of a periodic scene.
+/// Particles of a periodic scene, followed by images of some of them.
 #[derive(Clone, Copy)]
 pub struct Imaged<'a, const D: usize> {
-    /// Where the particles are, as filters see them.
+    /// Positions of the particles, as filters use them.
     pub owners: &'a [Point<f64, D>],
-    /// Where the images are.
+    /// Positions of the images, numbered after the particles.
     pub images: &'a [Point<f64, D>],
-    /// Of all bodies.
+    /// Radii of the particles and then of the images.
     pub radii: &'a Radii<'a, f64>,
-    /// The largest of them.
+    /// The largest radius.
     pub largest_radius: f64,
-    /// Around all bodies, if it is known.
+    /// Corners of the box around all particles and images, if they are known.
     pub corners: Option<Corners<D>>,
-    /// Who decides.
+    /// How contacts are decided.
     pub decided: Decided<'a>,
 }
 
-/// Who decides whether two bodies of a periodic scene touch.
+/// How it is decided whether two bodies of a periodic scene touch.
 #[derive(Clone, Copy)]
 pub enum Decided<'a> {
-    /// A test, from the places as they are.
+    /// By a test of the stored positions.
     Test(Test),
-    /// The exact test, and somebody who knows the true places, which these are only near.
+    /// By a callback that computes exactly from the true positions; the stored positions only
+    /// approximate them.
     Asked(Asked<'a>),
 }
 
 impl<'a, const D: usize> Imaged<'a, D> {
-    /// What detectors see.
+    /// Returns the bodies as detectors need them.
     ///
     /// # Errors
-    /// [`Refusal::Overflow`], see [`with_bodies`].
+    /// Returns [`Refusal::Overflow`] as [`with_bodies`].
     pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);
         let (envelope, rule) = match self.decided {
@@ -320,7 +323,7 @@ impl<'a, const D: usize> Imaged<'a, D> {
     }
 }
 
-/// What a contact test means for filters.
+/// Reach, slack and margin of a contact test, which filters need.
 struct Envelope {
     reach: f64,
     slack: Slack,
@@ -328,7 +331,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Rounded arithmetic must be able to hold the square of the largest diameter.
+    /// Refuses radii if the square of the largest diameter overflows `T`.
     fn rounded<T: Real>(r: T, margin: Margin) -> Result<Envelope, Refusal> {
         let (sum, diameter) = (r.plus(r), 2.0 * r.wide());
         if !(sum * sum).finite() {

@@ -1,29 +1,32 @@
-//! How deep two bodies overlap, relative to their size, to full precision however small it is.
+//! How deep two particles overlap relative to their size, accurate to 10^-15 however small the
+//! overlap.
 //!
-//! The depth is (ra + rb - |a - b|) over the mean radius (ra + rb) / 2. Evaluated as it stands it
-//! loses every digit near tangency. With s = ra + rb and d = |a - b| we take 2(s² - d²) / (s(s +
-//! d)): the only difference is that of the squares, and those are exact integers (see [`exact`]).
+//! The depth is (ra + rb - |a - b|) / ((ra + rb) / 2). Evaluated in this form it loses all digits
+//! near tangency. With s = ra + rb and d = |a - b| the code computes 2(s² - d²) / (s(s + d))
+//! instead. Its only difference is that of the squares, and those are exact integers (see
+//! [`exact`]).
 //!
-//! **Error.** Let u = 2^-53. The integers s², d² and |s² - d²| become doubles with relative error
-//! at most u(1 + 2^-8) each (cut to 63 or 64 bits, then rounded). A root halves that of its
-//! argument and adds u: at most 1.51u for s and for d. The sum s + d adds u, the product with s
-//! adds 1.51u and u, the quotient adds that of s² - d² and u: in total at most 7.1u to first order,
-//! below 10^-15. Powers of two are kept apart, so nothing overflows or underflows before the last
-//! step, where a depth of magnitude below 2^-1022 is rounded to a multiple of 2^-1074.
+//! **Error.** Let u = 2^-53. Each of the integers s², d² and |s² - d²| is cut to 63 or 64 bits and
+//! then rounded to a double, with a relative error of at most u(1 + 2^-8). A square root halves the
+//! error of its argument and adds u: at most 1.51u for s and for d. The sum s + d adds u. The
+//! product with s adds 1.51u and u. The quotient adds the error of s² - d² and u. In total this is
+//! at most 7.1u to first order, below 10^-15. Powers of two are kept apart, so that nothing
+//! overflows or underflows before the last step. That step rounds a depth of magnitude below
+//! 2^-1022 to a multiple of 2^-1074.
 
 use super::image::Shift;
 use super::{exact, image};
 
-/// The overlap of two bodies relative to their mean radius: positive for overlap, negative for a
-/// gap, 0 for exact tangency and only then.
+/// Returns the overlap of two particles divided by their mean radius: positive for an overlap,
+/// negative for a gap, 0 only for exact tangency.
 ///
-/// The relative error is below 10^-15 (absolute 2^-1074 for subnormal depths), and the sign is
-/// always that of [`exact::compare`]. For two points (ra + rb = 0): 0 where they coincide, else
-/// minus infinity, as for gaps that overflow. All numbers must be finite; radii must not be
-/// negative.
+/// The relative error is below 10^-15 (for subnormal depths the absolute error is below 2^-1074),
+/// and the sign always agrees with [`exact::compare`]. Two points (ra + rb = 0) have depth 0 if
+/// they coincide, else minus infinity. A gap that overflows is minus infinity, too. All numbers
+/// must be finite and radii must not be negative.
 pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f64 {
     if let Some((distance, reach)) = exact::short(a, b, ra, rb) {
-        // Below 2^128, the reach at least 2^121: far from both ends of the range.
+        // distance < 2^128 and reach >= 2^121: the roots and their product are normal doubles.
         let (s, d) = ((reach as f64).sqrt(), (distance as f64).sqrt());
         let depth = 2.0 * reach.abs_diff(distance) as f64 / (s * (s + d));
         return if reach < distance { -depth } else { depth };
@@ -31,7 +34,7 @@ pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f6
     image::with_squares(a, b, ra, rb, Shift::NONE, relative)
 }
 
-/// The same of the first body and an image of the second: see [`image::compare`].
+/// Returns the [`depth`] of the first particle and an image of the second; see [`image::compare`].
 pub fn depth_of_image<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -45,7 +48,7 @@ pub fn depth_of_image<const D: usize>(
     image::with_squares(a, b, ra, rb, shift, relative)
 }
 
-/// The depth for given squares of distance and sum of radii, in the same unit.
+/// Returns the depth for the squares of distance and sum of radii, given in the same unit.
 fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     let order = exact::compare_words(reach, distance);
     let mut rest = [0; image::SQUARE_WORDS];
@@ -62,15 +65,16 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     }
     let (d, s, power) = (d.sqrt(), s.sqrt(), (d_power - s_power) / 2);
     if power > 64 {
-        // Far apart, nothing cancels: d/s is above 2^32. May overflow to minus infinity.
+        // The particles are far apart: d/s > 2^32, nothing cancels, and the result may be
+        // -infinity.
         return 2.0 * (1.0 - libm::scalbn(d / s, power));
     }
     let depth = libm::scalbn(2.0 * rest / (s * (s + libm::scalbn(d, power))), rest_power - s_power);
-    // Not tangent, so not zero, even where the depth underflows.
+    // The particles are not tangent, so the depth must not underflow to zero.
     sign * depth.max(f64::from_bits(1))
 }
 
-/// (m, p) with m·2^p the number, p even and m below 2^64; cut to at least 63 bits, then rounded.
+/// Returns (m, p) with value m·2^p, p even and m < 2^64, cut to at least 63 bits and then rounded.
 fn leading(words: &[u64]) -> (f64, i32) {
     let Some(top) = words.iter().rposition(|&word| word != 0) else {
         return (0.0, 0);
@@ -96,7 +100,7 @@ mod tests {
         // A gap of 2^-52 in a distance of 1, and an overlap of 2^-53.
         assert_eq!(depth(&[0.0, 0.0], &[1.0f64.next_up(), 0.0], 0.5, 0.5), -2.0f64.powi(-51));
         assert_eq!(depth(&[0.0, 0.0], &[1.0f64.next_down(), 0.0], 0.5, 0.5), 2.0f64.powi(-52));
-        // y² / 2 = 2^-201 too far apart, far below one ulp of the distance.
+        // y² / 2 = 2^-201 too far apart: far below the spacing of doubles at the distance.
         let gap = depth(&[0.0, 2.0f64.powi(-100)], &[1.0, 0.0], 0.5, 0.5);
         assert_eq!(gap, -(2.0f64.powi(-200)));
     }

@@ -1,31 +1,34 @@
 //! The sign of |a - b|² - (ra + rb)² in exact arithmetic, for all finite binary numbers.
 //!
-//! A binary floating-point number is an integer times a power of two. The numbers of one test are
-//! brought to one common power of two; then differences, sums and squares are integers and there is
-//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. If the
-//! differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the
-//! sum (nearly every pair near tangency), their squares fit 128 bits: the *short* form. Other pairs
-//! are decided like a contact with an image of shift 0: see [`super::image`]. Nothing here
-//! allocates.
+//! A binary floating-point number is an integer times a power of two. All numbers of one test are
+//! scaled by one common power of two. Their differences, sums and squares are then integers, and
+//! nothing is rounded: there is no underflow, no overflow and no special case for subnormals. The
+//! *short* form takes the differences `a[k] - b[k]` and the sum ra + rb in units of 2^-62 of the
+//! sum. If all of them are integers below 2^62, their squares fit in 128 bits; this holds for
+//! nearly every pair near tangency. Other pairs are decided like a contact with an image of shift
+//! 0: see [`super::image`]. Nothing here allocates.
 //!
-//! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,
-//! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7): x ± y = h + l
-//! exactly, in any order of magnitudes, unless a sum overflows; the error of a sum is a multiple of
-//! the smallest subnormal, so it never underflows. Let s be the h of ra + rb, in [2^-900, 2^60),
-//! and c the power of two that brings it into [2^61, 2^62); so c lies in [2^2, 2^962) and is a
-//! double. As c > 1, the product c·x of a double x is exact or overflows to infinity. A value v =
-//! c·x passes if |v| < 2^62, so that `v as i64` truncates and never saturates, and if the integer
-//! converted back is v, so that nothing was truncated. NaN and infinities do not pass. Where the h
-//! and l of a sum pass, its integer is theirs added, at most 2^62 + 2^62 in magnitude and so no
-//! `i64` overflow. An l is at most half an ulp of its h, hence below 2^62 · 2^-53: the integers are
-//! below 2^62 + 2^9, their squares below 2^124 + 2^73, and the sum of up to 15 of them below 2^128.
-//! All of it is exact, so the comparison is.
+//! **The short form.** Knuth's two-sum computes h = fl(x ± y) and the error l, with x ± y = h + l
+//! exactly, for any order of magnitudes, unless a sum overflows (Dekker 1971,
+//! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7). The error of a sum is
+//! a multiple of the smallest subnormal, so it never underflows. Let s be the h of ra + rb,
+//! required to lie in [2^-900, 2^60), and c the power of two that scales s into [2^61, 2^62). Then
+//! c lies in [2^2, 2^962) and is a double. As c > 1, the product c·x of a double x is exact or
+//! overflows to infinity.
+//!
+//! A value v = c·x passes two checks: |v| < 2^62, so that `v as i64` truncates and never saturates;
+//! and the integer converted back equals v, so that nothing was truncated. NaN and infinities fail.
+//! If the h and l of a sum pass, the sum in units of 1/c is the sum of their integers, at most 2^62
+//! + 2^62 in magnitude, which does not overflow `i64`. An l is at most half an ulp of its h, so
+//! below 2^62 · 2^-53. The integers are therefore below 2^62 + 2^9, their squares below 2^124 +
+//! 2^73, and the sum of up to 15 squares below 2^128. Every step is exact, so the comparison is
+//! exact.
 
 use std::cmp::Ordering;
 
 use super::image::{Shift, with_squares};
 
-/// How two bodies lie to each other.
+/// How two particles lie to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Label {
     /// |a - b| > ra + rb: no contact.
@@ -40,7 +43,7 @@ impl Label {
     /// All labels, in the order of growing depth.
     pub const ALL: [Label; 3] = [Label::Apart, Label::Tangent, Label::Overlap];
 
-    /// The name used in records and tables.
+    /// Returns the name used in records and tables.
     pub fn name(self) -> &'static str {
         match self {
             Label::Apart => "apart",
@@ -49,16 +52,16 @@ impl Label {
         }
     }
 
-    /// Do bodies that lie so touch? The contact test is closed: tangent bodies do.
+    /// Returns whether such particles touch. The contact test is closed: tangent particles touch.
     pub fn touches(self) -> bool {
         self != Label::Apart
     }
 }
 
-/// How the bodies of radii `ra` and `rb` at `a` and `b` lie to each other, for the numbers as
-/// given.
+/// Returns how particles of radii `ra` and `rb` at `a` and `b` lie to each other, exactly for the
+/// given numbers.
 ///
-/// All numbers must be finite; radii must not be negative.
+/// All numbers must be finite and radii must not be negative.
 pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Label {
     match compare(a, b, ra, rb) {
         Ordering::Less => Label::Overlap,
@@ -67,10 +70,10 @@ pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> La
     }
 }
 
-/// Compares |a - b|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency, `Greater` is
+/// Compares |a - b|² with (ra + rb)² exactly: `Less` means overlap, `Equal` tangent, `Greater`
 /// apart.
 ///
-/// All numbers must be finite; radii must not be negative.
+/// All numbers must be finite and radii must not be negative.
 #[cold]
 pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
     match short(a, b, ra, rb) {
@@ -79,7 +82,8 @@ pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> 
     }
 }
 
-/// |a - b|² and (ra + rb)² as integers of one unit, where the short form holds them.
+/// Returns |a - b|² and (ra + rb)² as integers in one unit, or `None` if the short form cannot hold
+/// them.
 #[inline(always)]
 pub(super) fn short<const D: usize>(
     a: &[f64; D],
@@ -119,7 +123,7 @@ pub(super) fn short<const D: usize>(
     exact.then(|| (distance, square(sum)))
 }
 
-/// (fl(x + y), x + y - fl(x + y)); the second is exact where nothing overflows.
+/// Returns (s, x + y - s) for s = fl(x + y); the second is exact unless a sum overflows.
 #[inline(always)]
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
@@ -127,19 +131,17 @@ fn two_sum(x: f64, y: f64) -> (f64, f64) {
     (sum, (x - (sum - part)) + (y - part))
 }
 
-/// The comparison for any finite numbers.
 #[cold]
 fn long<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
     with_squares(a, b, ra, rb, Shift::NONE, compare_words)
 }
 
-/// The four words of a number of 256 bits.
+/// Splits a number of 256 bits into four words, lowest first.
 pub(super) fn words((high, low): (u128, u128)) -> [u64; 4] {
     [low as u64, (low >> 64) as u64, high as u64, (high >> 64) as u64]
 }
 
-/// A double as sign, integer mantissa and power of two: value = ±mantissa · 2^exponent, exponent >=
-/// -1074.
+/// A double split as ±mantissa · 2^exponent, with exponent >= -1074.
 pub(super) struct Parts {
     pub negative: bool,
     pub mantissa: u64,
@@ -155,7 +157,7 @@ pub(super) fn parts(x: f64) -> Parts {
     Parts { negative: x.is_sign_negative(), mantissa, exponent }
 }
 
-/// x in units of 2^lowest, of which it is a multiple below 2^127.
+/// Returns x in units of 2^lowest. x must be a multiple of that unit and below 2^127 units.
 #[inline(always)]
 pub(super) fn integer(x: f64, lowest: i32) -> i128 {
     let Parts { negative, mantissa, exponent } = parts(x);
@@ -169,7 +171,7 @@ pub(super) fn integer(x: f64, lowest: i32) -> i128 {
     if negative { -magnitude } else { magnitude }
 }
 
-/// (high, low) of x².
+/// Returns x² as (high, low).
 pub(super) fn square256(x: u128) -> (u128, u128) {
     let (h, l) = (x >> 64, x & u128::from(u64::MAX));
     let middle = h * l; // below 2^126 for x below 2^127: its double does not overflow
@@ -182,22 +184,22 @@ pub(super) fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
     (a.0 + b.0 + u128::from(carry), low)
 }
 
-/// |x| in units of 2^-1074, in at least 33 words.
+/// Returns |x| in units of 2^-1074, in W >= 33 words.
 pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let Parts { mantissa, exponent, .. } = parts(x);
     let shift = (exponent + 1074) as usize;
     let shifted = u128::from(mantissa) << (shift % 64);
     let mut words = [0; W];
     words[shift / 64] = shifted as u64;
-    // The largest double ends at bit 2098, in word 32: when there is no word above, nothing is left
-    // to put there.
+    // The largest double ends at bit 2098, in word 32. If there is no word above, the upper half is
+    // zero.
     if let Some(word) = words.get_mut(shift / 64 + 1) {
         *word = (shifted >> 64) as u64;
     }
     words
 }
 
-/// Compares two numbers of equally many words.
+/// Compares two numbers with the same number of words.
 pub(super) fn compare_words(a: &[u64], b: &[u64]) -> Ordering {
     a.iter().rev().cmp(b.iter().rev())
 }
@@ -212,7 +214,7 @@ pub(super) fn sum<const W: usize>(a: &[u64; W], b: &[u64; W]) -> [u64; W] {
     out
 }
 
-/// out = a - b for a >= b of equal lengths.
+/// Writes a - b to `out`, for a >= b and equal lengths.
 pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
     let mut borrow = false;
     for ((a, b), out) in a.iter().zip(b).zip(out) {
@@ -223,7 +225,7 @@ pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
     }
 }
 
-/// a², in twice the words of a.
+/// Returns a² in twice as many words.
 pub(super) fn square<const W: usize, const S: usize>(a: &[u64; W]) -> [u64; S] {
     const { assert!(S == 2 * W) };
     let mut out = [0; S];
@@ -277,8 +279,8 @@ mod tests {
         assert_eq!(compare(&[1e300, tiny], &[1e300, 0.0], tiny, 0.0), Ordering::Equal);
     }
 
-    /// Each condition of the short form alone, at its border: what passes is right, what would not
-    /// be is refused.
+    /// Tests each condition of the short form at its limit: inside it is right, outside it returns
+    /// `None`.
     #[test]
     fn the_short_form_refuses_what_it_cannot_hold() {
         let power = |k: i32| f64::from_bits(((1023 + k) as u64) << 52);
@@ -293,7 +295,7 @@ mod tests {
         assert!(short(&[4.0f64.next_down(), 0.0], &[0.0, 0.0], 1.0, 1.0).is_some());
         assert!(short(&[4.0, 0.0], &[0.0, 0.0], 1.0, 1.0).is_none());
         assert!(short(&[f64::MAX, 0.0], &[-f64::MAX, 0.0], 1.0, 1.0).is_none());
-        // A difference and a sum that need a second double.
+        // A difference and a sum that each need a second double.
         assert!(short(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0).is_some());
         assert_eq!(compare(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Less);
         assert_eq!(compare(&[-power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Greater);

@@ -1,18 +1,18 @@
-//! The sign of |a - b - S·H|² - (ra + rb)² in exact arithmetic: the contact test of a body and an
-//! image of another.
+//! The sign of |a - b - S·H|² - (ra + rb)² in exact arithmetic: the contact test between a particle
+//! and an image of another.
 //!
-//! S are three whole numbers of 32 bits, H three vectors of doubles. The difference along an axis
-//! is a sum of five terms, each a double or a whole number times one; as in [`exact`] they are
-//! integers of one unit, and nothing is rounded: the shifted centre, which no double need hold, is
-//! never computed. There are two widths:
+//! S is three 32-bit integers, H three vectors of doubles. The difference along an axis is a sum of
+//! five terms, each a double or an integer times a double. As in [`exact`], all terms become
+//! integers in one unit and nothing is rounded. The shifted centre, which may not fit a double, is
+//! never computed. Two widths are used:
 //!
 //! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
-//!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1; without a shift, 2^(m+1)). Where
-//!   m + s <= 124 it fits an `i128`, as does each term; its square is below 2^252, the sum of up to
-//!   four of them below 2^254.
-//! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so
-//!   every sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words;
-//!   the sum of up to four squares is below 2^4264 and fits 68.
+//!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) for s >= 1, and below 2^(m+1) without a
+//!   shift. If m + s <= 124, it fits an `i128`, as does each term. Its square is below 2^252, and
+//!   the sum of up to four squares below 2^254.
+//! * *wide*: fixed point in units of 2^-1074. Positive and negative terms are added separately, so
+//!   every sum is at most (2 + 3·2^31)·2^1024 < 2^1057. This is 2^2131 units and fits 34 words. The
+//!   sum of up to four squares is below 2^4264 and fits 68.
 
 use std::cmp::Ordering;
 
@@ -20,34 +20,34 @@ use super::exact::{
     self, add256, compare_words, fixed, integer, parts, square, square256, subtract, sum, words,
 };
 
-/// Which image of the second body is meant: the one at b + S·H, the sum of S\[v\] times vector v.
+/// The image at b + S·H of a particle at b: the sum of S\[v\] times vector v is added.
 #[derive(Clone, Copy, Debug)]
 pub struct Shift<'a, const D: usize> {
-    /// S.
+    /// Shift S: how often each vector is added.
     pub image: [i32; 3],
-    /// H, one vector per row. All numbers must be finite.
+    /// Vectors H, one per row. All numbers must be finite.
     pub vectors: &'a [[f64; D]; 3],
 }
 
 impl<const D: usize> Shift<'_, D> {
-    /// The body itself.
+    /// Shift 0: the particle itself.
     pub const NONE: Shift<'static, D> = Shift { image: [0; 3], vectors: &[[0.0; D]; 3] };
 
-    /// Is it the body itself?
+    /// Returns whether the shift is 0: the particle itself.
     pub fn is_none(&self) -> bool {
         self.image == [0; 3]
     }
 
-    /// The vectors that count, with their numbers.
+    /// Returns the vectors with a shift other than 0, with their shifts.
     fn terms(&self) -> impl Iterator<Item = (i32, &[f64; D])> {
         self.image.into_iter().zip(self.vectors).filter(|(count, _)| *count != 0)
     }
 }
 
-/// Compares |a - b - S·H|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency,
-/// `Greater` is apart.
+/// Compares |a - b - S·H|² with (ra + rb)² exactly: `Less` means overlap, `Equal` tangent,
+/// `Greater` apart.
 ///
-/// All numbers must be finite; radii must not be negative.
+/// All numbers must be finite and radii must not be negative.
 #[cold]
 pub fn compare<const D: usize>(
     a: &[f64; D],
@@ -62,8 +62,8 @@ pub fn compare<const D: usize>(
     with_squares(a, b, ra, rb, shift, compare_words)
 }
 
-/// Hands |a - b - S·H|² and (ra + rb)² to `then`: integers of one unit, as words of which the
-/// lowest is the first; equally many in both.
+/// Calls `then` with |a - b - S·H|² and (ra + rb)² as integers in one unit: words, lowest first,
+/// the same number of words for both.
 pub(super) fn with_squares<O, const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -95,7 +95,7 @@ pub(super) fn with_squares<O, const D: usize>(
     }
 }
 
-/// Both squares in units of 2^(2·lowest), as (high, low).
+/// Returns both squares in units of 2^(2·lowest), as (high, low).
 fn narrow<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -115,14 +115,14 @@ fn narrow<const D: usize>(
     (distance, square256((integer(ra) + integer(rb)).unsigned_abs()))
 }
 
-/// Words of a sum of terms, in units of 2^-1074.
+/// Words for a sum of terms, in units of 2^-1074.
 const WORDS: usize = 34;
-/// Words of its square.
+/// Words for the square of such a sum.
 pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
 type Word = [u64; WORDS];
 type Square = [u64; SQUARE_WORDS];
 
-/// Both squares in units of 2^-2148.
+/// Returns both squares in units of 2^-2148.
 fn wide<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -132,7 +132,7 @@ fn wide<const D: usize>(
 ) -> (Square, Square) {
     let mut distance: Square = [0; SQUARE_WORDS];
     for k in 0..D {
-        // The positive and the negative terms.
+        // Sums of the positive and of the negative terms.
         let mut sums: [Word; 2] = [[0; WORDS]; 2];
         let mut add = |count: i64, x: f64| {
             let negative = (count < 0) != x.is_sign_negative();
@@ -190,8 +190,7 @@ mod tests {
         assert!(narrow > 300, "{narrow}");
     }
 
-    /// From numbers that leave much room in the narrow form to those that it cannot hold, tangent
-    /// and not.
+    /// Covers numbers from far inside the narrow form to beyond it, tangent and not.
     #[test]
     fn the_narrow_form_refuses_what_it_cannot_hold() {
         let mut narrow = 0;
@@ -220,7 +219,7 @@ mod tests {
         let compare = |a: [f64; 2], b, ra, rb, image| {
             compare(&a, &b, ra, rb, Shift { image, vectors: &vectors })
         };
-        // The shifts cancel but for one vector, or altogether.
+        // The shifts cancel except for one vector, or completely.
         assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 1, 0]).is_eq());
         assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 2, 0]).is_gt());
         assert!(compare([tiny, 0.0], [0.0; 2], tiny, 0.0, [i32::MIN, i32::MIN, 0]).is_eq());
@@ -229,7 +228,7 @@ mod tests {
         assert!(compare([0.0, tiny], [0.0; 2], 0.0, 0.0, [0, 1, 1]).is_eq());
         assert!(compare([huge, 0.0], [-huge, 0.0], huge, huge, [i32::MIN; 3]).is_gt());
         assert!(compare([huge, 0.0], [-huge, 0.0], huge, huge, [0, 0, 1]).is_lt());
-        // A whole lattice vector is no distance, far beyond what a double holds.
+        // Shift and distance cancel up to 1e-300, which no single double can represent.
         let one = [[1.0, 0.0], [0.0, 1.0], [0.0; 2]];
         let shift = Shift { image: [i32::MAX, 0, 0], vectors: &one };
         let a = [2147483648.0, 1e-300];

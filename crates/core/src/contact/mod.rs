@@ -1,33 +1,36 @@
-//! The contact test: in which number format a scene is stored, and how |xi - xj| <= ri + rj is
-//! decided.
+//! The contact test: how a scene is stored, and how |xi - xj| <= ri + rj is decided.
 //!
-//! **One predicate.** Two bodies touch when |xi - xj| <= ri + rj: the test is closed (BOOK: "touch
-//! or overlap"). Every detector decides through [`Bodies::touch`], which counts itself. There are
-//! two ways to evaluate it:
+//! **One predicate.** Two particles touch when |xi - xj| <= ri + rj. The test is closed, as in
+//! Munjiza's book ("touch or overlap"). Every detector decides through [`Bodies::touch`], which
+//! counts its calls. There are two ways to evaluate it:
 //!
-//! * *rounded*: |xi - xj|² <= (ri + rj)² as floating point gives it, in the scene's own precision;
-//! * *exact*: the sign of |xi - xj|² - (ri + rj)² for the given binary numbers, whatever they are.
-//!   A filter in f64 decides nearly all pairs, [`exact::compare`] the rest.
+//! * *rounded*: |xi - xj|² <= (ri + rj)² in the floating-point arithmetic of the scene's own
+//!   precision;
+//! * *exact*: the sign of |xi - xj|² - (ri + rj)² for the given binary numbers. A filter in f64
+//!   decides nearly all pairs, [`exact::compare`] the rest.
 //!
 //! **The exact test's filter.** Let u = 2^-53, d2 and s2 the computed |xi - xj|² and (ri + rj)²,
-//! and d², s² the true ones. A difference or sum of two doubles has relative error at most u (it
-//! never underflows), a product u plus an absolute 2^-1075. So d2 = d²(1 + e) + t with |e| <=
-//! (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075, and s2 = s²(1 + e') + t' with
-//! |e'| < 4u. If d2 > s2(1 + 16u) + 2^-960 as computed (two more roundings), then d² > s²: apart.
-//! If d2 <= s2(1 - 16u) - 2^-960, then d² < s²: overlap. If d2 overflows, d² >= 2^1024(1 - 7u); a
-//! threshold s2(1 + 16u) + 2^-960 that does not overflow means s² < 2^1024(1 - 9u): apart, too. An
-//! overflowing s2 never decides. Everything between is left to exact arithmetic. NaN cannot arise
-//! from finite input.
+//! and d², s² the true ones. A difference or sum of two doubles has a relative error of at most u
+//! (it never underflows); a product has u plus an absolute 2^-1075. So d2 = d²(1 + e) + t with |e|
+//! <= (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075, and s2 = s²(1 + e') + t'
+//! with |e'| < 4u.
 //!
-//! How far apart two accepted bodies can be at most is derived in [`slack`], what cells, boxes and
-//! keys must add to that in [`crate::filter`].
+//! * If d2 > s2(1 + 16u) + 2^-960 as computed (two more roundings), then d² > s²: apart.
+//! * If d2 <= s2(1 - 16u) - 2^-960, then d² < s²: overlap.
+//! * If d2 overflows, then d² >= 2^1024(1 - 7u). A threshold s2(1 + 16u) + 2^-960 that does not
+//!   overflow means s² < 2^1024(1 - 9u): apart.
+//! * An overflowing s2 never decides.
 //!
-//! **Images.** In a periodic box the second centre is shifted by whole numbers of the box's
-//! vectors. The exact test takes the shift as further terms of the difference, not a rounded
-//! centre: [`image`]. What detectors see are rounded places, and a [`Slack`] that says so:
-//! [`Imaged`], made by [`crate::periodic`].
+//! Exact arithmetic decides everything between. Finite input never yields NaN.
 //!
-//! **Steps.** Whether two bodies that move touch between two frames is decided as exactly:
+//! [`slack`] derives how far apart two accepted particles can be at most; [`crate::filter`] derives what cells, boxes and keys must add to that.
+//!
+//! **Images.** In a periodic box the second centre is shifted by integer multiples of the box's
+//! vectors. The exact test adds the shift as further terms of the difference and never rounds a
+//! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
+//! rounding: [`Imaged`], made by [`crate::periodic`].
+//!
+//! **Steps.** Whether two moving particles touch between two frames is decided exactly, too:
 //! [`swept`].
 
 pub mod bodies;

@@ -1,4 +1,4 @@
-//! The evaluations of the contact test: rounded or exact, for one radius or one per particle.
+//! How the contact test is evaluated: rounded or exact, for one radius or one per particle.
 
 use std::cmp::Ordering;
 
@@ -6,10 +6,10 @@ use super::{Slack, exact};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Real};
 
-/// Two particles: their numbers and their centres.
+/// Two particles: their numbers and centres.
 #[derive(Clone, Copy)]
 pub struct Couple<'a, T, const D: usize> {
-    /// The numbers.
+    /// Numbers of the particles, from 0.
     pub ids: [u32; 2],
     /// Centre of the first particle.
     pub a: &'a [T; D],
@@ -18,16 +18,15 @@ pub struct Couple<'a, T, const D: usize> {
 }
 
 impl<T, const D: usize> Couple<'_, T, D> {
-    /// Returns the value of `of` for each of the two particles.
     #[inline(always)]
     fn each<R>(&self, of: impl Fn(usize) -> R) -> (R, R) {
         (of(self.ids[0] as usize), of(self.ids[1] as usize))
     }
 }
 
-/// Evaluates the contact test for one kind of radii and arithmetic.
+/// The contact test for one kind of radii and one arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
-    /// Do these two touch?
+    /// Returns whether the two particles touch.
     fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, probe: &mut P) -> bool;
 }
 
@@ -41,15 +40,14 @@ fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
     sum
 }
 
-/// Rounded arithmetic, one radius: the square of the diameter is computed once.
+/// The rounded test for one radius; the square of the diameter is computed once.
 #[derive(Clone, Copy)]
 pub struct RoundedUniform<T: Real> {
-    /// (2r)².
+    /// Square of the diameter.
     square: T::Work,
 }
 
 impl<T: Real> RoundedUniform<T> {
-    /// The test for bodies of this radius.
     pub(super) fn new(radius: T) -> RoundedUniform<T> {
         let sum = radius.plus(radius);
         RoundedUniform { square: sum * sum }
@@ -63,7 +61,7 @@ impl<T: Real> Rule<T> for RoundedUniform<T> {
     }
 }
 
-/// Rounded arithmetic, one radius per particle.
+/// The rounded test for one radius per particle.
 #[derive(Clone, Copy)]
 pub struct RoundedEach<'a, T> {
     pub(super) radii: &'a [T],
@@ -78,12 +76,12 @@ impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     }
 }
 
-/// The relative half-width of the band in which the filter does not decide: 16u of f64.
+/// Relative half-width of the band in which the filter does not decide: 16u, u = 2^-53.
 const BAND: f64 = 16.0 / (1u64 << 53) as f64;
-/// The absolute half-width of the band: 2^-960.
+/// Absolute half-width of the band: 2^-960.
 const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
 
-/// (undecided above this, apart above this) for a computed square of the sum of radii.
+/// Returns (undecided above this, apart above this) for the computed square of a sum of radii.
 #[inline(always)]
 fn band(square: f64) -> (f64, f64) {
     let overlap = if square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
@@ -110,7 +108,7 @@ fn decide<const D: usize, P: Probe>(
     exact::compare(a, b, ra, rb) != Ordering::Greater
 }
 
-/// Exact arithmetic, one radius: the filter's band is computed once.
+/// The exact test for one radius; the filter's band is computed once.
 #[derive(Clone, Copy)]
 pub struct ExactUniform {
     radius: f64,
@@ -118,7 +116,6 @@ pub struct ExactUniform {
 }
 
 impl ExactUniform {
-    /// The test for bodies of this radius.
     pub(super) fn new(radius: f64) -> ExactUniform {
         let diameter = 2.0 * radius;
         ExactUniform { radius, band: band(diameter * diameter) }
@@ -132,7 +129,7 @@ impl Rule<f64> for ExactUniform {
     }
 }
 
-/// Exact arithmetic, one radius per particle.
+/// The exact test for one radius per particle.
 #[derive(Clone, Copy)]
 pub struct ExactEach<'a> {
     pub(super) radii: &'a [f64],
@@ -156,27 +153,27 @@ fn decide_each<const D: usize, P: Probe>(
     decide(a, b, || (ra, rb), band(sum * sum), probe)
 }
 
-/// Positions are only near the true ones: what they leave open somebody else decides.
+/// A test of approximate positions; a callback decides the pairs that they leave open.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
-    /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
-    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A
-    /// relative part of at least 8u, 1% of the absolute one, or no slack at all, covers the
-    /// roundings of those who compute with it (see [`super::slack`]).
+    /// How far the positions can mislead: particles with sum of radii s touch if their positions
+    /// are at most s(1 - relative) - absolute apart, and do not touch beyond s(1 + relative) +
+    /// absolute. A relative part of at least 8u, 1% of the absolute part, or no slack at all,
+    /// covers the roundings of code that computes with the slack (see [`super::slack`]).
     pub slack: Slack,
-    /// Bodies from this number on are not asked about each other: nobody uses what is said of two
-    /// of them.
+    /// Number of the first image. Two bodies from this number on are reported apart without a test,
+    /// because no caller uses pairs of two images.
     pub owners: u32,
-    /// Do these two touch? Asked for pairs that positions do not decide; it must not contradict the
-    /// slack.
+    /// Returns whether two bodies touch. It is called for pairs that the positions do not decide,
+    /// and must not contradict the slack.
     pub decide: Decide<'a>,
 }
 
-/// Decides whether two bodies touch, by their numbers.
+/// Decides by their numbers whether two bodies touch.
 pub type Decide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
 
 impl Asked<'_> {
-    /// Decides from positions where the slack allows it: the argument of
+    /// Decides from the positions as far as the slack allows, as derived at
     /// [`Near`](crate::filter::Near).
     fn touch<const D: usize, P: Probe>(
         &self,
@@ -204,9 +201,9 @@ impl Asked<'_> {
     }
 }
 
-/// Any of them, chosen anew for every test: the same answers, slower, and detectors are compiled
-/// once instead of once for each. For the exact test of other storages, coordinates and radii
-/// become doubles, which is without error.
+/// Any of the tests, chosen again for each pair. Results are the same and slower; detectors are
+/// compiled once instead of once per test. For the exact test, other storages are widened to f64
+/// without rounding.
 #[derive(Clone, Copy)]
 pub enum AnyRule<'a, T: Real> {
     /// Rounded, one radius.
@@ -217,7 +214,7 @@ pub enum AnyRule<'a, T: Real> {
     ExactUniform(ExactUniform),
     /// Exact, one radius per particle.
     ExactEach(&'a [T]),
-    /// Positions near the true ones, one radius or one per particle.
+    /// Approximate positions with a callback, one radius or one per particle.
     Asked(Asked<'a>, &'a Radii<'a, T>),
 }
 

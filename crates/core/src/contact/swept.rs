@@ -1,37 +1,37 @@
-//! Contacts between two frames: exact, for bodies that move straight and evenly.
+//! Contacts between two frames, decided exactly for particles that move at constant velocity.
 //!
-//! Let p and q be the differences of the centres at the beginning and at the end of a step and R
-//! the sum of the radii. At the time t in [0, 1] the difference is p + t(q - p), and with a = |q -
-//! p|², b = p·(q - p), c = |p|² - R² the square of the distance less R² is a t² + 2b t + c. So the
-//! bodies touch within the step if and only if
+//! Let p and q be the differences of the centres at the beginning and at the end of a step, and R
+//! the sum of the radii. At time t in [0, 1] the difference is p + t(q - p). With a = |q - p|², b =
+//! p·(q - p), c = |p|² - R², the square of the distance less R² is a t² + 2b t + c. So the
+//! particles touch within the step if and only if one of these holds:
 //!
-//! * c <= 0: they touch at its beginning; or
-//! * a + 2b + c <= 0: at its end; or
-//! * a > 0, -a <= b <= 0 and b² >= ac: the least value of the parabola lies within the step and is
-//!   not above 0. (Where a = 0 nothing moves, and the ends have decided.)
+//! * c <= 0: they touch at the beginning.
+//! * a + 2b + c <= 0: they touch at the end.
+//! * a > 0, -a <= b <= 0 and b² >= ac: the minimum of the parabola lies within the step and is not
+//!   above 0. (If a = 0, neither moves, and the ends have decided.)
 //!
-//! A pair of which only the last is true is a *tunnelled* contact: no list, however good, shows it
-//! to a program that looks at the ends of steps. A smaller time step does.
+//! A pair that satisfies only the last condition is a *tunnelled* contact. A program that tests at
+//! the ends of steps misses it with any list; a smaller time step finds it.
 //!
-//! A filter decides in f64. Let S be the sum of the magnitudes of all coordinates of p and q, and
-//! R: then |a|, |b|, |c| <= 4 S², and each is computed from at most ten roundings of terms that sum
-//! up to no more, so its error is below E = 64u S². That of b² - ac is below E (2|b| + a + |c|) +
-//! 2E², with two products and a difference that add less than E (|b| + a): so it vanishes with a
-//! and b, and bodies that hardly move are decided here, too. What is nearer to a border than that,
-//! and numbers whose fourth powers leave the range of f64, are decided by whole numbers of any
-//! length.
+//! A filter decides in f64. Let S be the sum of R and of the magnitudes of all coordinates of p and
+//! q. Then |a|, |b|, |c| <= 4 S², and each is computed with at most ten roundings of terms that sum
+//! to no more, so its error is below E = 64u S². The error of b² - ac is below E (2|b| + a + |c|) +
+//! 2E², and two products and a difference add less than E (|b| + a). It vanishes with a and b, so
+//! particles that hardly move are decided here, too. Integers of unlimited length decide all pairs
+//! nearer to a limit than that, and numbers whose fourth powers leave the range of f64.
 
 use num_bigint::BigInt;
 
 use super::exact::{compare, parts};
 
-/// u = 2^-53.
+/// Unit roundoff of f64, 2^-53.
 const U: f64 = 1.0 / (1u64 << 53) as f64;
 
-/// Do two bodies touch at any time of a step in which their centres go straight and evenly from the
-/// first point to the second? The test is closed, and exact for the numbers as given.
+/// Returns whether two particles touch at any time of a step in which each centre moves at constant
+/// velocity from its first point to its second. The test is closed, and exact for the given
+/// numbers.
 ///
-/// All numbers must be finite; radii must not be negative.
+/// All numbers must be finite and radii must not be negative.
 pub fn touches_within<const D: usize>(
     a: [&[f64; D]; 2],
     b: [&[f64; D]; 2],
@@ -44,7 +44,7 @@ pub fn touches_within<const D: usize>(
     filtered(a, b, ra + rb).unwrap_or_else(|| exact(a, b, ra, rb))
 }
 
-/// What f64 decides.
+/// Decides in f64, or returns `None` if that is too close to a limit.
 fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) -> Option<bool> {
     let difference = |end: usize| -> [f64; D] { std::array::from_fn(|k| a[end][k] - b[end][k]) };
     let (p, q) = (difference(0), difference(1));
@@ -63,7 +63,7 @@ fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) ->
     if first <= error || last <= error {
         return None;
     }
-    // Apart at both ends. Within?
+    // Apart at both ends; the minimum within the step decides.
     if product > error || product < -square - error {
         return Some(false);
     }
@@ -80,7 +80,7 @@ fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) ->
 fn exact<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], ra: f64, rb: f64) -> bool {
     let all = a.iter().chain(&b).flat_map(|point| point.iter()).chain([&ra, &rb]);
     let lowest = all.map(|&x| parts(x).exponent).min().unwrap_or(0);
-    // In units of the lowest bit of all.
+    // Returns x in units of the lowest bit of all numbers.
     let whole = |x: f64| {
         let parts = parts(x);
         let magnitude = BigInt::from(parts.mantissa) << (parts.exponent - lowest) as usize;
@@ -119,8 +119,8 @@ mod tests {
         truth
     }
 
-    /// A disc flies past another that rests; the lines of flight are a unit in the last place
-    /// nearer and farther than tangency.
+    /// A disc flies past a resting one, on a line one unit in the last place nearer or farther than
+    /// tangency.
     #[test]
     fn a_graze_is_a_contact_and_a_miss_by_the_last_bit_is_none() {
         let mut grazes = 0;
@@ -138,21 +138,21 @@ mod tests {
             grazes += 1;
         }
         assert_eq!(grazes, 7);
-        // It turns back before it is there, and starts behind it.
+        // The disc stops just before it touches, or starts behind the other one.
         let rest = [[0.0, 0.0], [0.0, 0.0]];
         assert!(!both([[-3.0, 0.0], [-1.0f64.next_up() - 1e-15, 0.0]], rest, 0.5, 0.5));
         assert!(both([[-3.0, 0.0], [-1.0, 0.0]], rest, 0.5, 0.5));
         assert!(!both([[1.5, 0.0], [9.0, 0.0]], rest, 0.5, 0.5));
         assert!(!both([[1.5, 0.0], [1.5, 0.0]], rest, 0.5, 0.5), "both at rest");
         assert!(both([[1.0, 0.0], [1.0, 0.0]], rest, 0.5, 0.5));
-        // Flying side by side.
+        // Both discs move side by side.
         assert!(!both([[0.0, 2.0], [1e9, 2.0]], [[0.0, 0.0], [1e9, 0.0]], 0.5, 0.5));
         assert!(both([[f64::MAX, 0.0], [-f64::MAX, 0.0]], rest, 1e-300, 0.0));
         assert!(both([[5e-324, 0.0], [-5e-324, 0.0]], rest, 0.0, 0.0));
         assert!(!both([[5e-324, 5e-324], [-5e-324, 5e-324]], rest, 0.0, 0.0));
     }
 
-    /// In any direction, in 2D and 3D: ends some units in the last place from tangency.
+    /// Ends a few units in the last place from tangency, in random directions, in 2D and 3D.
     #[test]
     fn ends_near_tangency_are_decided_alike_in_every_direction() {
         let mut state = 7;
@@ -182,7 +182,8 @@ mod tests {
         assert!(touching > all / 3 && touching < all * 9 / 10, "{touching} of {all}");
     }
 
-    /// Whole numbers on a small lattice: the answer by looking at all critical times, as fractions.
+    /// All flights between integer points, against the nearest point of a segment in integer
+    /// arithmetic.
     #[test]
     fn all_flights_on_a_lattice_agree_with_the_nearest_point_of_a_segment() {
         let (mut touching, mut tunnelled) = (0, 0);
@@ -196,8 +197,8 @@ mod tests {
             );
             for reach in 0..4 {
                 let at = |point: [i64; 2]| point[0] * point[0] + point[1] * point[1];
-                // The nearest point is at t = product / square, cut to the segment; the distance
-                // from the line is cross / |way|.
+                // The nearest point is at t = product / square, clamped to the segment; its
+                // distance from the line is cross / |way|.
                 let cross = p[0] * way[1] - p[1] * way[0];
                 let truth = match square {
                     0 => at(p) <= reach * reach,

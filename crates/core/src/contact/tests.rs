@@ -66,8 +66,8 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Reach {
     }
 }
 
-/// Rounded arithmetic accepts couples that are apart; the reach covers them. The couples are
-/// those one step from not being accepted.
+/// Finds pairs that only rounding accepts, the farthest apart for each radius; the reach must cover
+/// them.
 #[test]
 fn the_reach_covers_what_rounding_accepts() {
     let mut beyond = 0;
@@ -86,7 +86,7 @@ fn the_reach_covers_what_rounding_accepts() {
                     .unwrap();
             with_stored(&Stored::F32(scene), Test::Rounded, Reach).unwrap()
         };
-        // Bisection on the bits of x: couples at (0, 0) and (x, x).
+        // Bisection on the bits of x, for particles at (0, 0) and (x, x).
         let (mut low, mut high) = (0.0f32.to_bits(), (4.0 * r + 1e-3).to_bits());
         while high - low > 1 {
             let middle = low + (high - low) / 2;
@@ -111,8 +111,9 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ClassReach {
     }
 }
 
-/// Two bodies of unlike radii, as far apart as the test accepts them: the reach of their classes
-/// covers the distance, in every arithmetic, and is far below that of the larger with itself.
+/// Places two particles of different radii as far apart as the test accepts. The reach of their
+/// classes covers the distance in every arithmetic, and is far below that of the larger class with
+/// itself.
 #[test]
 fn the_reach_of_two_classes_covers_what_is_accepted() {
     let mut beyond = 0;

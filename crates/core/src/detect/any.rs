@@ -1,4 +1,5 @@
-//! One object-safe face for all detectors: dynamic once per detection, static inside.
+//! A common interface for all detectors: dynamic dispatch once per detection, static dispatch
+//! inside.
 
 use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
@@ -9,30 +10,30 @@ use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
 use crate::sink::Sink;
 use crate::with_stored;
 
-/// A detector of any algorithm, for scenes of both dimensions and precisions.
+/// A detector of any algorithm, for scenes of both dimensions and all storages.
 ///
-/// The precision is the scene's: [`AnyScene::stored`] gives the one that an
-/// [`Arithmetic`](crate::contact::Arithmetic) asks for. For the exact test a scene in another
-/// storage is widened to f64 first, which is exact.
+/// The scene's storage sets the precision: [`AnyScene::stored`] returns the one for an
+/// [`Arithmetic`](crate::contact::Arithmetic). For the exact test a scene in another storage is
+/// first widened to f64, without rounding.
 pub trait AnyDetector: Send {
-    /// Finds the contacts of what is searched.
+    /// Finds the contacts of `searched`.
     ///
     /// # Errors
-    /// The refusals of the detector.
+    /// Returns the refusals of the detector.
     fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal>;
 
-    /// Most bytes of a list of pairs.
+    /// Returns the limit for a list of pairs, in bytes.
     fn memory_limit(&self) -> u64;
 
-    /// The bytes that the memory formula gives for the scene of the last call; 0 for detectors
-    /// that declare none.
+    /// Returns the bytes that the memory formula gives for the scene of the last call; 0 for
+    /// detectors without a formula.
     fn formula_bytes(&self) -> u64;
 
-    /// The complete list of pairs, appended to `pairs`: what is timed. The list may grow to the
+    /// Appends all pairs to `pairs`. This is the operation that is timed. The list may grow to the
     /// memory limit of the detector's options.
     ///
     /// # Errors
-    /// What the detector refuses, and [`Refusal::Pairs`]; `pairs` is then as it was.
+    /// Returns the refusals of the detector and [`Refusal::Pairs`]; `pairs` is then unchanged.
     fn list(
         &mut self,
         scene: &AnyScene<'_>,
@@ -46,11 +47,11 @@ pub trait AnyDetector: Send {
         result.and(listed)
     }
 
-    /// Hands every contact to `sink`, on one thread. Counts all the same, so that a third form of
-    /// every detector need not be compiled.
+    /// Calls `sink` for every contact, on one thread. Operations are counted as well, because
+    /// another form without counters would have to be compiled for every detector.
     ///
     /// # Errors
-    /// As [`AnyDetector::list`].
+    /// Fails as [`AnyDetector::list`].
     fn visit(
         &mut self,
         scene: &AnyScene<'_>,
@@ -60,11 +61,11 @@ pub trait AnyDetector: Send {
         self.count(scene, test, &mut Tally::default(), sink)
     }
 
-    /// Hands every contact to `sink` and counts every operation. The code is that of
+    /// Calls `sink` for every contact and counts every operation. The code is that of
     /// [`AnyDetector::list`], compiled once for all kinds of radii and tests.
     ///
     /// # Errors
-    /// As [`AnyDetector::list`].
+    /// Fails as [`AnyDetector::list`].
     fn count(
         &mut self,
         scene: &AnyScene<'_>,
@@ -76,15 +77,15 @@ pub trait AnyDetector: Send {
     }
 }
 
-/// The task of a detector.
+/// What a detector should return.
 pub enum Task<'a, 'p> {
-    /// The contacts alone, from this thread: what is timed.
+    /// A list of pairs, without counters: what is timed.
     List(&'a mut PairList<'p>),
-    /// The contacts, and every operation counted.
+    /// Every contact, with all operations counted.
     Count(&'a mut Tally, &'a mut dyn Sink),
 }
 
-/// The particles to search, in either dimension.
+/// The particles to search, in two or three dimensions.
 pub enum Searched<'a> {
     /// Discs.
     Plane(Of<'a, 2>),
@@ -94,14 +95,14 @@ pub enum Searched<'a> {
 
 /// The particles to search, in `D` dimensions.
 pub enum Of<'a, const D: usize> {
-    /// A scene, and how contacts are decided in it.
+    /// A scene in open space and its contact test.
     Scene(&'a Stored<'a, D>, Test),
     /// Particles of a periodic scene and images of them, in f64 ([`crate::periodic`]).
     Images(Imaged<'a, D>),
 }
 
 impl<'a> Searched<'a> {
-    /// A scene in open space.
+    /// Wraps a scene in open space.
     pub fn scene(scene: &'a AnyScene<'a>, test: Test) -> Searched<'a> {
         match scene {
             AnyScene::Plane(scene) => Searched::Plane(Of::Scene(scene, test)),
@@ -122,7 +123,7 @@ impl<'a> From<Of<'a, 3>> for Searched<'a> {
     }
 }
 
-/// The two forms of one algorithm: for the plane and for space.
+/// One algorithm in both forms, for two and three dimensions.
 pub struct Both<A, B> {
     plane: A,
     space: B,
@@ -135,12 +136,12 @@ where
     A: DetectorOfAll<2> + Declare + 'static,
     B: DetectorOfAll<3> + Declare + 'static,
 {
-    /// A detector with empty buffers that has no parameters.
+    /// Creates a detector without parameters and with empty buffers.
     pub fn boxed(_: &Params, options: Options) -> Box<dyn AnyDetector> {
         Both::join(A::with(options), B::with(options), options)
     }
 
-    /// The two as one, made with these options.
+    /// Joins the two forms, which were made with these options.
     pub fn join(plane: A, space: B, options: Options) -> Box<dyn AnyDetector> {
         let memory_limit = options.memory_limit;
         Box::new(Both { plane, space, last_was_space: false, memory_limit })
@@ -169,7 +170,8 @@ where
     }
 }
 
-/// Lists are compiled for every kind of radii and test where speed depends on it.
+/// Dispatches to a detector; lists are compiled for each kind of radii and test if speed depends on
+/// it.
 fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
     detector: &mut X,
     of: &Of<'_, D>,
@@ -194,7 +196,7 @@ fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
     }
 }
 
-/// A detector that cannot run on this machine: it refuses every scene, for this reason.
+/// A detector that cannot run on this machine and refuses every scene with the given reason.
 pub struct Refuses(pub Refusal);
 
 impl AnyDetector for Refuses {
@@ -211,7 +213,7 @@ impl AnyDetector for Refuses {
     }
 }
 
-/// A detector of scenes in every storage.
+/// A detector that accepts scenes in every storage.
 pub trait DetectorOfAll<const D: usize>:
     Detector<f32, D> + Detector<f64, D> + Detector<CellF32, D>
 {
@@ -222,11 +224,10 @@ impl<X, const D: usize> DetectorOfAll<D> for X where
 {
 }
 
-/// Runs a detector on a scene in f64: the entry for users of the library who hold a concrete
-/// detector.
+/// Runs a concrete detector on a scene in f64.
 ///
 /// # Errors
-/// What the detector refuses; see also [`with_bodies`].
+/// Returns the refusals of the detector and of [`with_bodies`].
 pub fn run<const D: usize>(
     detector: &mut impl Detector<f64, D>,
     scene: &Scene<'_, f64, D>,
@@ -237,10 +238,10 @@ pub fn run<const D: usize>(
     with_bodies(scene, test, Run { detector, probe, sink })
 }
 
-/// As [`run`], for a scene in any storage, in which rounded tests are rounded.
+/// Runs a concrete detector on a scene in any storage; rounded tests are rounded in that storage.
 ///
 /// # Errors
-/// See [`run`].
+/// Fails as [`run`].
 pub fn run_stored<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,
     scene: &Stored<'_, D>,
@@ -251,7 +252,7 @@ pub fn run_stored<const D: usize>(
     with_stored(scene, test, Run { detector, probe, sink })
 }
 
-/// As [`run_stored`], compiled once for all kinds of radii and tests.
+/// Works as [`run_stored`], compiled once for all kinds of radii and tests.
 pub(crate) fn run_any<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,
     scene: &Stored<'_, D>,

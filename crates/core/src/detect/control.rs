@@ -1,8 +1,8 @@
-//! `nothing`: the control that does nothing.
+//! `nothing`: the control that finds no contacts.
 //!
-//! Its time is the floor of every measurement: what the clock, the call and the delivery of no
-//! contacts cost. Its rows are marked as control, not as wrong. (The other control, the A/A twin,
-//! needs no code: it is a second line of the table.)
+//! Its time is the floor of every measurement: the cost of the clock, the call and an empty result.
+//! Its rows are marked as a control, not as wrong. The other control, the A/A twin, is a second
+//! entry of the table with the same code.
 
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::Bodies;
@@ -10,7 +10,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Reports nothing.
+/// A detector that reports no contacts.
 pub struct Nothing;
 
 impl Declare for Nothing {

@@ -1,25 +1,25 @@
-//! An entry of the table of detectors, with its parameters.
+//! Entries of the table of detectors, and their parameters.
 
 use std::collections::BTreeMap;
 
 use super::Options;
 use super::any::AnyDetector;
 
-/// The purpose of a detector.
+/// Purpose of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Finds all contacts.
     Detector,
-    /// Reports nothing, on purpose: what is left of a measurement without a detector.
+    /// A control that reports no contacts, to measure everything but detection.
     Nothing,
-    /// The same code as another detector: what two measurements of the same thing differ by.
+    /// The same code as the named detector: the difference between their times is noise.
     Twin(&'static str),
-    /// A library that people use: finds all contacts, but is not held to our rules about memory and
-    /// refusals.
+    /// A library that people use. It finds all contacts, but need not follow this project's rules
+    /// about memory and refusals.
     Peer,
 }
 
-/// Detectors that experiments name together.
+/// A name for several detectors in experiments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     /// Detectors of Munjiza's book.
@@ -30,7 +30,7 @@ pub enum Group {
     Streamed,
     /// Controls of the measurement.
     Controls,
-    /// More twins of detectors, where the noise is to be known well.
+    /// Further twins of detectors, for experiments that need to measure noise well.
     Twins,
     /// Libraries that people use.
     Peers,
@@ -41,7 +41,7 @@ impl Group {
     pub const ALL: [Group; 6] =
         [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Twins, Group::Peers];
 
-    /// The name in experiments.
+    /// Returns the name in experiments.
     pub fn name(self) -> &'static str {
         match self {
             Group::Book => "@book",
@@ -54,79 +54,79 @@ impl Group {
     }
 }
 
-/// How the times of a detector usually compare with those of the others.
+/// Rough class of a detector's run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Speed {
-    /// About as fast as looking at a list of pairs twenty times.
+    /// Takes about as long as twenty passes over a list of pairs.
     Fast,
-    /// Some times as long.
+    /// Takes a few times as long as fast detectors.
     Usual,
-    /// So long that it is asked last.
+    /// Takes so long that it is tried last.
     Slow,
 }
 
-/// The places of a detector among those that are asked for the truth, from 1; 0: it is not asked.
-/// Judges that are asked together are of different families, the fast ones first.
+/// Ranks of a detector among those that establish the truth, from 1; 0 means that it is not used.
+/// Detectors used together belong to different families, fast ones first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judge {
-    /// Scenes whose particles are of similar size.
+    /// Rank for particles of similar size.
     pub alike: u8,
-    /// Scenes whose sizes differ: cells as large as the largest particle hold nearly all others.
+    /// Rank for different sizes, where cells as large as the largest particle hold nearly all
+    /// others.
     pub differ: u8,
-    /// Among the images of a periodic box.
+    /// Rank for images in a periodic box.
     pub boxed: u8,
 }
 
 impl Judge {
-    /// A detector that is not asked.
+    /// A detector that is not used for the truth.
     pub const NOT: Judge = Judge { alike: 0, differ: 0, boxed: 0 };
 }
 
-/// Values given to a detector's parameters, by name; those left at their defaults are absent.
+/// Values of a detector's parameters by name; parameters at their defaults are absent.
 pub type Params = BTreeMap<String, String>;
 
-/// One line of the table.
+/// One entry of the table.
 pub struct Entry {
-    /// The name in records, experiments and on the command line.
+    /// Name in records, experiments and on the command line.
     pub name: &'static str,
-    /// Detector or control.
+    /// What the entry is for.
     pub role: Role,
-    /// Which group it belongs to.
+    /// Group that names it in experiments.
     pub group: Group,
-    /// A summary of the algorithm, in a few words.
+    /// The algorithm in a few words.
     pub summary: &'static str,
     /// Cost for N particles.
     pub cost: &'static str,
-    /// Memory in bytes: n.. are cells per axis (borders included), N particles.
+    /// Memory in bytes for N particles; nx, ny and nz are cells per axis, borders included.
     pub memory: &'static str,
-    /// Scenes that it refuses or is slow on.
+    /// Scenes that the detector refuses or is slow on.
     pub limits: &'static str,
-    /// Can use more than one thread.
+    /// Whether it can use more than one thread.
     pub threads: bool,
-    /// How the detector's times usually compare with those of other detectors.
+    /// Rough class of the run time.
     pub speed: Speed,
-    /// Scenes whose truth it may decide.
+    /// Ranks among the detectors that establish the truth.
     pub judge: Judge,
-    /// The parameters that a user can set.
+    /// Parameters that a user can set.
     pub parameters: &'static [Parameter],
-    /// How it is made; see [`Entry::make`] and
+    /// Constructor behind [`Entry::make`] and
     /// [`DetectorSpec::make`](super::spec::DetectorSpec::make).
     pub constructor: fn(&Params, Options) -> Box<dyn AnyDetector>,
 }
 
 impl Entry {
-    /// A detector with empty buffers and all parameters at their defaults.
+    /// Creates the detector with empty buffers and default parameters.
     pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
         (self.constructor)(&Params::new(), options)
     }
 
-    /// True for detectors, whose answers must be right; false for the control that reports nothing.
+    /// Returns whether the contacts must be right: false only for the control that reports none.
     pub fn must_be_right(&self) -> bool {
         self.role != Role::Nothing
     }
 
-    /// True for the code of this project, which allocates and refuses as its documentation says;
-    /// false for peers.
+    /// Returns whether this project's rules about memory and refusals hold: false for peers.
     pub fn is_ours(&self) -> bool {
         self.role != Role::Peer
     }
@@ -135,29 +135,29 @@ impl Entry {
 /// A choice that a detector leaves to its user. It may change times and memory, never the contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// The name before the `=`.
+    /// Name before the `=`.
     pub name: &'static str,
-    /// All words that it takes, the default first.
+    /// Accepted words, the default first.
     pub values: &'static [&'static str],
-    /// Other values that it takes, if any.
+    /// Further accepted values, if any.
     pub beside: Option<Beside>,
-    /// Another parameter, which cannot be given with it.
+    /// Another parameter, which cannot be combined with this one.
     pub instead_of: Option<&'static str>,
-    /// The choice, in a phrase.
+    /// The effect, in a phrase.
     pub meaning: &'static str,
 }
 
-/// Values of a parameter that are too many to list.
+/// Parameter values that are too many to list.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside {
-    /// The one way to write a value, or none if it is no value.
+    /// Returns the canonical spelling of a value, or `None` if it is invalid.
     pub normal: fn(&str) -> Option<String>,
-    /// The form of a value, with an example.
+    /// Form of a value, with an example.
     pub form: &'static str,
 }
 
 impl Parameter {
-    /// The value of a detector that is asked for without this parameter.
+    /// Returns the value that holds if the parameter is not given.
     pub fn default(&self) -> &'static str {
         self.values[0]
     }

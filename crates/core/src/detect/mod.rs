@@ -1,8 +1,8 @@
-//! Detectors: which bodies touch?
+//! Detectors: which particles touch?
 //!
-//! One algorithm is one file here and one line in [`table`]. A detector owns its parameters and its
-//! buffers and implements [`Detector`]; [`any::AnyDetector`] is the object-safe twin, implemented
-//! once for all of them, for callers that choose a detector at run time ([`table::parse`]).
+//! Each algorithm is a file here and an entry in [`table`]. A detector owns its parameters and
+//! buffers and implements [`Detector`]. [`any::AnyDetector`] is its object-safe form, implemented
+//! once for all detectors, for callers that choose one at run time ([`table::parse`]).
 
 pub mod any;
 pub mod book;
@@ -25,14 +25,15 @@ use crate::sink::Sink;
 
 /// Finds the contacts of a scene.
 ///
-/// Every pair that [`Bodies::touch`] accepts is reported exactly once, in any order of pairs and
-/// indices. What earlier calls left in the buffers may change the cost of a call, never its result;
-/// a call on a scene of the same shape as the one before allocates nothing.
+/// Every pair that [`Bodies::touch`] accepts is reported exactly once. The order of pairs, and of
+/// the two numbers in a pair, is not specified. Buffers kept from earlier calls may change the cost
+/// of a call, never its result. A call for a scene of the same shape as before allocates nothing.
 pub trait Detector<T: Real, const D: usize> {
     /// Reports the contacts of `bodies` to `sink` and the operations to `probe`.
     ///
     /// # Errors
-    /// What the detector's documentation says it refuses; then nothing has been reported.
+    /// Returns the refusals that the detector's documentation lists, before any contact is
+    /// reported.
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         bodies: B,
@@ -43,43 +44,43 @@ pub trait Detector<T: Real, const D: usize> {
 
 /// How a detector is made, and how much memory it needs.
 pub trait Declare: Send {
-    /// Whether it decides nearly all pairs from copies of its own and seldom asks the contact test.
-    /// [`any::AnyDetector`] then looks the test up for each pair, which costs nothing and spares
-    /// the compiler a form for every test.
+    /// Whether the detector decides nearly all pairs from its own copies and seldom calls the
+    /// contact test. [`any::AnyDetector`] then picks the test for each pair at run time, which
+    /// costs nothing here and saves compiling a form for every test.
     const DECIDES_FROM_COPIES: bool = false;
 
-    /// A detector with empty buffers.
+    /// Creates a detector with empty buffers.
     fn with(options: Options) -> Self
     where
         Self: Sized;
 
-    /// The bytes that the memory formula in the detector's documentation gives for the scene of the
-    /// last call.
+    /// Returns the bytes that the memory formula in the detector's documentation gives for the last
+    /// scene.
     fn formula_bytes(&self) -> u64;
 }
 
 /// Limits that hold for any detector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// A detector refuses a scene for which its arrays, and the pairs of its threads, would need
-    /// more bytes than this; the list of pairs may take as many beside them.
+    /// Limit in bytes for the arrays of a detector, including pairs collected by threads; larger
+    /// scenes are refused. The list of pairs has a limit of its own, of the same size.
     pub memory_limit: u64,
-    /// Threads to use; a detector that cannot use several is sequential.
+    /// Number of threads; a detector that cannot use several uses one.
     pub threads: usize,
 }
 
 impl Default for Options {
-    /// What fits the machine ([`default_limit`]), and one thread.
+    /// Uses the machine's default limit ([`default_limit`]) and one thread.
     fn default() -> Options {
         Options { memory_limit: default_limit(), threads: 1 }
     }
 }
 
-/// Compares the bytes `needed` by `detector` with the limit; to be called before anything is
-/// allocated. `shape` says in a phrase what makes the scene so large.
+/// Compares the bytes that a detector needs with the limit, before it allocates. `shape` returns a
+/// phrase for what makes the scene so large.
 ///
 /// # Errors
-/// [`Refusal::Memory`] if they are more.
+/// Returns [`Refusal::Memory`] if `needed` is over the limit.
 pub fn within(
     options: &Options,
     detector: &'static str,

@@ -6,23 +6,23 @@ pub use contactbench_terms::arithmetic::Storage;
 
 use super::{CellF32, Radii, Real, Scene, SceneError};
 
-/// A scene of known dimension, in a storage that is known at run time.
+/// A scene whose dimension is fixed at compile time and whose storage is chosen at run time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stored<'a, const D: usize> {
-    /// In f32.
+    /// Coordinates and radii in f32.
     F32(Scene<'a, f32, D>),
-    /// In f64: what generators and readers give.
+    /// Coordinates and radii in f64: what generators and readers return.
     F64(Scene<'a, f64, D>),
-    /// By cells, in units of the cell.
+    /// Each coordinate as a cell number and an f32 offset, in units of the cell edge.
     Cell(Scene<'a, CellF32, D>),
 }
 
-/// A scene whose dimension and storage are known at run time.
+/// A scene whose dimension and storage are chosen at run time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnyScene<'a> {
-    /// Discs.
+    /// Discs in two dimensions.
     Plane(Stored<'a, 2>),
-    /// Spheres.
+    /// Spheres in three dimensions.
     Space(Stored<'a, 3>),
 }
 
@@ -78,7 +78,7 @@ impl<'a> From<Stored<'a, 3>> for AnyScene<'a> {
 }
 
 impl<'a, const D: usize> Stored<'a, D> {
-    /// The scene in f64, without error.
+    /// Returns the scene in f64, without rounding; copies it unless it is stored in f64.
     pub fn widened(&self) -> Cow<'_, Scene<'a, f64, D>> {
         match self {
             Stored::F64(scene) => Cow::Borrowed(scene),
@@ -105,7 +105,7 @@ impl<'a, const D: usize> Stored<'a, D> {
 }
 
 impl<'a> AnyScene<'a> {
-    /// 2 for discs, 3 for spheres.
+    /// Returns 2 for discs and 3 for spheres.
     pub fn dim(&self) -> usize {
         match self {
             AnyScene::Plane(_) => 2,
@@ -113,37 +113,37 @@ impl<'a> AnyScene<'a> {
         }
     }
 
-    /// Is it stored in f64?
+    /// Returns whether the scene is stored in f64.
     pub fn is_f64(&self) -> bool {
         matches!(self, AnyScene::Plane(Stored::F64(_)) | AnyScene::Space(Stored::F64(_)))
     }
 
-    /// The number of particles.
+    /// Returns the number of particles.
     pub fn len(&self) -> usize {
         with_scene!(self, scene => scene.len())
     }
 
-    /// True if there are no particles.
+    /// Returns whether the scene has no particles.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Has one radius for all particles?
+    /// Returns whether one radius is stored for all particles.
     pub fn uniform(&self) -> bool {
         with_scene!(self, scene => matches!(scene.radii(), Radii::Uniform(_)))
     }
 
-    /// The largest radius.
+    /// Returns the largest radius, without rounding; 0 if there are no particles.
     pub fn largest_radius(&self) -> f64 {
         with_scene!(self, scene => scene.largest_radius().wide())
     }
 
-    /// A copy of the scene in a storage, or in that of an
+    /// Returns a copy of the scene in another storage, given directly or by an
     /// [`Arithmetic`](crate::contact::Arithmetic).
     ///
     /// # Errors
-    /// A number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]), or there are
-    /// too many cells ([`SceneError::Cells`]).
+    /// Fails if a number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]), or if
+    /// the scene spans too many cells ([`SceneError::Cells`]).
     pub fn stored(&self, storage: impl Into<Storage>) -> Result<AnyScene<'static>, SceneError> {
         let storage = storage.into();
         Ok(match self {
@@ -152,10 +152,11 @@ impl<'a> AnyScene<'a> {
         })
     }
 
-    /// As [`AnyScene::stored`], but the scene itself where it is stored so already.
+    /// Returns the scene in another storage, borrowed if it is already stored in f64 and f64 is
+    /// wanted.
     ///
     /// # Errors
-    /// The same.
+    /// Fails as [`AnyScene::stored`].
     pub fn as_stored(
         &self,
         storage: impl Into<Storage>,
@@ -167,7 +168,7 @@ impl<'a> AnyScene<'a> {
         }
     }
 
-    /// The scene with its particles in another order: particle k of the result is `order[k]`.
+    /// Returns a copy with the particles in another order: its particle k is particle `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> AnyScene<'static> {
         match self {
             AnyScene::Plane(scene) => AnyScene::Plane(scene.reordered(order)),

@@ -1,23 +1,23 @@
 //! `binary-tree`: the binary tree (Munjiza 2004, section 3.4).
 //!
-//! 1. The domain, a square or cube large enough for all, is halved in x, then in y (then in z),
-//!    again and again until the smallest cell is as large as the cell of all other detectors.
-//! 2. Each particle descends b levels to its leaf; nodes are made only where needed. At the leaf it
-//!    is pushed on the leaf's list: `E[k] = HEAD; HEAD = k`.
-//! 3. Detection walks over the tree: at every leaf the cell is checked against itself and its
-//!    contact mask (4 cells in 2D, 13 in 3D); each mask cell is found by a descent from the root.
+//! 1. The domain, a square or cube around all particles, is halved in x, then in y (then in z),
+//!    again and again until the smallest cell is as large as the cells of the other detectors.
+//! 2. Each particle descends b levels to its leaf; nodes are made only where needed. There it is
+//!    pushed on the leaf's list: `E[k] = HEAD; HEAD = k`.
+//! 3. Detection walks over the tree. Every leaf cell is checked against itself and its contact mask
+//!    (4 cells in 2D, 13 in 3D); each mask cell is found by a descent from the root.
 //!
 //! * Cost: N log2 N; b = D·ceil(log2 n) levels for n cells along the longest of D axes.
-//! * Memory: `4N + 8·nodes` bytes for N particles; the HEADs of the leaves stand in their parents'
-//!   place for a child. At most N·b nodes, about 2 per occupied cell in a dense pack. The number of
-//!   nodes is not known before the tree is built: the array grows by doubling, so that at its peak
-//!   it may hold up to three times its final size.
-//! * Refuses 2^31 cells and more along an axis, and trees over the memory limit. A refused tree has
-//!   been built in part.
+//! * Memory: `4N + 8·nodes` bytes for N particles; the HEAD of a leaf is stored in its parent
+//!   instead of a child. There are at most N·b nodes, about 2 per occupied cell in a dense packing.
+//!   The number of nodes is not known in advance: the array grows by doubling, so its peak may be
+//!   three times its final size.
+//! * Refuses 2^31 or more cells along an axis, and trees over the memory limit. The second refusal
+//!   comes while the tree is being built.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   the leaves are visited in the order of the tree, not of the particles; the tree is built anew
-//!   for each detection (the variant that moves only particles that changed their leaf needs scenes
-//!   that move).
+//!   leaves are visited in the order of the tree, not of the particles; the tree is rebuilt for
+//!   each detection (the variant that moves only particles that left their leaf needs moving
+//!   scenes).
 
 use super::list::{EMPTY, Links, numbered};
 use super::mask;
@@ -29,12 +29,11 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Binary tree.
+/// The binary tree of the book.
 pub struct BinaryTree {
     options: Options,
-    /// Two children each: nodes, or at the last level the HEADs of two leaves.
+    /// Two children per node: indices of nodes or, on the last level, the HEADs of two leaves.
     nodes: Vec<[u32; 2]>,
-    /// E: links.
     e: Links<1>,
     particles: usize,
 }
@@ -71,7 +70,7 @@ impl<T: Real> Detector<T, 3> for BinaryTree {
     }
 }
 
-/// The way from the root to a cell: bit `level` of the path, from the top, says which half.
+/// The path from the root to a cell: bit `level`, counted from the top, selects the half.
 #[derive(Clone, Copy)]
 struct Levels {
     /// Halvings per axis.
@@ -84,7 +83,7 @@ impl Levels {
         Levels { halvings: 32 - (most - 1).leading_zeros() }
     }
 
-    /// Which half `cell` is in, at the level of `axis` and `halving`.
+    /// Returns the half (0 or 1) of a cell with this index along an axis after this many halvings.
     #[inline(always)]
     fn half(self, index: u32, halving: u32) -> usize {
         (index >> (self.halvings - 1 - halving) & 1) as usize
@@ -118,8 +117,8 @@ impl BinaryTree {
         Ok(())
     }
 
-    /// Descends to the leaf of `cell`, makes the nodes that are missing, and pushes particle `k` on
-    /// the leaf's list.
+    /// Descends to the leaf of `cell`, makes missing nodes, and pushes particle `k` on the leaf's
+    /// list.
     fn insert<const D: usize>(
         &mut self,
         k: u32,
@@ -162,7 +161,7 @@ impl BinaryTree {
     fn make_node(&mut self) -> Result<u32, Refusal> {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
-            // Twice as many, or as many as the limit allows.
+            // Double the array, or grow to the limit.
             let allowed = (self.options.memory_limit.saturating_sub(4 * self.particles as u64) / 8)
                 .min(u64::from(EMPTY)) as usize;
             let grown = (2 * made).min(allowed);
@@ -182,7 +181,7 @@ impl BinaryTree {
         Ok(made as u32)
     }
 
-    /// The first particle of `cell`, or [`EMPTY`].
+    /// Returns the first particle of `cell`, or [`EMPTY`].
     #[inline(always)]
     fn find<const D: usize>(&self, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> u32 {
         let mut at = 0;
@@ -199,7 +198,7 @@ impl BinaryTree {
         at
     }
 
-    /// Checks every leaf, depth first: cells that are close in space share most of their descents.
+    /// Checks every leaf, depth first, so that consecutive descents share most of their nodes.
     fn walk<T: Real, const D: usize, const M: usize>(
         &self,
         bodies: &impl Bodies<T, D>,
@@ -210,7 +209,7 @@ impl BinaryTree {
         sink: &mut impl Sink,
     ) {
         let depth = levels.halvings as usize * D;
-        // At most one waiting sibling per level; depth <= 31 * 3.
+        // At most one waiting sibling per level, and depth <= 31 * 3.
         let (mut waiting, mut top) = ([(0u32, 0usize); 96], 0);
         let mut next = Some((0u32, 0usize));
         while let Some((at, level)) = next.take() {
@@ -261,7 +260,7 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// G1: a leaf's list (p84-85) on the real arrays.
+    /// Example G1: a leaf's list (p84-85).
     #[test]
     fn the_books_leaf_list() {
         let mut tree = BinaryTree::with(Options::default());
@@ -278,7 +277,7 @@ mod tests {
         assert_eq!(as_printed(&[tree.find([6, 3], levels, &mut Silent)]), [1]);
         assert_eq!(as_printed(&tree.e.raw(0)), [9, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
         assert_eq!(tree.find([6, 2], levels, &mut Silent), EMPTY);
-        assert_eq!(tree.nodes.len(), 8); // one way of eight levels
+        assert_eq!(tree.nodes.len(), 8); // One path of eight levels.
     }
 
     #[test]

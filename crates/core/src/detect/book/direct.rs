@@ -2,11 +2,11 @@
 //!
 //! Every pair of particles is tested once.
 //!
-//! * Cost: exactly N(N-1)/2 contact tests for N particles, whatever their places. Memory: none.
-//! * Deviation from the book: none. With several threads, rows of the triangle are shared out and
-//!   their contacts collected (memory: 8 bytes for each, in lists of twice the length at most);
-//!   counting passes run on one thread, since the counts are the same.
-//! * Refuses, with several threads, contacts over the memory limit.
+//! * Cost: exactly N(N-1)/2 contact tests for N particles. Memory: none.
+//! * Threads share the rows of the triangle and collect contacts in lists: 8 bytes per contact, in
+//!   arrays of at most twice the length. Counting passes use one thread; the counts are the same.
+//! * Refuses contacts over the memory limit, with several threads only.
+//! * Deviations from the book: none.
 
 use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
@@ -18,7 +18,7 @@ use crate::sink::Sink;
 /// Tests every pair.
 pub struct Direct {
     options: Options,
-    /// Of the contacts that threads have found.
+    /// Bytes of the contacts that threads have collected.
     collected: u64,
 }
 
@@ -33,7 +33,7 @@ impl Declare for Direct {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Direct {
-    // In place, or the compiler reads what the bodies are from memory again for each pair.
+    // Inlined: otherwise the compiler loads the fields of `bodies` from memory for each pair.
     #[inline(always)]
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
@@ -54,8 +54,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Direct {
 }
 
 impl Direct {
-    /// Out of line, and with a copy of the bodies: taken by reference here, they would be read from
-    /// memory for every pair there.
+    /// Out of line and with a copy of the bodies: a reference would be dereferenced for each pair.
     #[inline(never)]
     fn by_threads<T: Real, const D: usize, B: Bodies<T, D>, S: Sink>(
         &mut self,
@@ -75,7 +74,7 @@ impl Direct {
     }
 }
 
-/// Tests a particle against all after it.
+/// Tests particle `i` against all particles after it.
 #[inline(always)]
 fn row<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,

@@ -1,25 +1,26 @@
-//! The book's golden examples, which give integerised coordinates instead of centres (tests only).
+//! Worked examples of the book, which print integerised coordinates instead of centres (tests
+//! only).
 
 use crate::contact::{Bodies, Margin, Slack};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 
-/// G5: ten particles in 10 x 10 cells, numbered from 1. The book does not show the column of
-/// particle 9; any will do.
+/// Example G5: ten particles in 10 x 10 cells. The book does not print the column of particle 9
+/// (counted from 1); any column will do.
 pub const TEN: [[u32; 2]; 10] =
     [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6], [9, 6], [4, 7]];
-/// G2: nine particles for screening.
+/// Example G2: nine particles for screening.
 pub const NINE: [[u32; 2]; 9] =
     [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
 
-/// Particles in the given cells of a 10 x 10 (x 10) grid, a little more than a cell edge apart, so
-/// that they are in the same cells relative to one another wherever the grid begins; all pairs
-/// "touch", so that the pairs reported are those that the contact mask brings together.
+/// Particles in the given cells of a 10 x 10 (x 10) grid. Cells are a little more than an edge
+/// apart, so relative cells do not depend on the grid's origin. All pairs "touch": the pairs found
+/// are those that the contact mask brings together.
 #[derive(Clone, Copy)]
 pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 
 impl<const D: usize> InCells<'_, D> {
-    /// Cells 1 to 10 on every axis.
+    /// Returns the grid with cells 1 to 10 along every axis.
     pub fn grid(&self) -> Cells<D> {
         Cells::spanning([0.0; D], [9.1; D], self.reach(), Margin::Safe).unwrap()
     }
@@ -45,14 +46,14 @@ impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
     fn uniform(&self) -> Option<f64> {
         Some(0.5)
     }
-    /// Nothing but `touch` decides.
+    /// Unlimited slack: every pair is decided by `touch`.
     fn slack(&self) -> Slack {
         Slack { relative: 0.0, absolute: f64::INFINITY }
     }
 }
 
-/// Couples as the book would print them: ids from 1, in order, those with a particle of `without`
-/// left out.
+/// Formats pairs like the book: numbers from 1, sorted, without pairs that contain a particle of
+/// `without`.
 pub fn printed(pairs: &[[u32; 2]], without: &[u32]) -> String {
     let mut pairs: Vec<[u32; 2]> = pairs
         .iter()

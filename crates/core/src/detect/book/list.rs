@@ -1,8 +1,8 @@
-//! Singly connected lists in arrays: the data structure of the book.
+//! Singly linked lists in arrays: the data structure of the book.
 //!
-//! A list is a head (the last particle pushed) and, for every particle, the next one. Particles are
-//! numbered from 0 and [`EMPTY`] ends a list (the book numbers from 1 and ends with -1). A head can
-//! be *marked* as old, which the book does by adding N to it and we do with the highest bit. Both
+//! A list has a head (the last particle pushed), and every particle links to the next one.
+//! Particles are numbered from 0 and [`EMPTY`] ends a list; the book numbers from 1 and ends with
+//! -1. A head can be *marked* as old: the book adds N to it, this code sets the highest bit. Both
 //! leave room for 2^31 - 1 particles. All list operations are counted here.
 
 use crate::contact::Bodies;
@@ -12,20 +12,20 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// No particle.
+/// Ends a list.
 pub const EMPTY: u32 = u32::MAX >> 1;
 const OLD: u32 = 1 << 31;
-/// The largest number of particles that lists can hold.
+/// Largest number of particles that lists can hold.
 pub const MOST_PARTICLES: u64 = EMPTY as u64;
 
-/// Heads of a set of lists. All are [`EMPTY`] between detections.
+/// Heads of a set of lists. All of them are [`EMPTY`] between detections.
 #[derive(Clone, Debug, Default)]
 pub struct Heads(Vec<u32>, char);
 
-/// For every particle the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS
-/// are three kinds). The links of one particle stand side by side: walking lists of one kind to
-/// build lists of another then touches one cache line per particle instead of `L`. Holds no meaning
-/// between detections.
+/// The next particle on a list for every particle, for `L` kinds of lists (NBS has z-, y- and
+/// x-lists). The links of one particle are adjacent: a walk over lists of one kind that builds
+/// lists of another touches one cache line per particle instead of `L`. Contents between detections
+/// have no meaning.
 #[derive(Clone, Debug, Default)]
 pub struct Links<const L: usize>(Vec<[u32; L]>);
 
@@ -37,9 +37,9 @@ pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
     Err(Refusal::Particles { detector, n: n as u64, limit: MOST_PARTICLES })
 }
 
-/// The number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
+/// Number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
 pub trait Index: Copy {
-    /// As an array index.
+    /// Returns the number as an array index.
     fn at(self) -> usize;
 }
 
@@ -58,17 +58,17 @@ impl Index for usize {
 }
 
 impl Heads {
-    /// No lists yet, with a letter by which events name them.
+    /// Creates an empty set of lists; events refer to it by `name`.
     pub fn named(name: char) -> Heads {
         Heads(Vec::new(), name)
     }
 
-    /// Room for lists 0 to `count - 1`. The only loop over cells there is: when the array is made,
-    /// or grows.
+    /// Makes room for lists 0 to `count - 1`. This is the only loop over cells; it runs when the
+    /// array is made or grows.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
-            // Heads are all empty here, so a larger array need not copy the old one, nor hold both
-            // at once.
+            // All heads are empty here, so a larger array neither copies the old one nor coexists
+            // with it.
             if count > self.0.capacity() {
                 self.0 = Vec::new();
                 crate::refusal::must_reserve(&mut self.0, count);
@@ -81,7 +81,7 @@ impl Heads {
         );
     }
 
-    /// Puts `particle` on `list`, which must not be marked; the list is of the given kind.
+    /// Puts `particle` on `list`, which must not be marked, with links of the given kind.
     #[inline(always)]
     pub fn push<const L: usize, P: Probe>(
         &mut self,
@@ -97,13 +97,13 @@ impl Heads {
         probe.note(|| Event::Push { heads: self.1, list: list.at(), particle, next: listed(next) });
     }
 
-    /// The first particle of `list`, or [`EMPTY`].
+    /// Returns the first particle of `list`, or [`EMPTY`].
     #[inline(always)]
     pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         self.look(list, Op::CellProbe, probe)
     }
 
-    /// The same of a list of another class of sizes.
+    /// Works as [`Heads::first`] for a list of a smaller size class, which is counted separately.
     #[inline(always)]
     pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         self.look(list, Op::LevelProbe, probe)
@@ -117,8 +117,8 @@ impl Heads {
         head & !OLD
     }
 
-    /// The first particle of `list` if there is one and the list is new, and marks it old; `None`
-    /// if it was old already, or is empty.
+    /// Marks `list` as old and returns its first particle, or returns `None` if it is empty or old
+    /// already.
     #[inline(always)]
     pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
         probe.count(Op::CellProbe);
@@ -130,7 +130,7 @@ impl Heads {
             first: listed(first),
             old: first & OLD != 0,
         });
-        // EMPTY is the largest number without the mark.
+        // EMPTY is the largest unmarked number.
         if first >= EMPTY {
             return None;
         }
@@ -138,13 +138,13 @@ impl Heads {
         Some(first)
     }
 
-    /// Makes `particle` the first of `list`, or the list empty.
+    /// Sets the first particle of `list`; [`EMPTY`] empties it.
     #[inline(always)]
     pub fn set(&mut self, list: impl Index, particle: u32) {
         self.0[list.at()] = particle;
     }
 
-    /// Makes `list` empty and new again.
+    /// Makes `list` empty and unmarked.
     #[inline(always)]
     pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
         probe.count(Op::ListReset);
@@ -152,19 +152,18 @@ impl Heads {
         probe.note(|| Event::Reset { heads: self.1, list: list.at() });
     }
 
-    /// The raw heads, for tests and pictures.
+    /// Returns the heads as stored, for tests and traces.
     pub fn raw(&self) -> &[u32] {
         &self.0
     }
 }
 
-/// The particle that a head or link names.
 fn listed(raw: u32) -> Option<u32> {
     (raw & !OLD != EMPTY).then_some(raw & !OLD)
 }
 
 impl<const L: usize> Links<L> {
-    /// Room for particles 0 to `count - 1`.
+    /// Makes room for particles 0 to `count - 1`.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
             if count > self.0.capacity() {
@@ -181,15 +180,15 @@ impl<const L: usize> Links<L> {
         self.0[particle as usize][kind] = next;
     }
 
-    /// The particle after `particle` on its list, or [`EMPTY`].
+    /// Returns the particle after `particle` on its list, or [`EMPTY`].
     #[inline(always)]
     pub fn next<P: Probe>(&self, particle: u32, kind: usize, probe: &mut P) -> u32 {
         probe.count(Op::ListStep);
         self.0[particle as usize][kind]
     }
 
-    /// Tests the particles of the list that begins with `central` against one another and against
-    /// those of the `mask` lists: each pair once.
+    /// Tests the particles of the list starting at `central` against each other and against those
+    /// of the `mask` lists, each pair once.
     #[inline(always)]
     pub fn check<T: Real, const D: usize, const M: usize>(
         &self,
@@ -211,8 +210,8 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Tests the particles of the list that begins with `central` against those of the `mask`
-    /// lists.
+    /// Tests the particles of the list starting at `central` against those of the `mask` lists
+    /// only.
     #[inline(always)]
     pub fn check_across<T: Real, const D: usize, const M: usize>(
         &self,
@@ -253,12 +252,12 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// The raw links of one kind, for tests and pictures.
+    /// Returns the links of one kind as stored, for tests and traces.
     pub fn raw(&self, kind: usize) -> Vec<u32> {
         self.0.iter().map(|links| links[kind]).collect()
     }
 
-    /// Makes a particle's link empty, as the book's screening does when it removes particles.
+    /// Clears a particle's link, as the book's screening does when it removes particles.
     #[inline(always)]
     pub fn reset<P: Probe>(&mut self, particle: u32, kind: usize, probe: &mut P) {
         probe.count(Op::ListReset);
@@ -267,7 +266,7 @@ impl<const L: usize> Links<L> {
     }
 }
 
-/// In an array of the book: 1-based ids, -1 for empty.
+/// Converts to an array of the book: numbers from 1, -1 for empty.
 #[cfg(test)]
 pub fn as_printed(raw: &[u32]) -> Vec<i64> {
     raw.iter().map(|&e| if e & !OLD == EMPTY { -1 } else { i64::from(e & !OLD) + 1 }).collect()

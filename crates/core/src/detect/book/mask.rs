@@ -1,11 +1,11 @@
-//! The contact masks of the book: offsets of the cells that are checked together with a central
-//! cell, so that each pair of neighbouring cells comes up once.
+//! The contact masks of the book: offsets of the cells that are checked with a central cell, so
+//! that each pair of neighbouring cells is checked once.
 
-/// In 2D (p93): the cell to the left and the three cells below.
+/// Mask in 2D (p93): the cell to the left and the three cells below.
 pub const PLANE: [[i32; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
-/// In 3D (p121): the nine cells of the layer below; in the layer the three cells behind and the
-/// cell to the left.
+/// Mask in 3D (p121): the nine cells of the layer below, the three cells behind, the cell to the
+/// left.
 pub const SPACE: [[i32; 3]; 13] = [
     [-1, -1, -1],
     [0, -1, -1],
@@ -22,7 +22,7 @@ pub const SPACE: [[i32; 3]; 13] = [
     [-1, 0, 0],
 ];
 
-/// The cell at `offset` from `central`; border cells make sure that it exists.
+/// Returns the cell at `offset` from `central`; empty border cells ensure that it exists.
 #[inline(always)]
 pub fn neighbour<const D: usize>(central: [u32; D], offset: [i32; D]) -> [u32; D] {
     std::array::from_fn(|k| central[k].wrapping_add_signed(offset[k]))

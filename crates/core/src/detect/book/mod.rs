@@ -1,4 +1,4 @@
-//! The detectors of Munjiza's book, chapter 3, with the lists and masks that they share.
+//! The detectors of Munjiza's book, chapter 3, and the lists and masks that they share.
 
 pub mod binary_tree;
 pub mod direct;

@@ -4,31 +4,32 @@
 //! In 2D:
 //!
 //! 1. Every particle is put on the y-list of its row.
-//! 2. A loop over particles finds each row that is not empty once: a *new* list, marked *old* when
-//!    found. From there it goes up, row by row, as long as rows are new and not empty.
-//! 3. Its particles and those of the row below are put on two sets of x-lists: one list per cell.
+//! 2. A loop over particles finds each non-empty row once: a *new* list, marked *old* when found.
+//!    From there it continues upwards while rows are new and not empty.
+//! 3. The particles of this row and of the row below are put on two sets of x-lists: one list per
+//!    cell.
 //! 4. A loop over the row's particles finds each of its cells once and checks it against itself and
-//!    the contact mask: the cell to the left, and the three cells below.
-//! 5. All lists are emptied by walking over *particles*. No loop over cells anywhere.
+//!    the contact mask: the cell to the left and the three cells below.
+//! 5. All lists are emptied by walking over *particles*. There is no loop over cells.
 //!
-//! In 3D every particle is put on the z-list of its layer first. The particles of a layer, and of
-//! the layer below, are put on two sets of y-lists: one list per row. A row's particles go on
+//! In 3D every particle is first put on the z-list of its layer. The particles of a layer and of
+//! the layer below are put on two sets of y-lists, one list per row. A row's particles go on
 //! x-lists; those of its four neighbouring rows (one behind in the layer, three in the layer below)
 //! go together on the second set of x-lists. So the cell to the left and the three merged lists
 //! left, here and right are the 13 cells of the contact mask.
 //!
-//! * Cost: proportional to N, independent of the packing density; each particle is pushed at most 3
-//!   times in 2D (1 y-list, 2 x-lists), 8 times in 3D (1 z-list, 2 y-lists, 5 x-lists).
-//! * Memory: `4(ny + 2nx + 2N)` bytes in 2D (BOOK 3.65), `4(nz + 2ny + 2nx + 3N)` in 3D (BOOK
-//!   3.80), for N particles and nx, ny, nz cells per axis; each axis has two empty border cells.
-//!   Nothing is cached: integerised coordinates are computed again where they are needed.
+//! * Cost: proportional to N, independent of the packing density. Each particle is pushed at most 3
+//!   times in 2D (1 y-list, 2 x-lists) and 8 times in 3D (1 z-list, 2 y-lists, 5 x-lists).
+//! * Memory: `4(ny + 2nx + 2N)` bytes in 2D (book, equation 3.65), `4(nz + 2ny + 2nx + 3N)` in 3D
+//!   (3.80), for N particles and nx, ny, nz cells per axis, two empty border cells included.
+//!   Integerised coordinates are not stored but computed where they are needed.
 //! * Refuses scenes whose lists exceed the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   heads are marked old with the highest bit instead of by adding N; particles count from 0; the
-//!   links of one particle stand side by side, where the book has arrays X and Y; removal computes
-//!   integerised coordinates again, where the book keeps them; the book takes every row where the
-//!   loop over particles finds it, we go on to the row above it, whose row below is then still in
-//!   the caches. In 3D layers and rows are both taken upwards from where they are found.
+//!   the highest bit marks old heads instead of an added N; particles count from 0; the links of
+//!   one particle are adjacent instead of in arrays X and Y; removal computes integerised
+//!   coordinates again, which the book keeps. The book takes a row where the loop over particles
+//!   finds it; this code continues with the row above, whose row below is then still in the caches.
+//!   In 3D layers and rows are both taken upwards in this way.
 
 use super::list::{EMPTY, Heads, Links, numbered};
 use crate::contact::Bodies;
@@ -39,16 +40,16 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Munjiza-NBS for discs or spheres.
+/// Munjiza-NBS for discs (`D` = 2) or spheres (`D` = 3).
 pub struct Nbs<const D: usize> {
     options: Options,
-    /// Heads of the lists along the last axis: of rows in 2D (B), of layers in 3D (C).
+    /// Heads of the lists along the last axis: rows in 2D (B), layers in 3D (C).
     last: Heads,
-    /// Heads of the y-lists in 3D (B): of the central layer and of the layer below.
+    /// Heads of the y-lists in 3D (B): for the central layer and for the layer below.
     rows: [Heads; 2],
-    /// Heads of the x-lists (A): of the central row, and of its neighbouring rows together.
+    /// Heads of the x-lists (A): for the central row, and for its neighbouring rows together.
     cells: [Heads; 2],
-    /// Links of the lists along each axis, the last axis first: Y and X in 2D, Z, Y and X in 3D.
+    /// Links of the lists along each axis, last axis first: Y and X in 2D; Z, Y and X in 3D.
     links: Links<D>,
     formula: u64,
 }
@@ -101,7 +102,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Nbs<D> {
 impl<const D: usize> Nbs<D> {
     fn prepare(&mut self, cells: &Cells<D>, n: usize) -> Result<(), Refusal> {
         numbered("nbs", n)?;
-        // One set of lists along the last axis, two along each other.
+        // One set of lists along the last axis, two along each other axis.
         let twice: u64 = cells.count[..D - 1].iter().map(|&count| 2 * u64::from(count)).sum();
         let needed = 4 * (u64::from(cells.count[D - 1]) + twice + (D * n) as u64);
         within(&self.options, "nbs", needed, || {
@@ -131,7 +132,7 @@ impl<const D: usize> Nbs<D> {
         }
     }
 
-    /// Checks the central layer, which begins with `first`, against itself and the layer below.
+    /// Checks the layer whose list starts at `first` against itself and the layer below.
     fn layer<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -169,7 +170,7 @@ impl<const D: usize> Nbs<D> {
         }
     }
 
-    /// Checks the central row, which begins with `first`, against itself and its neighbouring rows.
+    /// Checks the row whose list starts at `first` against itself and its neighbouring rows.
     #[expect(clippy::too_many_arguments, reason = "what a row is, and what goes through all rows")]
     fn row<T: Real, P: Probe, S: Sink, const N: usize>(
         &mut self,
@@ -219,7 +220,7 @@ impl<const D: usize> Nbs<D> {
     }
 }
 
-/// Calls `then` with every particle of the list that begins with `first`.
+/// Calls `then` with every particle of the list that starts at `first`.
 #[inline(always)]
 fn each<P: Probe, const D: usize>(
     links: &mut Links<D>,
@@ -242,7 +243,7 @@ mod tests {
     use super::*;
     use crate::probe::{Op, Silent, Tally};
 
-    /// Detects, and returns what was counted and found; no list is left.
+    /// Detects, checks that all lists are empty again, and returns counts and pairs.
     fn found<const D: usize>(scene: InCells<'_, D>) -> (Tally, Vec<[u32; 2]>) {
         let (mut tally, mut pairs) = (Tally::default(), Vec::new());
         let mut nbs = Nbs::with(Options::default());
@@ -252,7 +253,7 @@ mod tests {
         (tally, pairs)
     }
 
-    /// G5: the book's ten particles (p103-110) on the real arrays.
+    /// Example G5: the book's ten particles (p103-110).
     #[test]
     fn the_books_ten_particles() {
         let scene = InCells(&TEN);
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn the_mask_couples_of_the_ten_particles() {
-        // Without particle 9, whose column the book does not show: BOOK's twenty couples.
+        // The book's twenty pairs, without particle 9, whose column the book does not print.
         let (tally, pairs) = found(InCells(&TEN));
         assert_eq!(
             printed(&pairs, &[9]),
@@ -283,7 +284,7 @@ mod tests {
         assert_eq!(tally.get(Op::ContactTest), pairs.len() as u64);
     }
 
-    /// G6: nine particles in layers 7 8 6 7 5 6 7 6 6 (p122) on the real arrays.
+    /// Example G6: nine particles in layers 7 8 6 7 5 6 7 6 6 (p122).
     #[test]
     fn the_books_nine_particles() {
         let places = [7, 8, 6, 7, 5, 6, 7, 6, 6].map(|z| [1, 1, z]);

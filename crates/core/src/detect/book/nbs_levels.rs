@@ -1,35 +1,33 @@
-//! `nbs:levels=auto`: NBS for every class of sizes, and once more between a class and all smaller
-//! bodies (the book's idea carried on; in the book all bodies have one size, Munjiza 2004, section
-//! 3.1).
+//! `nbs:levels=auto`: NBS within each size class, and once more between each class and all smaller
+//! particles. The book assumes one size (Munjiza 2004, section 3.1); this continues its idea.
 //!
 //! ```text
-//!   a class of large bodies:    A  A  .  A      NBS among them, in cells of their size
-//!   all smaller ones near it:   f f  fff  f     on further lists of the same cells; around each
-//!                                               cell with an A, the lists of its 3^D cells
+//!   a class of large particles:  A  A  .  A      NBS among them, in cells of their size
+//!   all smaller ones near it:    f f  fff  f     on further lists of the same cells; around each
+//!                                                cell with an A, the lists of its 3^D cells
 //! ```
 //!
-//! 1. The largest radius, half of it, and so on part the radii into classes, at most 32. Particles
-//!    are put in order of classes. Where there is one class, it is plain [`super::nbs`].
-//! 2. Each class is detected by plain NBS, as if there were no other.
-//! 3. For each class but the last its particles (A) and all smaller ones inside its box (F) are
+//! 1. Radii are divided into at most 32 classes at the largest radius, half of it, and so on.
+//!    Particles are ordered by class. If there is one class only, plain [`super::nbs`] is used.
+//! 2. Plain NBS detects each class, as if there were no other.
+//! 3. For each class but the last, its particles (A) and all smaller ones inside its box (F) are
 //!    put on two sets of lists of layers, in cells as wide as an A and an F can reach. A loop over
-//!    A finds each of its layers once; its A go on lists of rows, and so do the F of that layer and
-//!    of the two beside it. In the same way rows become cells. Each A of a cell is checked against
-//!    the F of the three lists left, here and right: those of 3^D cells.
-//! 4. Lists are emptied by walking over particles. No loop over cells anywhere: that is why smaller
-//!    bodies come to the lists of the larger, where `hgrid` searches for the larger in the cells of
-//!    the smaller, which takes fewer tests; a giant has more of these cells than there are
-//!    particles.
+//!    A finds each of its layers once. The A of a layer go on lists of rows, and so do the F of
+//!    this layer and of the two beside it. Rows are divided into cells in the same way. Each A of a
+//!    cell is checked against the F of the three lists left, here and right, which hold those of
+//!    3^D cells.
+//! 4. Lists are emptied by walking over particles. There is no loop over cells: a giant covers more
+//!    cells of the smaller particles than there are particles. `hgrid` does search the cells of the
+//!    smaller ones, with fewer tests.
 //!
-//! * Cost: proportional to N in each class that is not smaller. For each class above it an F is
-//!   pushed at most 1 + 3 times, and 9 more in 3D.
+//! * Cost: proportional to N for each class. For each class above its own an F is pushed at most 4
+//!   times in 2D and 13 times in 3D.
 //! * Memory: `4(ny + 2nx + 2M) + 4(2cy + 2cx + 2N) + 4N` bytes in 2D, `4(nz + 2ny + 2nx + 3M) +
-//!   4(2cz + 2cy + 2cx + 3N) + 4N` in 3D, for M particles in the largest class, the most cells n.
-//!   along each axis of any class by itself, and c. with the smaller ones.
+//!   4(2cz + 2cy + 2cx + 3N) + 4N` in 3D, for N particles and M in the largest class. nx, ny and nz
+//!   are the most cells along an axis of any class alone, cx, cy and cz with the smaller particles.
 //! * Refuses more than 2^31 - 1 particles, and scenes over the memory limit.
-//! * Deviations from the book: as for [`super::nbs`]; the cells of a class are at most about as
-//!   many along an axis as it has particles, but at least 64, so that the memory is proportional to
-//!   N in any domain.
+//! * Deviations from the book: those of [`super::nbs`]. A class has at most about as many cells
+//!   along an axis as particles, but at least 64, so memory is proportional to N in any domain.
 
 use std::ops::Range;
 
@@ -41,18 +39,19 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Classes; what is smaller is in the last one.
+/// Number of classes; the last one holds all smaller particles.
 const CLASSES: usize = 32;
 /// Cells along an axis that any class may have.
 const CELLS: usize = 64;
 
-/// NBS by classes of sizes; `A` is plain NBS.
+/// NBS by size classes; `A` is plain NBS.
 pub struct NbsLevels<A, const D: usize> {
     options: Options,
     plain: A,
-    /// Particles, the classes one after the other, the largest first.
+    /// Particle numbers, class by class, the largest class first.
     order: Vec<u32>,
-    /// Lists of layers, rows and cells (axis 2, 1, 0): of the class at hand, and of smaller ones.
+    /// Lists of layers, rows and cells (axis 2, 1, 0): for the current class and for smaller
+    /// particles.
     heads: [[Heads; 2]; D],
     links: Links<D>,
     formula: u64,
@@ -75,28 +74,25 @@ impl<A: Declare, const D: usize> Declare for NbsLevels<A, D> {
     }
 }
 
-/// The classes of a scene.
 struct Classes {
     largest: f64,
-    /// Where each begins in the order, and the last ends.
+    /// Start of each class in the order, and the end of the last.
     ends: [usize; CLASSES + 1],
 }
 
-/// The cells of a class.
 #[derive(Clone, Copy)]
 struct Grids<const D: usize> {
-    /// What those by itself are made of.
+    /// Reach that sets the edge of the class's own cells.
     reach: f64,
     own: Cells<D>,
-    /// With the smaller ones, if there are any.
+    /// Cells shared with smaller particles, if there are any.
     cross: Option<Cross<D>>,
 }
 
-/// The cells of a class with the smaller ones.
 #[derive(Clone, Copy)]
 struct Cross<const D: usize> {
     cells: Cells<D>,
-    /// The box that the smaller ones must lie in.
+    /// Box outside which smaller particles cannot touch the class.
     low: [f64; D],
     high: [f64; D],
 }
@@ -123,7 +119,7 @@ impl<T: Real, A: Detector<T, D> + Declare, const D: usize> Detector<T, D> for Nb
             let Some(grids) = grids else { continue };
             let ids = classes.range(k);
             let part = Part { bodies, ids: &self.order[ids.clone()], reach: grids.reach };
-            // It needs no more than has been allowed.
+            // Plain NBS needs no more memory than `prepare` has allowed.
             self.plain.detect(part, probe, &mut Named { ids: part.ids, sink })?;
             if let Some(cross) = &grids.cross {
                 self.between(&bodies, cross, ids, probe, sink);
@@ -134,7 +130,6 @@ impl<T: Real, A: Detector<T, D> + Declare, const D: usize> Detector<T, D> for Nb
 }
 
 impl<A, const D: usize> NbsLevels<A, D> {
-    /// A counting sort by class.
     fn sort<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -157,7 +152,6 @@ impl<A, const D: usize> NbsLevels<A, D> {
         }
     }
 
-    /// The cells of every class.
     fn grids<T: Real>(
         &self,
         bodies: &impl Bodies<T, D>,
@@ -187,7 +181,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
                 None
             } else {
                 let reach = bodies.class_reach(own, below);
-                // Subtraction is monotone: what is within reach of a body is in the box as rounded.
+                // Subtraction is monotone: every point within reach of a particle is in the rounded
+                // box.
                 let low = std::array::from_fn(|k| (low[k] - reach).max(whole_low[k]));
                 let high = std::array::from_fn(|k| (high[k] + reach).min(whole_high[k]));
                 let reach = reach.max(wide(&low, &high));
@@ -214,7 +209,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
         let cross: [u64; D] =
             std::array::from_fn(|k| most_of(&|grids| Some(grids.cross?.cells), k));
         let most = (0..CLASSES).map(|k| classes.range(k).len()).max().unwrap_or(0);
-        // Plain NBS has one set of lists of layers, and two of all others.
+        // Plain NBS has one set of lists of layers and two sets of all others.
         let plain = 2 * own.iter().sum::<u64>() - own[D - 1] + (D * most) as u64;
         let needed = 4 * (plain + 2 * cross.iter().sum::<u64>() + (D * n) as u64 + n as u64);
         let shape = || format!("{n} particles in classes of sizes, cells {own:?} and {cross:?}");
@@ -227,7 +222,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
         Ok(())
     }
 
-    /// Finds the contacts between a class and all smaller bodies.
+    /// Finds the contacts between a class and all smaller particles.
     fn between<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -260,8 +255,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
         }
     }
 
-    /// Takes the layer, row or cell of a particle of the class, if it is new, with the smaller
-    /// ones in it and beside it.
+    /// Checks the layer, row or cell of a particle, if it is new, against smaller particles in it
+    /// and beside it.
     fn around<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -306,7 +301,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
 }
 
 impl Classes {
-    /// Counts them; none if all bodies are of one class.
+    /// Counts the classes; returns `None` if all particles are in one class.
     fn new<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> Option<Classes> {
         if bodies.uniform().is_some() {
             return None;
@@ -324,15 +319,15 @@ impl Classes {
         Some(classes)
     }
 
-    /// How many times the largest radius is halved, before it is less than this one or equal: the
-    /// exponent of their quotient. Rounding is monotone, so smaller radii have no lower class.
+    /// Returns how often the largest radius is halved until it is at most `radius`: the exponent of
+    /// the quotient. Rounding is monotone, so a smaller radius never has a lower class.
     fn of(&self, radius: f64) -> usize {
         let exponent = (self.largest / radius).to_bits() >> 52 & 0x7ff;
-        // The quotient is at least 1; it is infinite for points, and no number if all are points.
+        // The quotient is at least 1, infinite for points, and NaN if all particles are points.
         (exponent as usize).saturating_sub(1023).min(CLASSES - 1)
     }
 
-    /// The places of a class in the order.
+    /// Returns the range of a class in the order.
     fn range(&self, k: usize) -> Range<usize> {
         self.ends[k]..self.ends[k + 1]
     }
@@ -345,7 +340,7 @@ impl<const D: usize> Cross<D> {
     }
 }
 
-/// Some of the bodies, with numbers of their own.
+/// Some of the particles, numbered from 0.
 #[derive(Clone, Copy)]
 struct Part<'a, B> {
     bodies: B,
@@ -389,7 +384,7 @@ impl<T: Real, B: Bodies<T, D>, const D: usize> Bodies<T, D> for Part<'_, B> {
     }
 }
 
-/// Gives bodies of a part their numbers back.
+/// Converts numbers within a part back to numbers of the scene.
 struct Named<'a, S> {
     ids: &'a [u32],
     sink: &'a mut S,

@@ -1,19 +1,18 @@
 //! `screening`: a list head for every cell of the domain (Munjiza 2004, section 3.6).
 //!
-//! 1. Once, when the array is first made, all heads of the screening array `C[nx][ny]([nz])` are
-//!    set to empty.
+//! 1. When the screening array `C[nx][ny]([nz])` is made, all its heads are set to empty, once.
 //! 2. Every particle is put on the list of its cell: `E[k] = C[cell]; C[cell] = k`.
-//! 3. A loop over particles finds each cell that is not empty once (a *new* list, marked *old* when
-//!    found) and checks it against itself and the contact mask: 4 cells in 2D, 13 in 3D.
+//! 3. A loop over particles finds each non-empty cell once (a *new* list, marked *old* when found)
+//!    and checks it against itself and the contact mask: 4 cells in 2D, 13 in 3D.
 //! 4. A second loop over *particles* sets C and E back to empty.
 //!
 //! * Cost: proportional to N. Memory: `4(nx·ny[·nz] + N)` bytes for N particles and nx, ny, nz
-//!   cells per axis, two empty border cells per axis included. Nothing is cached.
-//! * Right for dense packs only: the array grows with the volume of the domain. Refuses scenes over
-//!   the memory limit, and more than 2^31 - 1 particles.
+//!   cells per axis, two empty border cells included. Nothing is cached.
+//! * Suits dense packings only, because the array grows with the volume of the domain. Refuses
+//!   scenes over the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   heads are marked old with the highest bit instead of by adding N; particles count from 0. The
-//!   array is kept between detections, and one made for a smaller domain is replaced.
+//!   the highest bit marks old heads instead of an added N; particles count from 0. The array is
+//!   kept between detections and replaced if the domain needs a larger one.
 
 use super::list::{Heads, Links, numbered};
 use super::mask;
@@ -25,7 +24,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Screening. The fields carry the book's names.
+/// Screening. Fields carry the book's names.
 pub struct Screening {
     options: Options,
     /// C: heads, one per cell.
@@ -80,7 +79,7 @@ impl Screening {
     ) -> Result<(), Refusal> {
         self.prepare(cells, bodies.len())?;
         let n = bodies.len() as u32;
-        // How far each cell of the mask lies from a central cell in the array.
+        // Offset of each mask cell from a central cell in the array.
         let offsets = mask.map(|cell| {
             (0..D)
                 .rev()
@@ -139,7 +138,7 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// G2: nine particles in 10 x 10 cells (p90-91) on the real arrays.
+    /// Example G2: nine particles in 10 x 10 cells (p90-91).
     #[test]
     fn the_books_nine_particles() {
         let scene = InCells(&NINE);

@@ -1,21 +1,21 @@
 //! `sorting`: sorting and binary search (Munjiza 2004, section 3.7).
 //!
 //! 1. Arrays X, Y(, Z) of integerised coordinates and D of particle numbers are filled.
-//! 2. They are sorted together in place, X first, then Y, then Z. The book's sort halves the range
-//!    of *values*: two pointers come from the ends, values below mid = (min + max) / 2 go left, the
-//!    others right, and both sides are sorted likewise.
-//! 3. The particles of a cell now stand side by side. For every cell that is not empty the mask
-//!    cells (4 in 2D, 13 in 3D) are found by binary search, about log2 N steps each, and checked.
+//! 2. They are sorted together in place, by X, then Y, then Z. The book's sort halves the range of
+//!    *values*: two pointers move in from the ends, values below mid = (min + max) / 2 go left, the
+//!    others right, and both sides are sorted in the same way.
+//! 3. The particles of a cell are now adjacent. For every non-empty cell the mask cells (4 in 2D,
+//!    13 in 3D) are found by binary search, in about log2 N steps each, and checked.
 //!
-//! * Cost: N log2 N for N particles in a dense pack. The sort makes at most Σ log2 n passes over
-//!   the particles, n being the cells along each axis, so a sparse domain costs more; a key
-//!   comparison is of one integer in the sort, of all D in a search. Memory: `4N(D + 1)` bytes in D
-//!   dimensions, the leanest of all. Nothing is cached.
-//! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
+//! * Cost: N log2 N for N particles in a dense packing. The sort makes at most log2 n passes over
+//!   the particles for each axis with n cells, so a sparse domain costs more. A key comparison
+//!   compares one integer in the sort and all D integers in a search.
+//! * Memory: `4N(D + 1)` bytes in D dimensions, the least of all. Nothing is cached.
+//! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
 //!   the mask cells are searched once per occupied cell, not once per particle; min and max of a
-//!   part are the bounds of its values, not its extremes; where (min + max) / 2 is min, mid is max,
-//!   or the partition would not end.
+//!   part are bounds of its values, not extremes; if (min + max) / 2 is min, mid is max, because
+//!   otherwise the partition would not end.
 
 use super::mask;
 use crate::contact::Bodies;
@@ -131,8 +131,8 @@ impl<const D: usize> Sorting<D> {
         }
     }
 
-    /// Sorts a range in which all keys of the earlier axes are equal and those of `axis` are at
-    /// least `min` and at most `max`.
+    /// Sorts a range in which all keys of earlier axes are equal and those of `axis` lie in
+    /// `min..=max`.
     fn sort(
         &mut self,
         axis: usize,
@@ -162,8 +162,8 @@ impl<const D: usize> Sorting<D> {
         }
     }
 
-    /// Moves particles with keys below `mid` to the left of the others; gives the place of the
-    /// first of the others.
+    /// Moves particles with keys below `mid` to the front and returns the place of the first other
+    /// one.
     fn partition(
         &mut self,
         axis: usize,
@@ -185,7 +185,7 @@ impl<const D: usize> Sorting<D> {
             right -= 1;
             probe.add(Op::Move, 2);
             probe.note(|| Event::Swap { axis, places: [left, right] });
-            // Keys of earlier axes are equal throughout the range.
+            // Keys of earlier axes are equal in the whole range.
             for keys in &mut self.keys[axis..] {
                 keys.swap(left, right);
             }
@@ -205,7 +205,7 @@ impl<const D: usize> Sorting<D> {
         std::array::from_fn(|k| self.keys[k][at])
     }
 
-    /// The first place whose cell is not before `cell`.
+    /// Returns the first place whose cell is not before `cell`.
     #[inline]
     fn search(&self, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let (mut low, mut high) = (0, self.particles.len());
@@ -222,7 +222,7 @@ impl<const D: usize> Sorting<D> {
         low
     }
 
-    /// The first place from `start` on that is not in `cell`.
+    /// Returns the first place from `start` on that is not in `cell`.
     #[inline(always)]
     fn end_of(&self, start: usize, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let mut end = start;
@@ -262,7 +262,7 @@ mod tests {
     use super::*;
     use crate::probe::{Silent, Tally};
 
-    /// G3: eight particles (p95-98).
+    /// Example G3: eight particles (p95-98).
     const EIGHT: [[u32; 2]; 8] = [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6]];
 
     #[test]
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(printed(&pairs, &[]), "1-2 1-3 1-4 1-6 1-7 2-4 3-4 3-5 3-6 3-7 4-6 4-8 5-6 6-8");
     }
 
-    /// G4: one step of the book's partition (p99-101).
+    /// Example G4: one step of the book's partition (p99-101).
     #[test]
     fn the_books_partition_step() {
         let mut sorting = Sorting::<2>::with(Options::default());
