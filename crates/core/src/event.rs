@@ -1,60 +1,58 @@
-//! What a detector does, step by step, for probes that show it ([`crate::probe::Probe::note`]).
+//! Events: the single steps of a detector, for probes that show them
+//! ([`crate::probe::Probe::note`]).
 //!
-//! The detectors of the book make events: `nbs` for discs, `screening`, `sorting` and
-//! `binary-tree`. An event is made by the very statement that does what it names, and only where a
-//! probe asks for it: with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is
-//! compiled.
+//! Detectors of the book emit events: `nbs` for discs, `screening`, `sorting` and `binary-tree`.
+//! The statement that performs a step also emits its event, and only if the probe requests events:
+//! with [`crate::probe::Silent`] and [`crate::probe::Tally`] no such code is compiled.
 //!
-//! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. An
-//! event names the first two axes of a cell in space.
+//! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. In
+//! three dimensions an event has the first two axes of a cell.
 
-/// Something that happened. In all events `particle`, `i` and `j` are particles, `cell` is column
-/// and row, `heads` the letter of an array of heads, `list` a place in it and `first` what stands
-/// there; `places` are the first place and the one after the last.
+/// A step of a detector. In all events `particle`, `i` and `j` are particles, `cell` is column and
+/// row, `heads` the letter of an array of heads, `list` an index in it and `first` its value;
+/// `places` are the first place and the one after the last.
 #[allow(missing_docs, reason = "fields have one meaning in all events")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// A part of the algorithm begins.
     Begin(Part),
-    /// A loop over particles has come to this one.
+    /// A loop over particles reached this particle.
     Visit { particle: u32 },
-    /// The particle was put on a list, before `next`, which was first.
+    /// The particle was put on a list, before its previous first particle `next`.
     Push { heads: char, list: usize, particle: u32, next: Option<u32> },
-    /// A head was looked at.
+    /// A head was read.
     Look { heads: char, list: usize, first: Option<u32> },
-    /// A head was looked at, and marked old if it was new and not empty; `old`: it was marked
-    /// before.
+    /// A head was read, and marked old if it was new and not empty; `old` is its mark before.
     Take { heads: char, list: usize, first: Option<u32>, old: bool },
-    /// A head was set back to empty and new.
+    /// A head was set to empty and new.
     Reset { heads: char, list: usize },
-    /// A particle's link was set back to empty.
+    /// A particle's link was set to empty.
     Unlink { particle: u32 },
-    /// This cell is to be checked against itself and its contact mask.
+    /// This cell is next to be checked against itself and its contact mask.
     Central { cell: [u32; 2] },
     /// Two particles were tested for contact.
     Test { i: u32, j: u32, touching: bool },
-    /// An integerised coordinate was written into the array of keys of an axis, at the place that
-    /// has the particle's number before the sort.
+    /// An integerised coordinate was written to the key array of an axis, at the particle's number.
     Key { axis: usize, particle: u32, key: u32 },
-    /// A range of places is about to be split along an axis: keys below `mid` go left. No key of
-    /// the range is below the first of `values` or above the second.
+    /// A range of places will be split along an axis, keys below `mid` to the left. `values` are
+    /// the bounds of its keys.
     Halve { axis: usize, places: [usize; 2], values: [u32; 2], mid: u32 },
-    /// What stands at two places was exchanged, keys of this axis and later ones and particles.
+    /// Two places were exchanged: particles and the keys of this axis and later ones.
     Swap { axis: usize, places: [usize; 2] },
-    /// A range of places was parted along an axis; the right part begins at `middle`.
+    /// A range of places was split along an axis; the right part begins at `middle`.
     Halved { axis: usize, places: [usize; 2], middle: usize },
-    /// A binary search has compared the keys at a place.
+    /// A binary search compared the keys at a place.
     Compare { place: usize },
-    /// The places of a cell's particles are known.
+    /// The places of a cell's particles were found.
     Found { cell: [u32; 2], places: [usize; 2] },
-    /// A node of the tree was visited; the search goes on to this half of it, or to both.
+    /// A node of the tree was visited; the search continues in this half of it, or in both.
     Node { node: u32, half: Option<usize> },
-    /// A node was made, in this half of its parent.
+    /// A node was created in this half of its parent.
     Made { node: u32, parent: u32, half: usize },
     /// The particle was put on the list of a leaf, whose head is in this half of the node, before
-    /// `next`, which was first.
+    /// its previous first particle `next`.
     Leaf { node: u32, half: usize, cell: [u32; 2], particle: u32, next: Option<u32> },
-    /// A descent to a cell has ended at its first particle.
+    /// A descent to a cell ended at the cell's first particle.
     Descended { cell: [u32; 2], first: Option<u32> },
 }
 
@@ -64,7 +62,7 @@ pub enum Event {
 pub enum Part {
     /// All particles are put on y-lists.
     Rows,
-    /// This row is central: its particles, and those of the row below, are put on x-lists.
+    /// The particles of this central row and of the row below are put on x-lists.
     CentralRow { row: u32 },
     /// A loop over the particles of the central row finds its cells.
     Columns,
@@ -74,21 +72,21 @@ pub enum Part {
     RemoveRows,
     /// All particles are put on the lists of their cells.
     Cells,
-    /// The cells that are not empty are found and checked.
+    /// The non-empty cells are found and checked.
     Search,
     /// The lists of the cells are emptied.
     RemoveCells,
     /// The arrays to be sorted are filled.
     Fill,
-    /// They are sorted.
+    /// The arrays are sorted.
     Sort,
-    /// All particles are put into the tree; each axis is halved this often.
+    /// All particles are inserted in the tree; each axis is halved this often.
     Tree { halvings: u32 },
-    /// The tree is walked over, from leaf to leaf.
+    /// The tree is traversed, leaf by leaf.
     Walk,
 }
 
-/// Column and row of a cell.
+/// Returns column and row of a cell.
 #[inline(always)]
 pub fn plane<const D: usize>(cell: [u32; D]) -> [u32; 2] {
     std::array::from_fn(|k| cell.get(k).copied().unwrap_or(0))

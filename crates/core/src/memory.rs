@@ -1,37 +1,37 @@
-//! How much memory there is.
+//! Default memory limits.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// No default limit is higher than this.
+/// Upper bound of default limits.
 const MOST: u64 = 4 << 30;
-/// The part of the machine's memory that a default limit allows: a detector's arrays, the list of
-/// pairs, the truth to compare it with, and the scene have room side by side.
+/// A default limit is the machine's memory divided by this number: detector arrays, the list of
+/// pairs, the true list and the scene fit in memory together.
 const PART: u64 = 4;
 
-/// The default limit in bytes, for the arrays of a detector, and for a list of pairs: 4 GiB, or a
-/// quarter of the machine's memory if that is less. On Linux the machine is the control group, if
-/// that allows less; on other systems nobody asks, and it is 4 GiB.
+/// Returns the default limit in bytes, for the arrays of a detector and for a list of pairs. It is
+/// 4 GiB, or a quarter of the machine's memory if that is less. On Linux a smaller limit of the
+/// control group counts as the machine's memory; on other systems the result is 4 GiB.
 pub fn default_limit() -> u64 {
     static LIMIT: OnceLock<u64> = OnceLock::new();
     *LIMIT.get_or_init(|| total().map_or(MOST, |total| (total / PART).min(MOST)))
 }
 
-/// The most that one list may take while a file is read: half of the machine's memory. What is
-/// taken beyond the memory there is ends the process without a word on many systems.
+/// Returns the limit in bytes for one list while a file is read: half of the machine's memory. Many
+/// systems kill a process without a message when memory runs out.
 pub fn most_of_one() -> u64 {
     static MOST_OF_ONE: OnceLock<u64> = OnceLock::new();
     *MOST_OF_ONE.get_or_init(|| total().map_or(u64::MAX, |total| total / 2))
 }
 
-/// The default limit in bytes for a scene of so many particles: 16 KiB for each, at least 256 MiB,
-/// at most [`default_limit`]. Whoever needs more for two particles far apart is better refused.
+/// Returns the default limit in bytes for a scene of this many particles: 16 KiB each, at least 256
+/// MiB and at most [`default_limit`]. The factor refuses grids between a few distant particles.
 pub fn limit_for(particles: usize) -> u64 {
     let wanted = (particles as u64).saturating_mul(16 << 10).max(256 << 20);
     wanted.min(default_limit())
 }
 
-/// Bytes of memory, where the system says it.
+/// Returns the bytes of memory, if the system reports them.
 fn total() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| of_machine(&text));
@@ -40,12 +40,12 @@ fn total() -> Option<u64> {
     machine.into_iter().chain(group).filter(|&bytes| bytes > 0).min()
 }
 
-/// The files with the limits of the control groups of a process, and of those above them: batch
-/// systems and services set theirs below the root. A group of version 2 is the line `0::/path`, one
-/// of version 1 `3:memory:/path`.
+/// Returns the files with the limits of the process's control groups and of all groups above them,
+/// because batch systems and services set limits below the root. A group of version 2 is the line
+/// `0::/path`, one of version 1 `3:memory:/path`.
 fn of_groups(text: &str) -> impl Iterator<Item = String> {
     const ROOT: &str = "/sys/fs/cgroup";
-    // What a container sees as the root need not be in the list.
+    // A container's root need not be in the list.
     let roots = [("", "/"), ("memory", "/")];
     let lines = text.lines().filter_map(|line| {
         let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
@@ -62,7 +62,7 @@ fn of_groups(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// The line `MemTotal:  16384000 kB`.
+/// Parses the line `MemTotal:  16384000 kB`.
 fn of_machine(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)

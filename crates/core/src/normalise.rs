@@ -1,32 +1,31 @@
-//! The order in which lists of pairs are written and compared.
+//! Sorts lists of pairs: the order in which they are written and compared.
 //!
-//! A list as a detector finds it is in the order of space, and indices may be in any: sorting it is
-//! fetching and putting far apart. So pairs are parted by the leading bits of their first index, in
-//! place, until those that belong together fit a cache. Those are counted by their first index, and
-//! only the second indices of each, a handful, are compared.
+//! A detector's list is ordered in space, with particle numbers in any order, so sorting it moves
+//! pairs far. The pairs are first partitioned in place by the leading bits of their first index,
+//! until each part fits in a cache. Each part is then counted by first index, and only the few
+//! second indices of each first index are compared.
 
 use crate::parallel;
 use crate::radix::{DIGIT, part};
 use crate::refusal::reserve;
 use crate::wide::{Kernel, Level, Wide};
 
-/// Fewer are compared with each other.
+/// Shorter lists are sorted by comparison.
 const FEW: usize = 1024;
-/// Fewer are sorted by one thread.
+/// Shorter lists are sorted by one thread.
 const FEW_FOR_THREADS: usize = 1 << 17;
-/// Bits of the first indices that are counted, at most and by choice.
+/// Most bits of first indices that are counted at once, and the preferred number.
 const COUNTED: u32 = 14;
 const WELL_COUNTED: u32 = 12;
-/// Pairs that are counted at once, at most.
+/// Most pairs that are counted at once.
 const TOGETHER: usize = 1 << 16;
 
-/// Each pair with the smaller index first, the pairs in ascending order: the form in which lists
-/// are written and compared.
+/// Puts the smaller index of each pair first and sorts the pairs in ascending order.
 pub fn normalise(pairs: &mut [[u32; 2]]) {
     normalise_by(1, pairs);
 }
 
-/// The same by at most so many threads, of those of rayon here, if there are many pairs.
+/// Works as [`normalise`] with up to this many of rayon's threads if there are many pairs.
 pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     let most = Level::best().run(Turn(pairs));
     let bits = u32::BITS - most.leading_zeros();
@@ -45,7 +44,7 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
         (rest, begin) = (after, end);
     }
     parallel::for_each_by(threads, &mut shares, |_, (pairs, begin, ends)| {
-        // As many at once as threads.
+        // Each thread reuses its buffers.
         let (mut room, mut from) = (Room::default(), 0);
         for end in ends.iter().map(|end| end - *begin) {
             sort_in(&mut room, &mut pairs[from..end], bits - digit);
@@ -54,8 +53,8 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     });
 }
 
-/// Sorts pairs whose first indices differ in the last `bits` bits at most; makes the room, if it
-/// has to be and can be.
+/// Sorts pairs whose first indices differ in the last `bits` bits at most; allocates the buffers if
+/// needed and possible.
 fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
     match pairs.len() > FEW && (!room.seconds.is_empty() || room.is_made()) {
         true => sort(pairs, bits, room),
@@ -63,12 +62,12 @@ fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
     }
 }
 
-/// Each pair with the smaller index first; the pairs stay in their order.
+/// Puts the smaller index of each pair first and keeps the order of pairs.
 pub fn smaller_first(pairs: &mut [[u32; 2]]) {
     Level::best().run(Turn(pairs));
 }
 
-/// Puts the smaller index of each pair first; tells the largest of those.
+/// Puts the smaller index of each pair first and returns the largest of the smaller indices.
 struct Turn<'a>(&'a mut [[u32; 2]]);
 
 impl Kernel for Turn<'_> {
@@ -86,16 +85,16 @@ impl Kernel for Turn<'_> {
     }
 }
 
-/// For one block of pairs that are counted.
+/// Buffers for one block of pairs that are counted.
 #[derive(Default)]
 struct Room {
-    /// Where the pairs of each first index begin, and then where they end.
+    /// Where the pairs of each first index begin, and later end.
     places: Vec<u32>,
     seconds: Vec<u32>,
 }
 
 impl Room {
-    /// False if there is no memory.
+    /// Allocates the buffers; returns false if there is no memory.
     fn is_made(&mut self) -> bool {
         let sizes = [(&mut self.places, 1 << COUNTED), (&mut self.seconds, TOGETHER)];
         sizes.into_iter().all(|(list, size)| {
@@ -112,7 +111,7 @@ fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
         return pairs.sort_unstable();
     }
     if bits <= COUNTED && pairs.len() <= TOGETHER {
-        // Counting looks at all indices that there may be.
+        // Counting visits all possible indices, so it needs enough pairs.
         return match pairs.len() >> (bits - bits.min(2)) {
             0 => pairs.sort_unstable(),
             _ => count(pairs, bits, room),
@@ -126,15 +125,14 @@ fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
     }
 }
 
-/// Parts pairs whose first indices differ in the last `bits` bits at most by leading ones; tells
-/// by how many, and where the parts end.
+/// Partitions pairs whose first indices differ in the last `bits` bits at most. Returns by how many
+/// leading bits, and the ends of the parts.
 fn parts(pairs: &mut [[u32; 2]], bits: u32) -> (u32, [usize; 1 << DIGIT]) {
     let digit = if bits > WELL_COUNTED { bits - WELL_COUNTED } else { bits }.min(DIGIT);
     let (shift, last) = (bits - digit, (1 << digit) - 1);
     (digit, part(pairs, digit, |pair| (pair[0] >> shift) as usize & last))
 }
 
-/// Sorts pairs that fit the room.
 fn count(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
     let Some(&[some, _]) = pairs.first() else { return };
     let mask = (1 << bits) - 1;
@@ -171,8 +169,8 @@ fn count(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
     }
 }
 
-/// Sorts the first `N` by comparing and exchanging couples of them, without a branch: nobody can
-/// foresee how they lie. Networks as in Knuth, The Art of Computer Programming 3, section 5.3.4.
+/// Sorts the first `N` values by a sorting network without branches, which could not be predicted
+/// (Knuth, The Art of Computer Programming 3, section 5.3.4).
 #[inline(always)]
 fn network<const N: usize>(list: &mut [u32], couples: impl IntoIterator<Item = [usize; 2]>) {
     let Some(list) = list.first_chunk_mut::<N>() else { return };
@@ -186,8 +184,8 @@ mod tests {
     use super::*;
     use crate::sink::splitmix64;
 
-    /// Lists of all kinds, against the standard library: indices anywhere and near one another, few
-    /// and many pairs for each, one that touches all, duplicates, and what is sorted already.
+    /// Many kinds of lists against the standard library: indices near each other or not, few or
+    /// many pairs for each, one index in all pairs, duplicates, and sorted lists.
     #[test]
     fn every_list_is_sorted() {
         let mut ways = [0; 3];

@@ -1,11 +1,11 @@
-//! The truth about a scene, for a given arithmetic.
+//! The true contacts of a scene, for a given arithmetic.
 //!
-//! * Up to [`BRUTE_FORCE`] particles: every pair is tested.
-//! * Above: two different detectors must give the same set of pairs, and for 1,000 random particles
-//!   every other particle is tested. Where fewer than two detectors take the scene, every pair is
-//!   tested after all.
+//! * Up to [`BRUTE_FORCE`] particles, every pair is tested.
+//! * Above, two different detectors must find the same set of pairs, and 1,000 random particles are
+//!   tested against all others. If fewer than two detectors accept the scene, every pair is tested
+//!   after all.
 //!
-//! The tests compare the contact test itself with arbitrary-precision arithmetic.
+//! Unit tests compare the contact test itself with arbitrary-precision arithmetic.
 
 pub use contactbench_terms::errors::{Causes, Errors};
 
@@ -23,83 +23,82 @@ use crate::scene::{AnyScene, Real, array};
 use crate::sink::{Digest, Sink, normalise, splitmix64};
 use crate::with_scene;
 
-/// Up to this number of particles every pair is tested.
+/// Largest number of particles for which every pair is tested.
 pub const BRUTE_FORCE: usize = 20_000;
-/// Above it, this many random particles are tested against all others.
+/// Number of random particles that are tested against all others in larger scenes.
 pub const SAMPLE: usize = 1_000;
 
 /// The set of touching pairs.
 pub struct Truth {
     /// Each pair once, the smaller index first, in ascending order.
     pub pairs: Vec<[u32; 2]>,
-    /// Their fingerprint.
+    /// Fingerprint of `pairs`.
     pub digest: Digest,
 }
 
-/// Where fewer than two detectors take a scene, up to this number of particles every pair is
-/// tested.
+/// Largest number of particles for which every pair is tested if fewer than two detectors accept
+/// the scene.
 pub const LARGEST_BRUTE_FORCE: usize = 200_000;
 
-/// Why there is no truth.
+/// Why the truth could not be established.
 #[derive(Debug, thiserror::Error)]
 pub enum NoTruth {
-    /// The arithmetic cannot hold the scene.
+    /// The arithmetic cannot represent the scene's distances.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The scene cannot be stored in the arithmetic's precision.
     #[error("as stored: {0}")]
     Stored(#[from] crate::scene::SceneError),
-    /// Nothing to hold an answer to.
+    /// Too few detectors accept the scene, and it is too large to test all pairs.
     #[error(
         "fewer than two detectors take this scene, and {n} particles are too many to test all \
          pairs (at most {LARGEST_BRUTE_FORCE})"
     )]
     TooLarge {
-        /// Particles.
+        /// Number of particles.
         n: usize,
     },
-    /// A defect of this program, never to be ignored.
+    /// Two detectors disagree: a defect of this program.
     #[error(
         "{first} and {second} disagree on this scene ({a} and {b} contacts): one of them is wrong"
     )]
     Disagree {
-        /// One detector.
+        /// Name of one detector.
         first: &'static str,
-        /// The other.
+        /// Name of the other.
         second: &'static str,
-        /// Contacts of the one.
+        /// Number of contacts that `first` found.
         a: usize,
-        /// Contacts of the other.
+        /// Number of contacts that `second` found.
         b: usize,
     },
-    /// A defect of this program, never to be ignored.
+    /// The detectors disagree with a sample that was tested directly: a defect of this program.
     #[error(
         "two detectors agree, but testing particle {particle} against all others gives other \
          contacts than theirs"
     )]
     Sample {
-        /// Its index.
+        /// Index of the particle.
         particle: u32,
     },
 }
 
-/// The truth about `scene` in `arithmetic` (which may round the scene to f32 first): what all pairs
-/// tested give.
+/// Returns the true contacts of `scene` in `arithmetic`, which may first round the scene to f32.
 ///
 /// # Errors
-/// See [`truth_as_stored`]; the limit is that of [`Options::default`].
+/// Fails as [`truth_as_stored`], with the limit of [`Options::default`].
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
     let limit = Options::default().memory_limit;
     let stored = scene.as_stored(arithmetic)?;
     truth_as_stored(&stored, arithmetic.test(), limit)
 }
 
-/// The truth about a scene as it is stored, in a contact test. A list of pairs may take `limit`
-/// bytes; while the truth is being found there may be two.
+/// Returns the true contacts of a scene as it is stored, under a contact test. A list of pairs may
+/// take `limit` bytes; two lists may exist during the computation.
 ///
 /// # Errors
-/// [`NoTruth::Refused`] if there are more pairs than that, or no square can be computed in the
-/// test; else what [`NoTruth`] says.
+/// Returns [`NoTruth::Refused`] if the list would be longer or squares of distances overflow, and
+/// other [`NoTruth`] errors as described there.
 pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Truth, NoTruth> {
     let test = test.safe();
     if test == Test::Exact && !scene.is_f64() {
@@ -138,7 +137,7 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
     let tested = |chosen: &[bool]| {
         let particles = (0..n as u32).filter(|&k| chosen[k as usize]).collect();
         let mut pairs = rows(scene, test, Rows { particles: Some(particles), limit })?;
-        pairs.dedup(); // pairs of two chosen particles were tested from both sides
+        pairs.dedup(); // Pairs of two chosen particles were tested from both sides.
         Ok(pairs)
     };
     let sample = Sample { n, particles: SAMPLE };
@@ -151,15 +150,15 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
 
 /// Random particles of a scene that are tested against all others.
 pub(crate) struct Sample {
-    /// Particles of the scene.
+    /// Number of particles in the scene.
     pub n: usize,
-    /// How many of them are drawn, at most.
+    /// Largest number of particles to draw.
     pub particles: usize,
 }
 
 impl Sample {
-    /// The contacts that the first two judges that answer agree on, and the sample with them. All
-    /// lists are in ascending order. None if fewer than two answer.
+    /// Returns the contacts on which the first two detectors that do not refuse agree, after
+    /// checking the sample, or `None` if fewer than two accept. All lists are in ascending order.
     pub fn agreed<C: Copy + PartialEq>(
         &self,
         judges: &[&'static Entry],
@@ -221,7 +220,7 @@ impl Sample {
     }
 }
 
-/// The detectors that are asked for the truth of a scene, the first two that answer.
+/// Returns the detectors that may establish the truth of a scene, in order of preference.
 fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     let differ = with_scene!(scene, scene => {
         let large = 0.5 * scene.largest_radius().wide();
@@ -230,11 +229,11 @@ fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     table::judges(if differ { |it| it.differ } else { |it| it.alike })
 }
 
-/// Tests all pairs, or the given particles against all others; pairs in ascending order (twice
-/// where both particles are given).
+/// Tests all pairs, or the given particles against all others. Pairs are in ascending order; a pair
+/// of two given particles appears twice.
 struct Rows {
     particles: Option<Vec<u32>>,
-    /// For the pairs, in bytes.
+    /// Limit for the pairs, in bytes.
     limit: u64,
 }
 
@@ -269,14 +268,14 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
     }
 }
 
-/// What a detector's pairs miss and add. Both lists are in the order of [`normalise`], and nothing
-/// is copied; depths are those of `scene`.
+/// Compares a detector's pairs with the truth. Both lists must be in the order of [`normalise`];
+/// they are not copied. Depths are those of `scene`.
 pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
     compare_by(reported, truth, |[i, j]| i == j, |pair| depth_of(scene, pair))
 }
 
-/// As [`compare`], of contacts of any kind: which of them are of a particle with itself, and how
-/// deep they are.
+/// Works as [`compare`] for any type of contact; the closures return whether a contact pairs a
+/// particle with itself, and its depth.
 pub fn compare_by<C: Copy + Ord>(
     reported: &[C],
     truth: &[C],
@@ -310,8 +309,8 @@ pub fn compare_by<C: Copy + Ord>(
     errors
 }
 
-/// See [`depth`]; infinity, which a record cannot hold, becomes the largest double. 0 for particles
-/// that the scene does not have.
+/// Returns the [`depth`] of a pair, with infinity replaced by the largest double, which a record
+/// can hold. Returns 0 if a particle is not in the scene.
 pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     let (i, j) = (i as usize, j as usize);
     with_scene!(scene, scene => {
@@ -363,7 +362,7 @@ mod tests {
 
     #[test]
     fn errors_are_counted_apart() {
-        // Unit discs in a row, the centres 0, 1.5, 2, ... 6.5 apart from the first.
+        // Unit discs in a row at these distances from the first.
         let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
         let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
         let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;

@@ -1,10 +1,10 @@
 //! Lists of pairs that stop growing at a limit.
 //!
-//! A scene whose radii are in another unit than its coordinates has up to N(N-1)/2 pairs: no list
-//! holds them, and memory that cannot be had would end the program. Here a list grows within an
-//! [`Allowance`]. Where that is spent it goes on counting and keeps nothing, so that the refusal
-//! can say how many pairs there are. Detectors need not know: what a contact costs is what it
-//! costs in a `Vec`, and the limit is looked at where a `Vec` would grow.
+//! A scene whose radii have another unit than its coordinates may have N(N-1)/2 pairs. No list
+//! holds these, and running out of memory would abort the program. A list here grows within an
+//! [`Allowance`]. When that is spent, the list continues to count but stores nothing, so that the
+//! refusal can state the number of pairs. A contact costs as much as in a `Vec`: the limit is
+//! checked only where a `Vec` would grow.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -12,21 +12,21 @@ use crate::parallel;
 use crate::refusal::Refusal;
 use crate::sink::Sink;
 
-/// Bytes of a pair.
+/// Size of a pair in bytes.
 pub const PAIR_BYTES: u64 = size_of::<[u32; 2]>() as u64;
 
-/// What lists of pairs may still take from the heap: one list, or those of several threads
+/// The bytes that lists of pairs may still allocate: one list, or those of several threads
 /// together.
 #[derive(Debug)]
 pub struct Allowance(AtomicU64);
 
 impl Allowance {
-    /// So many bytes.
+    /// Creates an allowance of this many bytes.
     pub fn new(bytes: u64) -> Allowance {
         Allowance(AtomicU64::new(bytes / PAIR_BYTES))
     }
 
-    /// Room for up to so many pairs; for how many there is.
+    /// Takes space for up to this many pairs and returns for how many it was granted.
     fn take(&self, pairs: usize) -> usize {
         let pairs = pairs as u64;
         let rest = |left: u64| Some(left.saturating_sub(pairs));
@@ -41,55 +41,56 @@ impl Allowance {
 
 /// A list of pairs within an [`Allowance`].
 ///
-/// Lists of several threads lie side by side, and each grows all the time: no two share a line of
-/// the caches, nor the pair of lines that is fetched at once.
+/// Lists of several threads are adjacent and grow all the time. The alignment keeps them on
+/// separate pairs of cache lines, which processors fetch together.
 #[repr(align(128))]
 pub struct PairList<'a> {
     pairs: Vec<[u32; 2]>,
-    /// Pairs that were there before: they stay, whatever comes.
+    /// Number of pairs that were in the list at the start; they always stay.
     before: usize,
-    /// Pairs found that there was no room for.
+    /// Pairs found without space for them.
     lost: u64,
-    /// Bytes that the system would not give, or 0.
+    /// Bytes that the system refused to allocate, or 0.
     exhausted: u64,
     allowance: &'a Allowance,
-    /// Takes all pairs, if there is one: the list then has no room, so that only who finds it full
-    /// need look.
+    /// Receives all pairs, if set. The list then has no space, so that only the slow path of a full
+    /// list checks for it.
     door: Option<&'a mut (dyn Sink + Send)>,
 }
 
 impl<'a> PairList<'a> {
-    /// Goes on behind the pairs of a list, whose room is charged.
+    /// Creates a list that continues after `pairs`; their capacity counts against the allowance.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
         PairList { before: pairs.len(), pairs, lost: 0, exhausted: 0, allowance, door: None }
     }
 
-    /// An empty list.
+    /// Creates an empty list.
     pub fn new(allowance: &'a Allowance) -> PairList<'a> {
         PairList::behind(Vec::new(), allowance)
     }
 
-    /// None at all: everything goes on to `sink`, and no detector need be compiled for it.
+    /// Creates a list that stores no pairs and passes all of them to `sink`, so that detectors need
+    /// not be compiled for it.
     pub fn door(sink: &'a mut (dyn Sink + Send), allowance: &'a Allowance) -> PairList<'a> {
         PairList { door: Some(sink), ..PairList::new(allowance) }
     }
 
-    /// How many pairs were there before.
+    /// Returns the number of pairs that were in the list at the start.
     pub fn before(&self) -> usize {
         self.before
     }
 
-    /// How many pairs have been found, whether there was room for them or not.
+    /// Returns the number of pairs found, including those that were not stored.
     pub fn found(&self) -> u64 {
         self.lost + (self.pairs.len() - self.before) as u64
     }
 
-    /// Puts the list into `pairs`.
+    /// Moves the list into `pairs`.
     ///
     /// # Errors
-    /// [`Refusal::Pairs`] if there was no room for all of them; `pairs` is then as it was before
-    /// the first. `particles` is the number of particles of the scene, for the message.
+    /// Returns [`Refusal::Pairs`] if not all pairs were stored; `pairs` then holds only those from
+    /// the start. `particles` is the number of particles of the scene, for the message.
     pub fn end(self, particles: usize, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
         let all = refused(std::slice::from_ref(&self), particles);
         *pairs = self.pairs;
@@ -99,8 +100,8 @@ impl<'a> PairList<'a> {
         all
     }
 
-    /// Room for `more` pairs; false if there is none. Then what was found so far is counted and
-    /// dropped, and its room is used again and again.
+    /// Makes space for `more` pairs, or returns false. In that case the pairs found so far are
+    /// counted and dropped, and their space is reused.
     #[cold]
     #[inline(never)]
     fn grow(&mut self, more: usize) -> bool {
@@ -122,7 +123,7 @@ impl<'a> PairList<'a> {
         more <= capacity - self.before
     }
 
-    /// Room for these pairs; if there is none, they are counted, or handed on.
+    /// Makes space for these pairs, or counts them, or passes them to the sink.
     #[cold]
     #[inline(never)]
     fn has_grown_for(&mut self, pairs: &[[u32; 2]]) -> bool {
@@ -150,10 +151,7 @@ impl<'a> PairList<'a> {
     }
 }
 
-/// The lists of several threads.
-///
-/// # Errors
-/// [`Refusal::Pairs`] if there was no room for one of them.
+/// Returns the lists of several threads, or [`Refusal::Pairs`] if one was too short.
 pub(crate) fn lists(
     lists: Vec<PairList<'_>>,
     particles: usize,
@@ -179,7 +177,7 @@ fn refused(lists: &[PairList<'_>], particles: usize) -> Result<(), Refusal> {
 impl Sink for PairList<'_> {
     #[inline(always)]
     fn contact(&mut self, i: u32, j: u32) {
-        // The compiler sees that there is room behind this, and leaves out what `push` would ask.
+        // The compiler infers from this check that `push` need not grow the list.
         if self.pairs.len() == self.pairs.capacity() {
             return self.grow_for([i, j]);
         }
@@ -194,7 +192,7 @@ impl Sink for PairList<'_> {
         self.pairs.extend_from_slice(pairs);
     }
 
-    /// Copied by all threads at once.
+    /// Copies with all threads at once.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         if let Some(sink) = &mut self.door {
             return sink.gather(lists);
@@ -208,7 +206,7 @@ impl Sink for PairList<'_> {
     }
 }
 
-/// Copies lists behind `pairs`, by all threads at once.
+/// Appends lists to `pairs`, copied by all threads at once.
 pub(crate) fn append(pairs: &mut Vec<[u32; 2]>, lists: &[&[[u32; 2]]]) {
     let total = lists.iter().map(|list| list.len()).sum();
     pairs.reserve(total);
@@ -221,8 +219,8 @@ pub(crate) fn append(pairs: &mut Vec<[u32; 2]>, lists: &[&[[u32; 2]]]) {
     parallel::for_each(&mut pieces, |_, (piece, list)| {
         piece.write_copy_of_slice(list);
     });
-    // SAFETY: the pieces are the first `total` places of the room, one after the other, and all
-    // were written.
+    // SAFETY: the pieces are the first `total` places of the spare capacity, one after the other,
+    // and all were written.
     unsafe { pairs.set_len(pairs.len() + total) };
 }
 
@@ -234,8 +232,8 @@ mod tests {
         (0..count).map(|k| [k, k + 1]).collect()
     }
 
-    /// One by one, many at once, and gathered: a list holds what a `Vec` does up to its limit, and
-    /// beyond it knows how many there were and gives back what was there before.
+    /// A list behaves like a `Vec` up to its limit (single pairs, many at once, gathered lists).
+    /// Beyond it, the list counts pairs and returns those from the start.
     #[test]
     fn lists_grow_to_their_limit_and_then_count() {
         type Way = fn(&mut PairList<'_>, &[[u32; 2]]);

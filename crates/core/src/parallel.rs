@@ -1,8 +1,8 @@
-//! Shares of work for several threads.
+//! Work shared by several threads.
 //!
-//! Everything goes through one function that is not generic, so that rayon's part is compiled
-//! once and not for every detector and kind of bodies. A call through a reference is paid once per
-//! share, never per particle.
+//! All work passes through one function that is not generic, so that rayon's part is compiled once,
+//! not for every detector and kind of bodies. A dynamic call is paid once per share, never per
+//! particle.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -14,35 +14,35 @@ use crate::refusal::Refusal;
 /// Contacts in the order in which they were found.
 type Pairs = Vec<[u32; 2]>;
 
-/// Shares for each thread where shares may differ in cost: few enough to cost nothing themselves.
+/// Shares per thread if shares may differ in cost; few enough to have no overhead.
 pub const SHARES_PER_THREAD: usize = 16;
 
-/// Share `k` of `count` things, in `shares` shares of about equal size.
+/// Returns share `k` of `count` items, divided into `shares` shares of about equal size.
 pub fn share(count: usize, shares: usize, k: usize) -> Range<usize> {
     k * count / shares..(k + 1) * count / shares
 }
 
-/// Calls `work` with every item and its place, side by side on this thread and rayon's; on this
-/// thread alone if there is one item.
+/// Calls `work` with the index of every item and the item, in parallel on this thread and rayon's
+/// threads; on this thread alone if there is one item.
 pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     for_each_by(items.len(), items, work);
 }
 
-/// The same by at most so many threads.
+/// Works as [`for_each`] with at most this many threads.
 pub fn for_each_by<A: Send>(threads: usize, items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     if let [item] = items {
         return work(0, item);
     }
-    // Locks that nobody waits for: each is taken once.
+    // Each lock is taken once, so no thread waits.
     let items: Vec<Mutex<&mut A>> = items.iter_mut().map(Mutex::new).collect();
     run(items.len(), threads, &|k| {
         work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner))
     });
 }
 
-/// This thread takes shares, too, and begins at once: a thread that sleeps takes longer to wake
-/// than a small scene takes. Who is late finds nothing left; the call still waits until each has
-/// looked.
+/// This thread takes shares, too, and starts at once, because waking a thread takes longer than a
+/// small scene. A late thread finds no shares left; the call still waits until each thread has
+/// checked.
 fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let take = || {
@@ -61,11 +61,12 @@ fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
     });
 }
 
-/// The contacts among `particles` that `work` finds in ranges of `0..count`, in the order of the
-/// ranges; with one thread the range is one. All lists together may take `limit` bytes.
+/// Returns the contacts that `work` finds in ranges of `0..count`, in the order of the ranges. One
+/// thread gets a single range. All lists together may take `limit` bytes; `particles` is used in
+/// messages.
 ///
 /// # Errors
-/// [`Refusal::Pairs`] if that is not enough.
+/// Returns [`Refusal::Pairs`] if the limit is too low.
 pub fn contacts(
     (count, particles): (usize, usize),
     threads: usize,
@@ -79,7 +80,7 @@ pub fn contacts(
     pair_list::lists(found, particles)
 }
 
-/// Bytes that lists of contacts take.
+/// Returns the bytes that lists of contacts occupy.
 pub fn bytes(lists: &[Pairs]) -> u64 {
     lists.iter().map(|pairs| pairs.capacity() as u64 * PAIR_BYTES).sum()
 }
@@ -111,7 +112,7 @@ mod tests {
         assert_eq!(squares, [0, 1, 4, 9, 16]);
     }
 
-    /// From 30,000 particles on `streamed-nbs` uses them, too.
+    /// From 30,000 particles on, `streamed-nbs` uses several threads.
     #[test]
     fn several_threads_find_what_one_finds() {
         for entry in TABLE.iter().filter(|entry| entry.threads) {

@@ -1,32 +1,32 @@
 //! Operation counters that compile to nothing unless a probe counts.
 //!
 //! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
-//! compiles to nothing (`crates/campaigns/src/bin/silent_probe.rs` counts as many instructions as
-//! in a hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The
-//! words are the same for all detectors, so that their counts can be compared.
+//! compiles to nothing; `crates/campaigns/src/bin/silent_probe.rs` checks that the number of
+//! instructions equals that of a hand-written twin. With [`Tally`] the counts are exact and the
+//! same on every machine. All detectors use the same operations, so that counts are comparable.
 
 pub use contactbench_terms::op::Op;
 
 use crate::event::Event;
 
-/// Listens to the operations of a detector.
+/// Receives the operations of a detector.
 pub trait Probe {
-    /// True if the probe hears nothing; lets a detector choose a form that cannot be counted
-    /// (threads).
+    /// Whether the probe ignores all operations; a detector may then use code that cannot be
+    /// counted, such as threads.
     const SILENT: bool;
-    /// `n` operations of kind `op` happened.
+    /// Receives `n` operations of kind `op`.
     fn add(&mut self, op: Op, n: u64);
-    /// One operation of kind `op` happened.
+    /// Receives one operation of kind `op`.
     #[inline(always)]
     fn count(&mut self, op: Op) {
         self.add(op, 1);
     }
-    /// Something happened that can be shown. A probe that shows nothing never makes the event.
+    /// Receives a step that can be shown. A probe that ignores events never creates them.
     #[inline(always)]
     fn note(&mut self, _: impl FnOnce() -> Event) {}
 }
 
-/// Hears nothing and costs nothing.
+/// A probe that ignores everything and costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
@@ -36,17 +36,17 @@ impl Probe for Silent {
     fn add(&mut self, _: Op, _: u64) {}
 }
 
-/// Exact counts of every operation.
+/// A probe that counts every operation exactly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally([u64; Op::ALL.len()]);
 
 impl Tally {
-    /// How often `op` happened.
+    /// Returns how often `op` happened.
     pub fn get(&self, op: Op) -> u64 {
         self.0[op as usize]
     }
 
-    /// Operations and their counts, in the order of [`Op::ALL`].
+    /// Returns all operations with their counts, in the order of [`Op::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Op, u64)> + '_ {
         Op::ALL.into_iter().map(|op| (op, self.get(op)))
     }

@@ -1,26 +1,26 @@
-//! Parting things by the digits of a number, in place.
+//! Partitions items by the digits of a number, in place.
 //!
-//! McIlroy, Bostic and McIlroy 1993, Engineering radix sort, Computing Systems 6(1), 5-27: what
-//! they call American flag sort. Unlike theirs, a thing that is driven out waits until its part is
-//! looked through, so that no swap waits for the one before.
+//! The algorithm is the American flag sort of McIlroy, Bostic and McIlroy 1993, Engineering radix
+//! sort, Computing Systems 6(1), 5-27. Unlike theirs, a displaced item waits until its part is
+//! scanned, so that no swap waits for the one before.
 
-/// Bits of a digit, at most: as many places to write to as caches and pages allow.
+/// Most bits of a digit: caches and pages support as many write positions.
 pub(crate) const DIGIT: u32 = 10;
 
-/// Asks for the memory of an element that is to be written soon.
+/// Prefetches an element that will be written soon.
 #[inline(always)]
 pub(crate) fn prefetch_to_write<A>(array: &[A], at: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
-        // SAFETY: nothing is read or written, and any address may be asked for.
+        // SAFETY: a prefetch reads and writes nothing, and any address is allowed.
         unsafe { _mm_prefetch::<_MM_HINT_ET0>(array.as_ptr().wrapping_add(at).cast()) };
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (array, at);
 }
 
-/// Parts things by a digit of so many bits; tells where the parts end.
+/// Partitions items by a digit of this many bits and returns the ends of the parts.
 pub(crate) fn part<T>(
     things: &mut [T],
     bits: u32,
@@ -35,7 +35,7 @@ pub(crate) fn part<T>(
         sum += *end;
         *end = sum;
     }
-    // Each swap brings one thing to its part.
+    // Each swap moves one item to its part.
     let mut left = true;
     while left {
         left = false;

@@ -1,22 +1,22 @@
-//! Why a detector will not work on a scene, in one sentence with the limit and a remedy.
+//! Refusals: why a detector cannot work on a scene, with the limit and a remedy.
 
 use std::any::Any;
 
 use crate::scene::SceneError;
 
-/// Why a detector will not work on a scene. Nothing was reported; arrays whose size is known
-/// beforehand were not allocated.
+/// Why a detector cannot work on a scene. No contact was reported, and arrays of predictable size
+/// were not allocated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum Refusal {
-    /// The arrays would be larger than the limit.
+    /// The arrays would exceed the limit.
     #[error(
         "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit} bytes; \
          raise the memory limit, or use another detector: sorting is the leanest, direct needs \
          nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
-    /// There are more pairs than a list may hold, or could; they were counted.
+    /// There are more pairs than a list may hold; they were counted.
     #[error(
         "{particles} particles have {found} touching pairs, {} each, and a list of them may not \
          take more than {room} bytes; are the radii in another unit than the coordinates, or \
@@ -24,7 +24,7 @@ pub enum Refusal {
         count(2.0 * *found as f64 / *particles as f64)
     )]
     Pairs { found: u64, particles: u64, room: u64 },
-    /// There will be more pairs than a list may hold: a sample of the particles says so.
+    /// There will be more pairs than a list may hold, according to a sample of the particles.
     #[error(
         "each of the {particles} particles touches about {} others, which makes some {:.1e} \
          pairs, and a list of them may not take more than {limit} bytes; are the radii in another \
@@ -32,7 +32,7 @@ pub enum Refusal {
         count(*each), 0.5 * each * *particles as f64
     )]
     Crowd { particles: u64, each: f64, limit: u64 },
-    /// Cells cannot be told apart or addressed.
+    /// Cells have too many numbers.
     #[error(
         "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), a \
          grid can address 2^31; remove far-away particles, or use kd-tree"
@@ -47,19 +47,19 @@ pub enum Refusal {
     /// More particles than the lists can number.
     #[error("{detector} numbers at most {limit} particles, the scene has {n}; use direct")]
     Particles { detector: &'static str, n: u64, limit: u64 },
-    /// The square of a diameter overflows in the arithmetic asked for.
+    /// The square of a diameter overflows in the selected arithmetic.
     #[error(
         "the square of the largest diameter {diameter:e} overflows in {precision}; use \
          exact arithmetic, or smaller units"
     )]
     Overflow { diameter: f64, precision: &'static str },
-    /// The processor lacks the vector instructions asked for.
+    /// The processor lacks the selected vector instructions.
     #[error(
         "this processor does not have the instructions level={level} asks for, only {}; leave \
          out level to use the widest", has.join(" and ")
     )]
     Instructions { level: String, has: Vec<&'static str> },
-    /// A periodic box has more images within reach than memory holds.
+    /// A periodic box has more images within reach than the limit allows.
     #[error(
         "the {particles} particles have some {images:.1e} images in and around the box that may \
          be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit} \
@@ -71,19 +71,19 @@ pub enum Refusal {
         }
     )]
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
-    /// The system gives no memory, though the limit allows it.
+    /// The system refused to allocate memory that the limit allows.
     #[error(
         "memory for {bytes} bytes could not be had; end other programs, or take fewer particles"
     )]
     Exhausted { bytes: u64 },
-    /// A particle so far from its periodic box that its image has no number.
+    /// A particle is so far from its periodic box that its image has no number.
     #[error(
         "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, \
          and images are numbered below 2^29; move the particle into the box, or mend the box",
         vector + 1
     )]
     Away { particle: u32, vector: usize, boxes: f64 },
-    /// The vectors of a periodic box are nearly in one plane.
+    /// The vectors of a periodic box are nearly coplanar.
     #[error(
         "the box is so skewed along vector {}, or its numbers so small, that its images cannot be \
          told apart in f64; take shorter vectors of the same lattice, or larger units",
@@ -96,7 +96,7 @@ pub enum Refusal {
     /// The images of a periodic box do not fit the storage of an arithmetic.
     #[error("with its images the scene cannot be stored for {arithmetic}: {error}; use exact")]
     Stored { arithmetic: &'static str, error: SceneError },
-    /// Bodies that are larger by half of a skin are too large for numbers.
+    /// Particles enlarged by half of a skin overflow f64.
     #[error(
         "with a skin of {skin:e} around them bodies of diameter {diameter:e} are too large for \
          f64; take a smaller skin, or smaller units"
@@ -108,19 +108,19 @@ pub enum Refusal {
          may not take more than {room} bytes; take a smaller skin, or raise the memory limit"
     )]
     Listed { found: u64, particles: u64, room: u64, skin: f64 },
-    /// A list that is kept in a box decides exactly.
+    /// A list kept in a periodic box requires exact arithmetic.
     #[error(
         "in a periodic box a kept list decides in exact arithmetic, not in {arithmetic}, which \
          depends on the images that are made in each frame; take exact, or every-step"
     )]
     Rounded { arithmetic: &'static str },
-    /// The library behind a peer cannot be trusted with the scene.
+    /// The library behind a peer cannot handle the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },
 }
 
 impl Refusal {
-    /// The same, of a detector that does its work by another one.
+    /// Returns the refusal with the name of a detector that delegates to another one.
     pub(crate) fn of(self, name: &'static str) -> Refusal {
         match self {
             Refusal::Memory { needed, limit, shape, .. } => {
@@ -130,7 +130,7 @@ impl Refusal {
         }
     }
 
-    /// It would take more memory than there is, or than may be used.
+    /// Returns whether memory or its limit is the reason.
     pub fn is_of_memory(&self) -> bool {
         matches!(
             self,
@@ -143,7 +143,8 @@ impl Refusal {
         )
     }
 
-    /// It is the scene's fault, for every detector alike: too many pairs, a box without meaning.
+    /// Returns whether the scene is the reason, for every detector alike: too many pairs, or an
+    /// invalid box.
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
@@ -159,41 +160,39 @@ impl Refusal {
     }
 }
 
-/// Makes room in a list for so many more.
+/// Reserves space in a list for `more` elements.
 ///
 /// # Errors
-/// [`Refusal::Exhausted`].
+/// Returns [`Refusal::Exhausted`] if there is no memory.
 pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
-/// As [`reserve`], within a detector, whose arrays are within its limit: memory that cannot be had
-/// is a panic, which programs that must go on can catch, and not the end of the process.
-///
-/// # Panics
-/// See [`no_memory`].
+/// Works as [`reserve`], but panics if there is no memory, for detectors, whose arrays are within
+/// the limit. A program can catch this panic (see [`no_memory`]); an abort of the process cannot be
+/// caught.
 pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     if let Err(Refusal::Exhausted { bytes }) = reserve(list, more) {
         std::panic::panic_any(NoMemory { bytes });
     }
 }
 
-/// The payload of the panic of a detector that gets no memory.
+/// Payload of this panic.
 struct NoMemory {
     bytes: u64,
 }
 
-/// The refusal that a panic with this payload stands for, if a detector got no memory.
+/// Converts the payload of a panic to a refusal, if a detector ran out of memory.
 pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
     let &NoMemory { bytes } = payload.downcast_ref()?;
     Some(Refusal::Exhausted { bytes })
 }
 
-/// Boxes with more images than this for each particle are much smaller than the bodies.
+/// With more images per particle than this, boxes are much smaller than the particles.
 const MANY: f64 = 100.0;
 
-/// A number of contacts, to be read.
+/// Formats a mean number of contacts.
 fn count(each: f64) -> String {
     if each < 10.0 { format!("{each:.1}") } else { format!("{each:.0}") }
 }

@@ -1,5 +1,5 @@
-//! A detector at work on scenes with boundaries of either kind: what programs in other languages
-//! are given.
+//! Runs a detector on scenes in open space or in periodic boxes: the interface for bindings to
+//! other languages.
 
 use crate::contact::{Arithmetic, Test};
 use crate::crowd;
@@ -11,32 +11,32 @@ use crate::periodic::{Contacts, Finder, Periodic, PeriodicError};
 use crate::probe::Tally;
 use crate::scene::{AnyScene, Lattice, SceneError};
 
-/// A scene as detectors get it.
+/// A scene prepared for a detector.
 #[derive(Debug)]
 pub enum Loaded<'a> {
-    /// As the arithmetic stores it.
+    /// A scene in open space, in the storage of the arithmetic.
     Open(AnyScene<'a>),
-    /// As given.
+    /// A scene in a periodic box, as given.
     InBox(Periodic<'a>),
 }
 
-/// Why a scene cannot be searched.
+/// Why a scene cannot be prepared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoadError {
-    /// The arithmetic cannot store it.
+    /// The arithmetic cannot store the scene.
     #[error(transparent)]
     Stored(#[from] SceneError),
-    /// Its box does not suit it.
+    /// The box does not fit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
 }
 
-/// A scene to search, and how its contacts are decided.
+/// A scene to search, with the rule that decides its contacts.
 #[derive(Clone, Copy)]
 pub enum Frame<'a> {
-    /// In open space.
+    /// Open space, with a contact test.
     Open(&'a AnyScene<'a>, Test),
-    /// In a periodic box.
+    /// A periodic box, with an arithmetic.
     Boxed(&'a Periodic<'a>, Arithmetic),
 }
 
@@ -50,7 +50,7 @@ impl<'a> Frame<'a> {
 }
 
 impl<'a> Loaded<'a> {
-    /// The scene in this arithmetic, in which it was loaded.
+    /// Returns the scene to search, in the arithmetic for which it was loaded.
     pub fn frame(&'a self, arithmetic: Arithmetic) -> Frame<'a> {
         match self {
             Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
@@ -58,16 +58,16 @@ impl<'a> Loaded<'a> {
         }
     }
 
-    /// How many particles there are.
+    /// Returns the number of particles.
     pub fn particles(&self) -> usize {
         self.scene().len()
     }
 
-    /// Refuses a scene whose contacts are sure to take more than `limit` bytes: of particles as
-    /// given. Those with images are foreseen when images are made.
+    /// Refuses a scene whose contacts without images will almost certainly take more than `limit`
+    /// bytes. Contacts with images are estimated when images are made.
     ///
     /// # Errors
-    /// [`Refusal::Crowd`].
+    /// Returns [`Refusal::Crowd`].
     pub fn within(&self, limit: u64) -> Result<(), Refusal> {
         crowd::within(self.scene(), limit)
     }
@@ -79,10 +79,10 @@ impl<'a> Loaded<'a> {
         }
     }
 
-    /// The scene as detectors get it in an arithmetic.
+    /// Prepares a scene for an arithmetic.
     ///
     /// # Errors
-    /// What the arithmetic cannot store; a box that does not suit the scene.
+    /// Fails if the arithmetic cannot store the scene, or if the box does not fit the scene.
     pub fn new(
         scene: &AnyScene<'a>,
         lattice: Option<Lattice>,
@@ -95,46 +95,48 @@ impl<'a> Loaded<'a> {
     }
 }
 
-/// A detector, and what finds its contacts in boxes.
+/// A detector, with a finder for periodic boxes.
 pub struct Searcher {
     detector: Box<dyn AnyDetector>,
-    /// Keeps the images if the last scene was in a box.
+    /// Holds images if the last scene was in a box.
     finder: Option<Finder>,
-    /// For a list of contacts, in bytes.
+    /// Limit for a list of contacts, in bytes.
     memory_limit: u64,
 }
 
 impl Searcher {
-    /// With empty buffers.
+    /// Creates a searcher with empty buffers.
     pub fn new(spec: &DetectorSpec, options: Options) -> Searcher {
         let memory_limit = options.memory_limit;
         Searcher { detector: spec.make(options), finder: None, memory_limit }
     }
 
-    /// What a list of contacts may take, in bytes.
+    /// Returns the limit for a list of contacts, in bytes.
     pub fn memory_limit(&self) -> u64 {
         self.memory_limit
     }
 
-    /// How many contacts the last detection in a box has reported, also if it was refused.
+    /// Returns the number of contacts found by the last detection in a box, even if it was refused.
     pub fn found_in_box(&self) -> u64 {
         self.finder.as_ref().map_or(0, Finder::found)
     }
 
-    /// The detector, to be asked otherwise.
+    /// Returns the detector for direct use.
     pub fn detector_mut(&mut self) -> &mut dyn AnyDetector {
         &mut *self.detector
     }
 
-    /// The detector.
+    /// Returns the detector.
     pub fn detector(&self) -> &dyn AnyDetector {
         &*self.detector
     }
 
-    /// One detection, in the place of what is in the lists: what is timed.
+    /// Runs one detection and replaces the contents of the lists. This is the operation that is
+    /// timed.
     ///
     /// # Errors
-    /// What the detector refuses; the lists are empty then, or hold what was reported before.
+    /// Returns the refusals of the detector; the lists are then empty or hold contacts found before
+    /// the refusal.
     pub fn list(
         &mut self,
         scene: &Loaded<'_>,
@@ -145,10 +147,7 @@ impl Searcher {
         self.find(scene.frame(arithmetic), None, contacts)
     }
 
-    /// As [`Searcher::list`], with every operation counted.
-    ///
-    /// # Errors
-    /// As [`Searcher::list`].
+    /// Works as [`Searcher::list`] and counts every operation.
     pub fn count(
         &mut self,
         scene: &Loaded<'_>,
@@ -161,10 +160,10 @@ impl Searcher {
         Ok(tally)
     }
 
-    /// Appends the contacts to the lists; counts operations if there is a tally.
+    /// Appends the contacts to the lists, and counts operations if there is a tally.
     ///
     /// # Errors
-    /// As [`Searcher::list`]; the lists are then as they were.
+    /// Fails as [`Searcher::list`]; the lists are then unchanged.
     pub fn find(
         &mut self,
         frame: Frame<'_>,
@@ -190,8 +189,8 @@ impl Searcher {
         }
     }
 
-    /// The bytes that the memory formulas of the detector, and of images in a box, give for the
-    /// last scene.
+    /// Returns the bytes that the memory formulas of the detector, and of images in a box, give for
+    /// the last scene.
     pub fn formula_bytes(&self) -> u64 {
         self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }
@@ -203,7 +202,7 @@ mod tests {
     use crate::detect::spec;
     use crate::scene::{Radii, Scene};
 
-    /// The images that a box needed are not kept for a scene in open space.
+    /// Images made for a box are freed when a scene in open space follows.
     #[test]
     fn open_space_pays_nothing_for_the_box_before() {
         let scene = || -> AnyScene<'static> {

@@ -1,7 +1,7 @@
-//! Where contacts go: a list, a count, a digest, a closure.
+//! Receivers of contacts: a list, a count, a digest, a closure.
 //!
-//! A detector names every touching pair once, as two particle indices in any order. The digest does
-//! not depend on the order of the pairs nor on the order within a pair, so that two detectors agree
+//! A detector reports every touching pair once, as two particle numbers in any order. The digest
+//! depends neither on the order of pairs nor on the order within a pair. Two detectors agree
 //! exactly when count and digest agree (up to a collision of 64-bit sums).
 
 pub use crate::normalise::{normalise, normalise_by, smaller_first};
@@ -9,12 +9,12 @@ pub use contactbench_terms::mix::splitmix64;
 
 use crate::pair_list::append;
 
-/// Takes the contacts that a detector finds.
+/// Receives the contacts that a detector finds.
 pub trait Sink {
-    /// Particles `i` and `j` touch.
+    /// Receives the contact of particles `i` and `j`.
     fn contact(&mut self, i: u32, j: u32);
 
-    /// Many at once, for detectors that find them so.
+    /// Receives many contacts at once.
     #[inline]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         for &[i, j] in pairs {
@@ -22,7 +22,7 @@ pub trait Sink {
         }
     }
 
-    /// What several threads have found, each in a list of its own.
+    /// Receives the lists of several threads.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         for list in lists {
             self.contacts(list);
@@ -44,8 +44,7 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     }
 }
 
-/// The complete list of pairs, as found, without a limit; see [`crate::pair_list`] for one that has
-/// one.
+/// Collects all pairs without a limit; see [`crate::pair_list`] for lists with a limit.
 impl Sink for Vec<[u32; 2]> {
     #[inline(always)]
     fn contact(&mut self, i: u32, j: u32) {
@@ -60,8 +59,7 @@ impl Sink for Vec<[u32; 2]> {
     }
 }
 
-/// Counts contacts and keeps nothing: for memory measurements, where the output must not be charged
-/// to the detector.
+/// Counts contacts and stores none, for memory measurements that must not include the output.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Count(pub u64);
 
@@ -82,17 +80,18 @@ impl<F: FnMut(u32, u32)> Sink for Visit<F> {
     }
 }
 
-/// Number of contacts and an order-free 64-bit fingerprint of the set of pairs.
+/// The number of contacts and a 64-bit fingerprint of the set of pairs that does not depend on
+/// their order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Digest {
     /// Number of pairs reported, duplicates included.
     pub contacts: u64,
-    /// Wrapping sum over the pairs, i < j, of `splitmix64(i << 32 | j)`.
+    /// Wrapping sum of `splitmix64(i << 32 | j)` over the pairs with i < j.
     pub sum: u64,
 }
 
 impl Digest {
-    /// The digest of a list of pairs.
+    /// Computes the digest of a list of pairs.
     pub fn from_pairs(pairs: &[[u32; 2]]) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in pairs {
@@ -101,9 +100,10 @@ impl Digest {
         digest
     }
 
-    /// Particle `i` touches the image of `j` shifted by so many vectors of a periodic box: each
-    /// touching image is a contact of its own. As ever the order does not matter: it is the contact
-    /// of `j` with the image of `i` by the negative. Without a shift it counts as in an open scene.
+    /// Adds the contact of particle `i` with the image of `j` shifted by these vectors of a
+    /// periodic box; each touching image is a separate contact. The order of `i` and `j` does not
+    /// matter: the contact of `j` with the image of `i` by the negated shift is the same. Without a
+    /// shift the result equals that of an open scene.
     pub fn image(&mut self, i: u32, j: u32, image: [i32; 3]) {
         self.contacts += 1;
         let reverse = image.map(i32::wrapping_neg);
@@ -116,7 +116,7 @@ impl Digest {
         self.sum = self.sum.wrapping_add(hash);
     }
 
-    /// The fingerprint as it stands in records: `0x` and 16 hexadecimal digits.
+    /// Formats the fingerprint as in records: `0x` and 16 hexadecimal digits.
     pub fn hex(&self) -> String {
         format!("{:#018x}", self.sum)
     }
@@ -130,7 +130,7 @@ impl Sink for Digest {
     }
 }
 
-/// A pair as one number, the smaller index first.
+/// Packs a pair into one number, the smaller index in the upper half.
 #[inline(always)]
 pub fn key(i: u32, j: u32) -> u64 {
     let (i, j) = if i < j { (i, j) } else { (j, i) };

@@ -1,4 +1,4 @@
-//! Scenes of every kind of sizes, for the tests of the detectors that part bodies by size.
+//! Tests of the detectors that divide particles by size, on scenes with many size distributions.
 
 use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
@@ -10,7 +10,7 @@ use crate::oracle;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
-/// Particles at random in a box with this edge.
+/// Returns particles at random positions in a square or cube with this edge.
 pub fn random<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
@@ -18,7 +18,6 @@ pub fn random<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> Scene<'s
     Scene::new(centres, Radii::Each(radii.into())).unwrap()
 }
 
-/// The same, of either dimension.
 pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -26,7 +25,7 @@ where
     random(radii, edge, seed).into()
 }
 
-/// Radii of every kind that levels could stumble over.
+/// Returns size distributions that could break size classes, with names.
 fn radii() -> Vec<(&'static str, Vec<f64>)> {
     let with = |radius: fn(u32) -> f64| (0..600).map(radius).collect::<Vec<f64>>();
     vec![
@@ -50,10 +49,10 @@ fn radii() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// Few enough cells that nearly every strip has neighbours, and so many that most have none.
+/// Edges of the box: nearly every strip of cells has neighbours, some have, most have none.
 const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 
-/// Detectors that part bodies by size, in all their ways.
+/// Returns all detectors that divide particles by size, with all their parameters.
 fn specs() -> Vec<String> {
     let ratios = table::find("hgrid").unwrap().parameters[0].values;
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));

@@ -1,4 +1,4 @@
-//! Which detector, with which parameters: written `nbs` or `streamed-nbs:level=avx2,form=dense`.
+//! Detector specifications: `nbs` or `streamed-nbs:level=avx2,form=dense`.
 
 use std::fmt;
 
@@ -9,33 +9,30 @@ use crate::wide::Level;
 use contactbench_terms::grammar::{self, Spec};
 use contactbench_terms::nearest::hint;
 
-/// The parameter that chooses vector instructions.
 const LEVEL: &str = "level";
 
-/// A detector of the table and values for its parameters.
+/// A detector of the table with values for its parameters.
 ///
-/// Its text ([`fmt::Display`]) is the normal form, which stands in records: the name, then the
-/// parameters in alphabetical order, those with default values left out. Two specs that ask for
-/// the same have the same text, and [`parse`] gives the spec back.
+/// [`fmt::Display`] writes the normal form, which records use: the name, then the parameters with values other than the default, in alphabetical order. Equivalent specifications have equal text, and [`parse`] reads it back.
 #[derive(Clone)]
 pub struct DetectorSpec {
-    /// The line of the table.
+    /// Entry of the detector in the table.
     pub entry: &'static Entry,
-    /// The values that are not the defaults.
+    /// Parameter values other than the defaults.
     pub params: Params,
 }
 
 impl DetectorSpec {
-    /// A detector with empty buffers.
+    /// Creates the detector with empty buffers.
     ///
-    /// A spec may ask for instructions that the processor lacks: the detector then refuses every
-    /// scene, with [`Refusal::Instructions`](crate::detect::Refusal::Instructions).
+    /// If the processor lacks the requested instructions, the detector refuses every scene with
+    /// [`Refusal::Instructions`](crate::detect::Refusal::Instructions).
     pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
         (self.entry.constructor)(&self.params, options)
     }
 
-    /// The detector as it is, and with every other word that one of its parameters may have; all
-    /// of these once more with the other instructions that the processor has.
+    /// Returns the detector with its defaults, with every other listed value of each parameter, and
+    /// all of these for each further set of instructions that the processor has.
     pub fn choices(entry: &'static Entry) -> Vec<DetectorSpec> {
         let with = |spec: &DetectorSpec, name: &str, value: &str| {
             let mut params = spec.params.clone();
@@ -58,8 +55,8 @@ impl DetectorSpec {
         choices
     }
 
-    /// The vector instructions that it uses: `avx512`, `avx2` or `portable`; none of a detector
-    /// that is compiled in one form, for every processor.
+    /// Returns the vector instructions that the detector uses (`avx512`, `avx2` or `portable`), or
+    /// `None` if it is compiled in one form for every processor.
     pub fn level(&self) -> Option<&str> {
         self.entry.parameters.iter().find(|parameter| parameter.name == LEVEL)?;
         Some(self.params.get(LEVEL).map_or_else(|| Level::best().name(), String::as_str))
@@ -67,7 +64,7 @@ impl DetectorSpec {
 }
 
 impl From<&'static Entry> for DetectorSpec {
-    /// The detector with all parameters at their defaults.
+    /// Returns the detector with default parameters.
     fn from(entry: &'static Entry) -> DetectorSpec {
         DetectorSpec { entry, params: Params::new() }
     }
@@ -95,17 +92,17 @@ impl fmt::Display for DetectorSpec {
     }
 }
 
-/// What is wrong with the text of a [`DetectorSpec`].
+/// Why the text of a [`DetectorSpec`] is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
-    /// No line of the table has this name.
+    /// No detector has this name.
     #[error(
         "there is no detector '{name}'{}; the detectors are: {}",
         hint(name, table::all_names()),
         table::names()
     )]
     Unknown {
-        /// As given.
+        /// The name as given.
         name: String,
     },
     /// A library that this program was built without.
@@ -114,28 +111,28 @@ pub enum SpecError {
         /// What is missing and how to get it.
         reason: String,
     },
-    /// The text is not of the form, or a parameter or value is not known.
+    /// The text has another form, or a parameter or value is unknown.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
-    /// Two parameters that answer one question.
+    /// Two parameters that exclude each other.
     #[error("'{spec}': {name}={value} takes the place of {other}; leave out one of the two")]
     Together {
         /// The whole text.
         spec: String,
-        /// The parameter.
+        /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: String,
-        /// The other parameter.
+        /// Name of the other parameter.
         other: &'static str,
     },
 }
 
-/// The detector that a text asks for: its name, and behind a colon values for its parameters,
-/// separated by commas, as in `streamed-nbs:level=avx2,form=dense`.
+/// Parses a detector's name and, after a colon, values for its parameters, separated by commas, as
+/// in `streamed-nbs:level=avx2,form=dense`.
 ///
 /// # Errors
-/// Unknown names, parameters and values, each with those that there are.
+/// Fails on unknown names, parameters and values; the error lists the valid ones.
 pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
     let given = Spec::parse(spec);
     let Some(entry) = table::find(given.name) else {
@@ -147,7 +144,7 @@ pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
     read(entry, &given)
 }
 
-/// The parameters of a detector, without those that have their default value.
+/// Returns the parameters that differ from their defaults.
 fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecError> {
     let names: Vec<&str> = entry.parameters.iter().map(|parameter| parameter.name).collect();
     given.keys(&names, &takes(entry))?;
@@ -176,7 +173,7 @@ fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecErr
     Ok(DetectorSpec { entry, params })
 }
 
-/// The parameters of a detector, for messages.
+/// Describes the parameters of a detector, for messages.
 fn takes(entry: &Entry) -> String {
     if entry.parameters.is_empty() {
         return format!("{} takes no parameters", entry.name);
@@ -193,7 +190,7 @@ fn takes(entry: &Entry) -> String {
 mod tests {
     use super::*;
 
-    /// Every word once, and all forms on all levels; numbers are no forms.
+    /// Every word appears once, and every form with every level; numbers are not enumerated.
     #[test]
     fn choices_are_every_form_of_the_code() {
         let of = |name| DetectorSpec::choices(table::find(name).unwrap());

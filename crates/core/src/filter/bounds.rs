@@ -1,4 +1,4 @@
-//! The box around the centres of a scene.
+//! The bounding box of the centres of a scene.
 
 use std::ops::Range;
 
@@ -6,15 +6,15 @@ use crate::contact::{Bodies, Corners};
 use crate::parallel::{self, share};
 use crate::scene::Real;
 
-/// The smallest and the largest coordinate along each axis; zeros for an empty scene.
+/// Returns the smallest and the largest coordinate along each axis; zeros for an empty scene.
 ///
-/// Four boxes in turn, so that a comparison need not wait for the one before it: on a million
-/// spheres 3 ns per particle instead of 11.
+/// Four boxes are updated in turn, so that comparisons need not wait for each other: 3 ns per
+/// particle instead of 11 on a million spheres.
 pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> Corners<D> {
     bounds_by(bodies, 1)
 }
 
-/// As [`bounds`], by so many threads.
+/// Works as [`bounds`] with several threads.
 pub fn bounds_by<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     threads: usize,
@@ -37,7 +37,6 @@ pub fn bounds_by<T: Real, const D: usize>(
     }
 }
 
-/// The box around two boxes.
 fn around<const D: usize>(a: Corners<D>, b: Corners<D>) -> Corners<D> {
     (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
 }
@@ -48,7 +47,7 @@ fn of_share<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, share: Range<u3
     let mut take = |i: u32, turn: usize| {
         let p = bodies.position(i);
         for k in 0..D {
-            // Not f64::min, which asks for NaN first; there is none in a scene.
+            // f64::min would check for NaN, which a scene cannot contain.
             low[turn][k] = if p[k] < low[turn][k] { p[k] } else { low[turn][k] };
             high[turn][k] = if p[k] > high[turn][k] { p[k] } else { high[turn][k] };
         }

@@ -1,28 +1,28 @@
-//! Cells: integerised coordinates, sized so that no touching pair is ever two cells apart.
+//! Cells: integerised coordinates, with cells so wide that touching particles are never two cells
+//! apart.
 //!
-//! The book takes cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact
+//! The book uses cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact
 //! arithmetic two particles that touch are then at most one cell apart per axis. With rounding they
-//! can be two cells apart, and a textbook filter loses the contact: three discs of radius 1/2 at x
-//! = 0, 1 - 2^-53 and 2 show it.
+//! can be two cells apart, and a textbook filter loses the contact. Example: three discs of radius
+//! 1/2 at x = 0, 1 - 2^-53 and 2.
 //!
-//! **The margin.** We compute q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s = fl((1 -
-//! 2^-18) / reach). Let u = 2^-53, and Q the largest q; scenes with Q >= 2^31 are refused. Two
-//! particles with |xj - xi| <= reach (true values) have true quotients that differ by at most reach
-//! · s <= (1 - 2^-18)(1 + 2u). Each computed quotient differs from its true one by at most Q(2u +
-//! u²) < 2^-21 · (1 + u) (an underflowing product adds less than 2^-1074; where the reach is so
-//! large that s is subnormal, s has fewer bits, but then Q < 8). So the computed ones differ by
-//! less than 1 - 2^-18 + 2^-19.9 < 1, and floor(b) <= floor(a) + 1 whenever a <= b <= a + 1. The
-//! widening of the cell, 4 parts in a million, costs nothing measurable.
+//! **The margin.** The code computes q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s =
+//! fl((1 - 2^-18) / reach). Let u = 2^-53, and Q the largest q; scenes with Q >= 2^31 are refused.
+//! Two particles with |xj - xi| <= reach (true values) have true quotients that differ by at most
+//! reach · s <= (1 - 2^-18)(1 + 2u). Each computed quotient differs from its true one by at most
+//! Q(2u + u²) < 2^-21 · (1 + u). (An underflowing product adds less than 2^-1074. If the reach is
+//! so large that s is subnormal, s has fewer bits, but then Q < 8.) So the computed quotients
+//! differ by less than 1 - 2^-18 + 2^-19.9 < 1, and floor(b) <= floor(a) + 1 whenever a <= b <= a +
+//! 1. The wider cells, by 4 parts in a million, have no measurable cost.
 //!
-//! Cells are computed in f64 for f32 scenes too: the conversion is exact, and so the same proof
-//! holds.
+//! Cells are computed in f64 for f32 scenes, too: the conversion is exact, so the same proof holds.
 //!
-//! **Without the margin.** [`Margin::Textbook`] gives the book's cells, i = 1 + Int((x - xmin) /
-//! d), divided and not multiplied, to show what it costs to leave the margin out.
+//! **Without the margin.** [`Margin::Textbook`] selects the book's cells, i = 1 + Int((x - xmin) /
+//! d), with a division instead of a product, to show which contacts are lost without the margin.
 //!
-//! **Borders.** Cell numbers start at 1 (one of the book's two conventions), and the axis has one
-//! empty cell at either end, so that mask cells need no bounds checks. `count` includes these two:
-//! "nx" in every memory formula is the number of occupied-range cells plus 2.
+//! **Borders.** Cell numbers start at 1 (one of the book's two conventions). Each axis has one
+//! empty cell at either end, so that mask cells need no bounds checks. `count` includes both: "nx"
+//! in every memory formula is the number of other cells plus 2.
 
 use super::bounds;
 use crate::contact::{Bodies, Margin};
@@ -30,31 +30,31 @@ use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
 use crate::scene::Real;
 
-/// Cell numbers stay below this on every axis.
+/// Limit of cell numbers on every axis: scenes that need 2^31 or more are refused.
 pub const MOST_CELLS: f64 = (1u64 << 31) as f64;
 
-/// The grid of a scene: where it starts, how wide a cell is, how many cells there are.
+/// The grid of a scene: its origin, cell width and numbers of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells<const D: usize> {
     origin: [f64; D],
     scale: f64,
-    /// The edge of textbook cells.
+    /// Edge of textbook cells.
     textbook: Option<f64>,
-    /// Cells per axis, the two border cells included.
+    /// Cells per axis, including two border cells.
     pub count: [u32; D],
 }
 
 impl<const D: usize> Cells<D> {
-    /// The grid whose cells are as small as `bodies` allow: the edge is the reach of the contact
-    /// test, safely widened.
+    /// Creates the grid with the smallest cells for `bodies`: the edge is the reach of the contact
+    /// test, widened by the margin.
     pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
         let (low, high) = bounds(bodies);
         Cells::spanning(low, high, cell_reach(bodies, low, high), bodies.margin())
     }
 
-    /// The grid of a class of `bodies` in this box, whose radii are at most `largest`: the edge is
-    /// the reach of two of them, or `least` if that is more. Where such cells could not be numbered
-    /// they are wider, but not wider than the reach of all bodies.
+    /// Creates the grid of a size class in a box with radii of at most `largest`. The edge is the
+    /// reach of two such particles, or `least` if that is more. If such cells could not be
+    /// numbered, they are wider, up to the reach of all bodies.
     pub fn of_class<T: Real, B: Bodies<T, D>>(
         bodies: &B,
         (low, high): ([f64; D], [f64; D]),
@@ -66,15 +66,14 @@ impl<const D: usize> Cells<D> {
         Cells::spanning(low, high, reach, bodies.margin())
     }
 
-    /// The grid over a box for a given reach (see [`Bodies::reach`]).
+    /// Creates the grid over a box for a given reach (see [`Bodies::reach`]).
     pub fn spanning(
         low: [f64; D],
         high: [f64; D],
         reach: f64,
         margin: Margin,
     ) -> Result<Cells<D>, Refusal> {
-        // An infinite reach is that of bodies larger than half the largest double: no finite extent
-        // is larger than a cell.
+        // The reach is infinite if a diameter overflows; a finite extent is then at most two cells.
         let reach = reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / reach;
         let mut cells = Cells {
@@ -104,16 +103,15 @@ impl<const D: usize> Cells<D> {
         Ok(cells)
     }
 
-    /// The number of the cell that holds coordinate `x` of axis `k`: 1 to `count[k] - 2`.
+    /// Returns the number of the cell with coordinate `x` along axis `k`, from 1 to `count[k] - 2`.
     #[inline(always)]
     pub fn index<P: Probe>(&self, x: f64, k: usize, probe: &mut P) -> u32 {
         probe.count(Op::Integerise);
-        // Not negative and below 2^31 for every particle that the box was made from: truncation is
-        // floor.
+        // The quotient is in 0..2^31 for every particle of the box, so truncation is floor.
         self.quotient(x, k) as i64 as u32 + 1
     }
 
-    /// The place of the cell that holds a point in an array of all cells, x running fastest.
+    /// Returns the index of a point's cell in an array of all cells, x running fastest.
     #[inline(always)]
     pub fn place<P: Probe>(&self, position: [f64; D], probe: &mut P) -> usize {
         (0..D).rev().fold(0, |place, axis| {
@@ -121,18 +119,18 @@ impl<const D: usize> Cells<D> {
         })
     }
 
-    /// The cell at a place of an array of all cells, the first two axes of it.
+    /// Returns the first two cell numbers for an index of an array of all cells.
     pub fn of_place(&self, place: usize) -> [u32; 2] {
         let [nx, ny] = [self.count[0] as usize, self.count.get(1).map_or(1, |&ny| ny as usize)];
         [(place % nx) as u32, (place / nx % ny) as u32]
     }
 
-    /// The lowest corner of the cells with number 1.
+    /// Returns the lower corner of the cells with number 1.
     pub fn origin(&self) -> [f64; D] {
         self.origin
     }
 
-    /// The edge of a cell, as rounded.
+    /// Returns the edge of a cell, rounded.
     pub fn edge(&self) -> f64 {
         self.textbook.unwrap_or(1.0 / self.scale)
     }
@@ -145,15 +143,15 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// The product of the numbers of cells; saturates.
+    /// Returns the product of the numbers of cells; it saturates.
     pub fn volume(&self) -> u64 {
         self.count.iter().fold(1, |product, &n| product.saturating_mul(u64::from(n)))
     }
 }
 
-/// What the smallest cells for `bodies` in this box must span: the reach of the contact test.
-/// Points without extent touch only where they coincide (or underflow), so any larger cell will do:
-/// about one point per cell.
+/// Returns the width that the smallest cells for `bodies` must span: the reach of the contact test.
+/// Points touch only where they coincide (or underflow), so larger cells are safe: about one point
+/// per cell.
 pub fn cell_reach<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     low: [f64; D],
@@ -163,20 +161,19 @@ pub fn cell_reach<T: Real, const D: usize>(
     if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() }
 }
 
-/// A division that the other arithmetics never wait for: out of line, so that it is not computed
-/// and thrown away.
+/// Out of line, so that the compiler does not compute this division for other arithmetic and
+/// discard it.
 #[cold]
 #[inline(never)]
 fn divided(distance: f64, edge: f64) -> f64 {
     distance / edge
 }
 
-/// How far apart so many points are that fill a cube around a box evenly.
+/// Returns the spacing of `count` points that fill a cube around a box evenly.
 pub fn spacing<const D: usize>(low: [f64; D], high: [f64; D], count: usize) -> f64 {
     extent(low, high) / libm::pow(count.max(1) as f64, 1.0 / D as f64)
 }
 
-/// The longest edge of a box.
 fn extent<const D: usize>(low: [f64; D], high: [f64; D]) -> f64 {
     (0..D).map(|k| high[k] - low[k]).fold(0.0, f64::max)
 }
@@ -200,8 +197,7 @@ mod tests {
 
     #[test]
     fn couples_exactly_one_reach_apart_are_at_most_one_cell_apart() {
-        // The three sweeps of BOOK.md section 7, where a textbook grid loses up to 10% of the
-        // couples.
+        // Three sweeps in which a textbook grid loses up to 10% of the pairs.
         let mut lost_by_the_book = 0;
         for (low, d) in [
             (0.0, 1.0),
@@ -215,7 +211,7 @@ mod tests {
             for border in 1..4000 {
                 let at = low + d * border as f64;
                 for x in [at.next_down().next_down(), at.next_down(), at, at.next_up()] {
-                    // The largest y whose true distance from x is at most d.
+                    // The largest y with a true distance from x of at most d.
                     let mut y = (x + d).next_up();
                     while exact::compare(&[x, 0.0], &[y, 0.0], d / 2.0, d / 2.0).is_gt() {
                         y = y.next_down();
@@ -233,9 +229,9 @@ mod tests {
         assert!(lost_by_the_book > 0, "this test must hold cases that a textbook grid loses");
     }
 
-    /// Couples exactly at reach, the left one as far right in its cell as can be, in cells far from
-    /// the origin, where quotients have few bits left. A margin of 2^-22 instead of 2^-18 loses one
-    /// in some thousand of these.
+    /// Pairs exactly at reach, the left particle near the right border of its cell, in cells so far
+    /// from the origin that quotients have few bits left. A margin of 2^-22 instead of 2^-18 loses
+    /// about one in a thousand of these.
     #[test]
     fn the_largest_addressable_domain_keeps_its_margin() {
         let mut random = ChaCha8Rng::seed_from_u64(7);

@@ -8,10 +8,10 @@ use crate::pair_list::{Allowance, PairList};
 use crate::refusal::{Refusal, reserve};
 use crate::sink::{Digest, normalise};
 
-/// All contacts, in ascending order. Images may take `limit` bytes, and the list as many.
+/// Returns all contacts in ascending order. Images may take `limit` bytes, and so may the list.
 ///
 /// # Errors
-/// As [`Finder::list`]; [`Refusal::Pairs`] if there are more contacts than that.
+/// Fails as [`Finder::list`], and with [`Refusal::Pairs`] if there are more contacts than fit.
 pub fn contacts(
     periodic: &Periodic<'_>,
     detector: &mut dyn AnyDetector,
@@ -23,49 +23,51 @@ pub fn contacts(
     contacts.sorted(periodic.scene().len(), limit)
 }
 
-/// The contacts of a periodic scene as they are listed.
+/// The contacts of a periodic scene, in two lists.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
-    /// Without a shift: S = 0.
+    /// Contacts without a shift: S = 0.
     pub plain: Vec<[u32; 2]>,
-    /// Through a face of the box: S is not 0.
+    /// Contacts through a face of the box: S is not 0.
     pub shifted: Vec<ImagePair>,
 }
 
 impl Contacts {
-    /// Removes all, and keeps the room.
+    /// Removes all contacts and keeps the capacity.
     pub fn clear(&mut self) {
         self.plain.clear();
         self.shifted.clear();
     }
 
-    /// How many there are.
+    /// Returns the number of contacts.
     pub fn len(&self) -> u64 {
         self.plain.len() as u64 + self.shifted.len() as u64
     }
 
-    /// True if there are none.
+    /// Returns whether there are no contacts.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Their number and fingerprint.
+    /// Returns the number and fingerprint of the contacts.
     pub fn digest(&self) -> Digest {
         let mut digest = Digest::from_pairs(&self.plain);
         self.shifted.iter().for_each(|&ImagePair { i, j, image }| digest.image(i, j, image));
         digest
     }
 
-    /// All, in ascending order: a list of at most `limit` bytes, of a scene of so many particles.
+    /// Returns all contacts in ascending order, in a list of at most `limit` bytes. `particles` is
+    /// the number of particles of the scene, for the message.
     ///
     /// # Errors
-    /// [`Refusal::Pairs`] if it would be longer; [`Refusal::Exhausted`].
+    /// Returns [`Refusal::Pairs`] if the list would be longer, and [`Refusal::Exhausted`] if there
+    /// is no memory.
     pub fn sorted(&self, particles: usize, limit: u64) -> Result<Vec<ImagePair>, Refusal> {
         let (found, mut pairs) = (self.len(), Vec::new());
         if found > limit / IMAGE_PAIR_BYTES {
             return Err(Refusal::Pairs { found, particles: particles as u64, room: limit });
         }
-        // A list beside those that there are.
+        // The result coexists with the two lists.
         reserve(&mut pairs, self.plain.len() + self.shifted.len())?;
         pairs.extend(without_shift(&self.plain).chain(self.shifted.iter().copied()));
         pairs.sort_unstable();
@@ -101,11 +103,11 @@ impl Contacts {
         plain.into_iter().chain(shifted.copied())
     }
 
-    /// Appends what `find` puts into the lists, of at most `limit` bytes each, of a scene of so
-    /// many particles.
+    /// Appends the contacts that `find` puts into lists of at most `limit` bytes each. `particles`
+    /// is the number of particles of the scene, for the message.
     ///
     /// # Errors
-    /// [`Refusal::Pairs`] if they would be longer; all is then as it was.
+    /// Returns [`Refusal::Pairs`] if the lists would be longer; the contacts are then unchanged.
     pub(crate) fn gather<R>(
         &mut self,
         limit: u64,
@@ -120,7 +122,7 @@ impl Contacts {
         Ok(found)
     }
 
-    /// Takes lists that were taken from it, with what has been found; without it on an error.
+    /// Stores lists that continue this value's lists; drops what was found on an error.
     pub(super) fn end(
         &mut self,
         plain: PairList<'_>,
@@ -150,7 +152,7 @@ impl Contacts {
     }
 }
 
-/// A sorted list makes two sorted ones.
+/// Splits a sorted list into two sorted lists.
 impl FromIterator<ImagePair> for Contacts {
     fn from_iter<I: IntoIterator<Item = ImagePair>>(pairs: I) -> Contacts {
         let mut contacts = Contacts::default();
@@ -170,10 +172,10 @@ impl Extend<ImagePair> for Contacts {
     }
 }
 
-/// A list of contacts that ends at a limit and then only counts.
+/// A list of contacts that stops growing at a limit and then only counts.
 pub struct List {
     pairs: Vec<ImagePair>,
-    /// Of them, those that were there before.
+    /// Number of contacts that were in the list at the start.
     before: usize,
     found: u64,
     /// In bytes.
@@ -181,17 +183,17 @@ pub struct List {
 }
 
 impl List {
-    /// Of so many bytes.
+    /// Creates an empty list of at most this many bytes.
     pub fn new(limit: u64) -> List {
         List::behind(Vec::new(), limit)
     }
 
-    /// Goes on behind these.
+    /// Creates a list that continues after `pairs`.
     pub fn behind(pairs: Vec<ImagePair>, limit: u64) -> List {
         List { before: pairs.len(), pairs, found: 0, limit }
     }
 
-    /// How many contacts have been found, whether there was room for them or not.
+    /// Returns the number of contacts found, including those that were not stored.
     pub fn found(&self) -> u64 {
         self.found
     }
@@ -200,12 +202,12 @@ impl List {
         self.found == (self.pairs.len() - self.before) as u64
     }
 
-    /// Those that were not there before.
+    /// Returns the contacts that were not in the list at the start.
     pub(super) fn added(&mut self) -> &mut [ImagePair] {
         &mut self.pairs[self.before..]
     }
 
-    /// One more.
+    /// Appends a contact, or counts it if the list is full.
     pub fn push(&mut self, pair: ImagePair) {
         let complete = self.is_complete();
         self.found += 1;
@@ -226,10 +228,11 @@ impl List {
         self.pairs.push(pair);
     }
 
-    /// In ascending order, of a scene of so many particles.
+    /// Returns the contacts in ascending order. `particles` is the number of particles of the
+    /// scene, for the message.
     ///
     /// # Errors
-    /// [`Refusal::Pairs`] if there were more than fit.
+    /// Returns [`Refusal::Pairs`] if not all contacts were stored.
     pub fn end(mut self, particles: usize) -> Result<Vec<ImagePair>, Refusal> {
         if !self.is_complete() {
             return Err(Refusal::Pairs {

@@ -1,11 +1,11 @@
-//! Boxes smaller than the reach: how many contacts there will be, and how to find them without the
+//! Boxes smaller than the reach: an estimate of the number of contacts, and a search that skips
 //! pairs of two images.
 //!
-//! A detector that is given all bodies finds pairs of two images too, which are dropped. In a box
-//! smaller than the reach a particle has many images, and their pairs grow with the square of their
-//! number. Then each particle is compared with all bodies instead: n·B tests for n particles and B
-//! bodies, which is linear in the answer, since in such a box most bodies touch. Which way is taken
-//! depends on the scene alone, and the contacts are the same.
+//! A detector that gets all bodies also finds pairs of two images, which are dropped. In a box
+//! smaller than the reach a particle has many images, and such pairs grow with the square of their
+//! number. Each particle is then compared with all bodies instead: n·B tests for n particles and B
+//! bodies. This is linear in the size of the result, since most bodies touch in such a box. The
+//! choice depends on the scene only, and the contacts are the same.
 
 use super::IMAGE_PAIR_BYTES;
 use super::made::Made;
@@ -17,15 +17,15 @@ use crate::refusal::Refusal;
 use crate::scene::{Real, array};
 use crate::sink::{Sink, splitmix64};
 
-/// Fewer images cost less than the estimate.
+/// With fewer images the estimate would cost more than it saves.
 const FEW: u64 = 1024;
-/// A box of the reach or larger has fewer images for each particle.
+/// A box at least as large as the reach has fewer images per particle.
 const EACH: u64 = 16;
-/// A detector tests this many pairs of two images in the time of a test of a particle.
+/// A detector tests this many pairs of two images in the time of one test here.
 const CHEAPER: f64 = 8.0;
-/// Pairs drawn for an estimate, at most.
+/// Most pairs that are drawn for an estimate.
 const DRAWN: u64 = 1 << 16;
-/// An estimate is sure of its value less this many standard errors.
+/// Standard errors that are subtracted from an estimate for a safe lower bound.
 const SURE: f64 = 4.0;
 
 /// Returns whether pairs of two images may cost more than all other pairs in this box.
@@ -33,12 +33,9 @@ pub(super) fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
     made.ghosts() >= FEW && made.ghosts() > EACH * u64::from(made.particles())
 }
 
-/// Refuses a scene whose contacts with images are sure to take more than `limit` bytes; looks at a
-/// sample, and only in small boxes. The contacts of particles as given are foreseen by
-/// [`crate::crowd::within`].
-///
-/// # Errors
-/// [`Refusal::Crowd`].
+/// Refuses a scene whose contacts with images will almost certainly take more than `limit` bytes.
+/// It samples pairs, in small boxes only. [`crate::crowd::within`] handles contacts without images.
+/// Returns [`Refusal::Crowd`].
 pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(), Refusal> {
     let (n, images) = (u64::from(made.particles()), made.ghosts());
     let (pairs, most) = (n as f64 * images as f64, (limit / IMAGE_PAIR_BYTES) as f64);
@@ -58,7 +55,7 @@ pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(
 }
 
 /// Returns whether testing each particle against all bodies costs less than the pairs of two images
-/// that a detector would find, by a sample of them.
+/// that a detector would find, estimated from a sample.
 pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
     if !is_small(made) {
         return false;
@@ -71,7 +68,7 @@ pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
 }
 
 impl<const D: usize> Made<'_, D> {
-    /// Returns whether two bodies touch, rounded: for estimates.
+    /// Returns whether two bodies touch in rounded arithmetic, for estimates.
     fn overlap(&self, a: u64, b: u64) -> bool {
         let at = |body: u64| match (body as usize).checked_sub(self.owners.len()) {
             Some(image) => array(&self.centres[image]),
@@ -84,8 +81,8 @@ impl<const D: usize> Made<'_, D> {
     }
 }
 
-/// Hands every contact of one of the first `owners` bodies to `sink`: tests each of them against
-/// all bodies behind it.
+/// Tests each of the first `owners` bodies against all bodies after it and passes contacts to
+/// `sink`.
 pub(super) fn search(
     searched: &Searched<'_>,
     owners: u32,

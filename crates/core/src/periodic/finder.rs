@@ -1,4 +1,4 @@
-//! The contacts of a periodic scene, by any detector, call after call.
+//! Finds the contacts of a periodic scene with any detector, call after call.
 
 use super::contacts::{Contacts, List};
 use super::crowded;
@@ -15,9 +15,9 @@ use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
 use crate::wide::{Kernel, Level, Wide};
 
-/// Finds contacts in boxes by a detector, call after call: it keeps its buffers.
+/// Finds contacts in periodic boxes with a detector, and keeps its buffers between calls.
 pub struct Finder {
-    /// In bytes.
+    /// Limit in bytes.
     limit: u64,
     plane: Buffers<2>,
     space: Buffers<3>,
@@ -33,21 +33,20 @@ struct Buffers<const D: usize> {
 }
 
 impl Finder {
-    /// Images may take so many bytes, and each list of contacts as many.
+    /// Creates a finder. Images may take `limit` bytes, and so may each list of contacts.
     pub fn new(limit: u64) -> Finder {
         let (plane, space) = (Buffers::default(), Buffers::default());
         Finder { limit, plane, space, bytes: 0, images: 0, found: 0 }
     }
 
-    /// The complete list of contacts, appended: what is timed. A second call on a scene of the same
-    /// shape allocates nothing that the detector does not.
+    /// Appends all contacts to `contacts`. This is the operation that is timed. A second call for a
+    /// scene of the same shape allocates nothing beyond what the detector allocates.
     ///
     /// # Errors
-    /// What the detector refuses for the scene with its images, what
-    /// [`Images::make`](super::images::Images::make) does, [`Refusal::Pairs`] (in small boxes
-    /// [`Refusal::Crowd`], before the search) if there are more
-    /// contacts than a list may hold, [`Refusal::Stored`] if a rounded arithmetic cannot hold the
-    /// images; `contacts` is then as it was.
+    /// Returns the refusals of the detector for the scene with its images and those of
+    /// [`Images::make`](super::images::Images::make); [`Refusal::Pairs`] if a list would exceed its
+    /// limit (in small boxes [`Refusal::Crowd`], before the search); and [`Refusal::Stored`] if a
+    /// rounded arithmetic cannot hold the images. `contacts` is then unchanged.
     pub fn list(
         &mut self,
         periodic: &Periodic<'_>,
@@ -58,30 +57,27 @@ impl Finder {
         self.find(periodic, detector, arithmetic, None, contacts)
     }
 
-    /// The bytes that images take by the formula, for the scene of the last call, 0 if it was
-    /// refused: `16 + 8D` for each image, `8D + 8` for each particle near the lower faces of the
-    /// box; `8D + 13` for each particle if some are outside of it; 8 for each body if they have
-    /// radii of their own; and the copy of all bodies where the arithmetic stores them otherwise
-    /// than in f64.
+    /// Returns the bytes that images take by the formula for the scene of the last call, 0 if it
+    /// was refused. The formula counts `16 + 8D` per image and `8D + 8` per particle near the lower
+    /// faces of the box; `8D + 13` per particle if some are outside the box; 8 per body if
+    /// particles have individual radii; and the copy of all bodies if the arithmetic does not store
+    /// f64.
     pub fn formula_bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// How many images were made in the last call, 0 if it was refused.
+    /// Returns the number of images in the last call, 0 if it was refused.
     pub fn images(&self) -> u64 {
         self.images
     }
 
-    /// How many contacts were found in the last call, even if it was refused in the end.
+    /// Returns the number of contacts found in the last call, even if it was finally refused.
     pub fn found(&self) -> u64 {
         self.found
     }
 
-    /// As [`Finder::list`]; with a tally it counts every operation, among them the images that are
+    /// Works as [`Finder::list`]. With a tally it also counts all operations, including the images
     /// made.
-    ///
-    /// # Errors
-    /// As [`Finder::list`].
     pub fn find(
         &mut self,
         periodic: &Periodic<'_>,
@@ -113,7 +109,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Bytes held, and images made.
+    /// Returns the bytes held and the number of images.
     fn among<const D: usize>(
         self,
         scene: &Scene<'_, f64, D>,
@@ -144,7 +140,7 @@ impl Search<'_> {
         let result = match tally {
             None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
             None => {
-                // All goes on to the sink.
+                // All pairs are passed on to the sink.
                 let none = Allowance::new(0);
                 let mut door = PairList::door(&mut sorted, &none);
                 detector.search(&searched, Task::List(&mut door))
@@ -164,17 +160,18 @@ impl Search<'_> {
     }
 }
 
-/// Contacts of bodies, sorted into those of particles and those with images.
+/// Sorts contacts of bodies into contacts of two particles and contacts with an image.
 struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,
     plain: PairList<'a>,
-    /// Where particles are as given: a particle and the body of an image, until all are found. Then
-    /// the images are looked up, one after the other; a look beside a detection misses the cache.
+    /// If particles are not moved: pairs of a particle and the body of an image until the detection
+    /// ends. The images are then looked up in order, because a lookup during detection misses the
+    /// cache.
     shifted: List,
 }
 
-/// Pairs that are looked at together: nearly all are of two particles, and then stay together.
+/// Number of pairs that are examined together: most are pairs of two particles and stay together.
 const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
@@ -191,7 +188,6 @@ impl<const D: usize> Sink for Sorted<'_, D> {
     }
 }
 
-/// Sorts many, with vector instructions.
 struct Sort<'s, 'a, 'p, const D: usize>(&'s mut Sorted<'a, D>, &'p [[u32; 2]]);
 
 impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
@@ -214,11 +210,11 @@ impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
 }
 
 impl<'a, const D: usize> Sorted<'a, D> {
-    /// Copies pairs of two particles many at a time, where that is `plain` to see.
+    /// Copies runs of pairs of two particles, as recognised by `plain`.
     #[inline(always)]
     fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let (together, rest) = pairs.as_chunks::<TOGETHER>();
-        // Pairs from here on are plain.
+        // All pairs from here on are plain.
         let mut from = 0;
         for (k, some) in together.iter().enumerate() {
             if !plain(some) {
@@ -234,8 +230,8 @@ impl<'a, const D: usize> Sorted<'a, D> {
         self.part(rest, &plain);
     }
 
-    /// Takes at most so many apart, without a branch that depends on a pair: which of them are
-    /// beside an image is not to be foreseen.
+    /// Separates a few pairs without branches, because which pairs involve an image is
+    /// unpredictable.
     #[inline(always)]
     fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let n = self.made.particles();
@@ -252,7 +248,7 @@ impl<'a, const D: usize> Sorted<'a, D> {
         others[..other].iter().for_each(|&[a, b]| self.other(a, b));
     }
 
-    /// A contact that may be one with an image.
+    /// Handles a pair that may involve an image.
     fn other(&mut self, a: u32, b: u32) {
         if self.made.are_as_given() {
             if a.min(b) < self.made.particles() {
@@ -267,7 +263,7 @@ impl<'a, const D: usize> Sorted<'a, D> {
         }
     }
 
-    /// The lists, when all is found.
+    /// Returns the lists after the detection.
     fn end(mut self) -> (PairList<'a>, List) {
         if self.made.are_as_given() {
             for pair in self.shifted.added() {

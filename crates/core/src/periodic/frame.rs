@@ -1,64 +1,63 @@
-//! The box as numbers of one dimension: fractions along its vectors, places of images.
+//! The box in one dimension: fractions along its vectors, and positions of images.
 //!
-//! u = 2^-53. "Dual" is the computed vector, whatever its error: it is a double like any other, and
-//! what follows asks of it only what is measured here.
+//! u = 2^-53. "Dual" means the computed vector, whatever its error: it is a double like any other,
+//! and the proofs below use only measured properties of it.
 //!
 //! **Which images are near.** For periodic vectors Ha and duals ga let rab = |ga·Hb - [a = b]|. Let
-//! two points be p and p' with |p - p' - T·H| <= R. The product of ga with this difference gives
+//! two points be p and p' with |p - p' - T·H| <= R. The product of ga with this difference yields
 //!
 //! ```text
 //! |Ta - ga·(p - p')| <= |ga| R + sum over b of |Tb| rab.       (1)
 //! ```
 //!
-//! With ca >= |ga·(p - p')| + |ga| R, c the largest of them, and all sums of rab over b at most
+//! Let ca >= |ga·(p - p')| + |ga| R, and c be the largest ca. If all sums of rab over b are at most
 //! 1/4, the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
-//! ga·(p - p'), where off(a) is the sum: [`Frame::coupling`]. Boxes whose off is above 1/4 are
-//! refused: their vectors are so long and so nearly in one plane that no filter in f64 can tell
-//! their images apart.
+//! ga·(p - p'), where off(a) is the sum: [`Frame::coupling`]. Boxes with an off above 1/4 are
+//! refused: their vectors are so long and so nearly coplanar that no filter in f64 can separate
+//! their images.
 //!
-//! **Which vectors.** All this is true of any vectors of the lattice. Where the given ones make
-//! many more images than the shortest ([`Lattice::reduced`]), as in a box whose tilt is many box
-//! lengths, H are the shortest, whole numbers times the given ones. They are rounded: where a
-//! product with them stands above, what their errors (`off_by`) make of it is added to rab. T,
-//! and the numbers that bring particles into the box, are of these vectors; what a body is called,
-//! and everything that is decided, of the given ones ([`Frame::given`]). Vectors that are nearly as
-//! good are left as they are, so that particles in the box are in the frame, and need not be moved.
+//! **Which vectors.** All this holds for any vectors of the lattice. If the given ones make many
+//! more images than the shortest ([`Lattice::reduced`]), as in a box tilted by many box lengths, H
+//! are the shortest, integer multiples of the given ones. They are rounded, so wherever a product
+//! with them appears above, the effect of their errors (`off_by`) is added to rab. T and the
+//! integers that bring particles into the box refer to these vectors. Names of bodies and all
+//! decisions refer to the given vectors ([`Frame::given`]). Given vectors that are nearly as good
+//! are kept, so that particles in the box are in the frame and need not be moved.
 //!
-//! **Places.** x + S·H is computed with the errors of all products (by a fused multiplication) and
-//! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at
-//! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|,
-//! each; adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m; and the last sum is
-//! rounded. So the place is within u|place| + 2^-100 m + 2^-1073 of the true one: `off_by` takes
-//! twice as much. A place that is not shifted is exact.
+//! **Positions.** x + S·H is computed with the errors of all products (by a fused multiplication)
+//! and of all sums (by two-sum) added up beside it. Both errors are exact except for underflow in
+//! products, at most 3 · 2^-1075. Each of the six errors is at most u(1 + u)^3 times m = |x| + the
+//! sum of |Sa Ha|. Adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m, and the
+//! last sum is rounded. So the position is within u|position| + 2^-100 m + 2^-1073 of the true one;
+//! `off_by` uses twice as much. A position that is not shifted is exact.
 
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
 use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
 
-/// 2^-53.
+/// Unit roundoff of f64, 2^-53.
 pub const U: f64 = 1.0 / (1u64 << 53) as f64;
 /// 2^-99.
 const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
 /// 2^-1070.
 const LEAST: f64 = f64::from_bits(1 << 4);
-/// Numbers of images stay below this in magnitude, so that a sum of three fits an `i32`.
+/// Limit for the magnitudes of image numbers, so that a sum of three fits an `i32`.
 pub(super) const MOST: f64 = (1u64 << 29) as f64;
-/// Other vectors are taken if the sum of their duals is below this part of that of the given ones:
-/// images are as many as that sum is large.
+/// Other vectors are used if the sum of their duals is below this part of the sum for the given
+/// ones, because the number of images grows with that sum.
 const BETTER: f64 = 0.75;
 
-/// See the page.
+/// A box with its duals and error bounds; see the module.
 #[derive(Clone, Debug)]
 pub struct Frame<const D: usize> {
-    /// Whether the box repeats along each vector.
     pub periodic: [bool; 3],
-    /// As given; zeros where the box is open.
+    /// The given vectors; zeros if the box is open along them.
     pub vectors: [[f64; D]; 3],
-    /// The frame's own vectors in those.
+    /// The frame's own vectors as integer multiples of the given ones.
     numbers: Numbers,
-    /// The frame's own vectors, rounded; zeros where the box is open.
+    /// The frame's own vectors, rounded; zeros if the box is open along them.
     pub own: [[f64; D]; 3],
-    /// Of the frame's own vectors; zeros where the box is open.
+    /// Duals of the frame's own vectors; zeros if the box is open along them.
     duals: [[f64; D]; 3],
     origin: [f64; D],
     /// Upper bounds for the lengths of the duals.
@@ -68,10 +67,10 @@ pub struct Frame<const D: usize> {
 }
 
 impl<const D: usize> Frame<D> {
-    /// By the vectors as given, or shorter ones.
+    /// Creates a frame from the given vectors or shorter ones of the same lattice.
     ///
     /// # Errors
-    /// [`Refusal::Skewed`].
+    /// Returns [`Refusal::Skewed`] if images cannot be separated.
     pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
         let given = Frame::of(lattice, lattice, AS_GIVEN);
         let (reduced, numbers) = lattice.reduced();
@@ -87,7 +86,7 @@ impl<const D: usize> Frame<D> {
         }
     }
 
-    /// By vectors that are so many times the given ones.
+    /// Creates a frame from vectors that are these multiples of the given ones.
     pub(super) fn of(
         given: &Lattice,
         lattice: &Lattice,
@@ -99,7 +98,7 @@ impl<const D: usize> Frame<D> {
         let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, given.vectors()[a]));
         let own: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
         let duals: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.dual(a)));
-        // By how much a vector of the frame is off along each axis.
+        // Returns the error of a frame vector along each axis.
         let error = |a: usize| -> [f64; D] {
             if numbers == AS_GIVEN {
                 return [0.0; D];
@@ -111,7 +110,7 @@ impl<const D: usize> Frame<D> {
         };
         let (mut lengths, mut off) = ([0.0; 3], [0.0; 3]);
         for a in (0..3).filter(|&a| periodic[a]) {
-            // Above the root of the sum of squares.
+            // At least the root of the sum of squares.
             lengths[a] = size(&duals[a]) * (1.0 + 8.0 * U);
             for b in (0..3).filter(|&b| periodic[b]) {
                 let expected = f64::from(u8::from(a == b));
@@ -119,7 +118,7 @@ impl<const D: usize> Frame<D> {
                 let of_vector = 2.0 * times(&duals[a], &error(b));
                 off[a] += (dot(&duals[a], &own[b]) - expected).abs() + rounded + of_vector;
             }
-            // Also where it is no number.
+            // Also true for NaN.
             if !(off[a] <= 0.25 && lengths[a].is_finite()) {
                 return Err(Refusal::Skewed { vector: a });
             }
@@ -128,8 +127,8 @@ impl<const D: usize> Frame<D> {
         Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off })
     }
 
-    /// Numbers of the frame's own vectors as numbers of the given ones; beyond 2^29, which of the
-    /// given vectors, and its number.
+    /// Converts an image of the frame's own vectors to the given ones. If a number reaches 2^29,
+    /// returns the index of the given vector and the number as an error.
     #[inline]
     pub fn given(&self, image: [i32; 3]) -> Result<[i32; 3], (usize, i64)> {
         if image == [0; 3] || self.numbers == AS_GIVEN {
@@ -148,44 +147,46 @@ impl<const D: usize> Frame<D> {
         Ok(given)
     }
 
-    /// Are its vectors those that were given?
+    /// Returns whether the frame uses the given vectors.
     pub fn is_as_given(&self) -> bool {
         self.numbers == AS_GIVEN
     }
 
-    /// Images by up to so many of the frame's own vectors have so many of the given ones.
+    /// Returns bounds in given vectors for images with these bounds in the frame's own vectors.
     pub fn most_given(&self, most: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
     }
 
-    /// Is every vector along the axis of its number, and not against it? Then a fraction is one
-    /// product, and grows with its coordinate.
+    /// Returns whether every vector points along the axis of its index, not against it. A fraction
+    /// is then a single product that grows with its coordinate.
     pub fn is_along_axes(&self) -> bool {
         let along = |a: usize| (0..D).all(|k| k == a || self.duals[a][k] == 0.0);
         (0..3).all(|a| along(a) && (self.scale(a) > 0.0 || !self.periodic[a]))
     }
 
-    /// The part of the dual along its own axis.
+    /// Returns the part of a dual along its own axis.
     pub fn scale(&self, a: usize) -> f64 {
         if a < D { self.duals[a][a] } else { 0.0 }
     }
 
-    /// ga·origin as computed.
+    /// Returns ga·origin as computed.
     pub fn corner(&self, a: usize) -> f64 {
         self.fraction(a, &self.origin)
     }
 
-    /// ga·x as computed: within 4u times [`Frame::most`] of what is true; 0 where the box is open.
+    /// Returns ga·x as computed, within 4u times [`Frame::most`] of the true value; 0 if the box is
+    /// open.
     pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
         dot(&self.duals[a], x)
     }
 
-    /// The sum of |ga| |x| by coordinates, or somewhat less.
+    /// Returns the sum of |ga| |x| over coordinates, up to rounding.
     pub fn most(&self, a: usize, x: &[f64; D]) -> f64 {
         times(&self.duals[a], x)
     }
 
-    /// The numbers of the given vectors that bring particle `index` at `x` about into the box.
+    /// Returns how often each given vector is added to bring particle `index` from `x` into the
+    /// box, up to rounding.
     pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
         let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
@@ -195,7 +196,7 @@ impl<const D: usize> Frame<D> {
                 continue;
             }
             let boxes = fraction.floor();
-            // Also where a difference overflows and it is no number.
+            // Also true if a difference overflows to NaN.
             if boxes.is_nan() || boxes.abs() >= MOST {
                 return Err(Refusal::Away { particle: index, vector: a, boxes });
             }
@@ -208,15 +209,15 @@ impl<const D: usize> Frame<D> {
         })
     }
 
-    /// Where the image of a particle at `x` by so many of the given vectors is, rounded; not finite
-    /// where that overflows.
+    /// Returns the rounded position of an image of a particle at `x`; it is not finite if it
+    /// overflows.
     pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
         shifted(x, image, &self.vectors)
     }
 
-    /// For points whose fractions along vector `a` differ by at most `spread`\[a\], and that are to
-    /// be within `reach`: by how much more than |ga| R the numbers of images may differ from
-    /// fractions, and a bound for them; (1) on this page.
+    /// For points whose fractions along vector `a` differ by at most `spread`\[a\] and that lie
+    /// within `reach`, returns by how much more than |ga| R image numbers may differ from
+    /// fractions, and a bound for image numbers: (1) above.
     pub fn coupling(&self, spread: [f64; 3], reach: f64) -> ([f64; 3], f64) {
         let most = (0..3)
             .filter(|&a| self.periodic[a])
@@ -226,8 +227,8 @@ impl<const D: usize> Frame<D> {
     }
 }
 
-/// A bound for the distance along one axis between a place and what is true: for places of at most
-/// `place` in magnitude, from terms whose magnitudes have at most this sum.
+/// Returns a bound for the error of a position along one axis, for positions of at most `place` in
+/// magnitude, computed from terms whose magnitudes sum to at most `terms`.
 pub(super) fn off_by(place: f64, terms: f64) -> f64 {
     2.0 * U * place + SECOND * terms + LEAST
 }
@@ -236,7 +237,7 @@ fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-/// As [`dot`], of magnitudes.
+/// Works as [`dot`] on magnitudes.
 fn times<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| (a[k] * b[k]).abs()).sum()
 }

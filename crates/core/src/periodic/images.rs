@@ -1,14 +1,13 @@
-//! Images as further bodies of an open scene: a periodic scene for any detector.
+//! Turns a periodic scene into an open scene with images as additional bodies, for any detector.
 //!
-//! **Half of the images.** Every particle j (an *owner*) is brought about into the box by whole
-//! numbers Wj; let pj = xj + Wj·H be its true place. Owners are bodies, and so are the images pj +
+//! **Half of the images.** Every particle j (an *owner*) is brought approximately into the box by
+//! integers Wj; let pj = xj + Wj·H be its true position. Bodies are the owners and the images pj +
 //! T·H with T lexicographically positive that are near enough to some owner. Particle i touches the
-//! image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. Of T and -T, the same contact
-//! from the other side, one is lexicographically positive, unless T = 0. So every contact is found
-//! once, between two owners or between an owner and an image; pairs of two images are dropped. Any
-//! Wj are right: they decide how many images there are, not what touches. So where no fraction
-//! differs from another by much more than 1 all Wj are 0, and owners are the scene as given, not a
-//! copy of it.
+//! image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. T and -T are the same contact
+//! from both sides, and one of them is lexicographically positive unless T = 0. So every contact is
+//! found once, between two owners or between an owner and an image; pairs of two images are
+//! dropped. Any Wj are correct: they determine the number of images, not what touches. So if no two
+//! fractions differ by much more than 1, all Wj are 0, and owners are the given scene, not a copy.
 
 use nalgebra::Point;
 
@@ -19,34 +18,33 @@ use crate::contact::{Arithmetic, Corners, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
 
-/// Makes images, and keeps its buffers from one scene to the next.
+/// Makes images and keeps its buffers from one scene to the next.
 #[derive(Default)]
 pub struct Images<const D: usize> {
-    /// Places of particles, and by how many vectors they were moved there; none where all are as
-    /// given.
+    /// Positions of particles and the number of vectors that moved each; empty if no particle was
+    /// moved.
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
-    /// A byte for those numbers: nearly all pairs have the same, and need not look for more.
+    /// One-byte codes of these numbers: for nearly all pairs the codes are equal, which suffices.
     tags: Vec<u8>,
     /// Particles that may have images.
     candidates: Vec<Candidate<D>>,
     images: Vec<Body>,
-    /// Places of images.
+    /// Positions of images.
     centres: Vec<Point<f64, D>>,
-    /// Of particles and images, where each has its own.
+    /// Radii of particles and images, if particles have individual radii.
     radii: Vec<f64>,
 }
 
-/// A step along each vector.
 const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-/// What may be taken, and for what.
+/// The memory limit and what is needed.
 struct Budget {
     particles: u64,
     limit: u64,
-    /// Bytes whatever the number of images.
+    /// Bytes independent of the number of images.
     fixed: f64,
-    /// Bytes of one image.
+    /// Bytes per image.
     each: f64,
     /// For the message.
     reach: f64,
@@ -75,7 +73,7 @@ impl Budget {
         Refusal::Images { particles, images, reach, needed: self.needed(images), limit }
     }
 
-    /// There is room for so many, and they can be numbered.
+    /// Checks that this many images fit in memory and can be numbered.
     fn holds(&self, images: f64) -> Result<(), Refusal> {
         let numbered = self.particles as f64 + images <= f64::from(u32::MAX);
         if self.needed(images) <= self.limit as f64 && numbered {
@@ -86,12 +84,12 @@ impl Budget {
 }
 
 impl<const D: usize> Images<D> {
-    /// All images that can matter in an arithmetic. They and what else is held for them, a copy of
-    /// the scene in another storage included, may take `limit` bytes.
+    /// Makes all images that can matter in an arithmetic. Images and further data, including a copy
+    /// of the scene in another storage, may take `limit` bytes.
     ///
     /// # Errors
-    /// [`Refusal::Images`] if they are more, before they are made; [`Refusal::Away`],
-    /// [`Refusal::Skewed`], [`Refusal::Range`], [`Refusal::Exhausted`].
+    /// Returns [`Refusal::Images`] before allocating if the limit is too low, and
+    /// [`Refusal::Away`], [`Refusal::Skewed`], [`Refusal::Range`] or [`Refusal::Exhausted`].
     pub fn make<'a>(
         &'a mut self,
         given: &'a Scene<'a, f64, D>,
@@ -151,8 +149,8 @@ impl<const D: usize> Images<D> {
         self.radii.clear();
     }
 
-    /// Finds out which images are near, and by which particles, and moves those into the box if
-    /// need be.
+    /// Determines which images are near, and of which particles, and moves particles into the box
+    /// if necessary.
     fn look<'a>(
         &mut self,
         given: &Scene<'_, f64, D>,
@@ -176,12 +174,12 @@ impl<const D: usize> Images<D> {
         let near = Near::new(frame, &found, given_most, wraps, reach)?;
         budget.reach = near.largest_reach;
         if near.most >= super::frame::MOST {
-            // They cannot even be numbered.
+            // So many images cannot even be numbered.
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            // The box of a file may begin elsewhere than its particles; then the guess is worth
-            // nothing either way.
+            // The box of a file may begin away from its particles; the guess then helps neither
+            // way.
             let idle = found.candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();
@@ -223,7 +221,7 @@ impl<const D: usize> Images<D> {
         Ok(())
     }
 
-    /// Makes the images; the corners of all bodies.
+    /// Makes the images and returns the corners of all bodies.
     fn fill(
         &mut self,
         given: &Scene<'_, f64, D>,
@@ -234,7 +232,7 @@ impl<const D: usize> Images<D> {
             let room = self.images.capacity().min(self.centres.capacity());
             let (made, corners) = self.fill_as_far_as(room, given, near);
             budget.holds(made)?;
-            // Exact: it is at most as large as the number of bodies.
+            // Exact: at most the number of bodies.
             let made = made as usize;
             if made <= room {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
@@ -249,7 +247,7 @@ impl<const D: usize> Images<D> {
         self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
     }
 
-    /// How many images there are, and the corners of all bodies if all could be made.
+    /// Returns the number of images, and the corners of all bodies if all images fit.
     fn fill_as_far_as(
         &mut self,
         room: usize,
@@ -260,8 +258,8 @@ impl<const D: usize> Images<D> {
         let (mut low, mut high) = near.corners;
         let mut made = 0.0;
         let mut sums = near.sums(given.largest_radius());
-        // Then a sum of two is as near to the place as `Frame::place` is, and is told without a
-        // branch that depends on the face.
+        // A sum of two is then as accurate as `Frame::place`, and is chosen without a branch on the
+        // face.
         let by_steps = self.wraps.is_empty() && frame.is_as_given();
         for Candidate { place, owner } in &self.candidates {
             let index = *owner as usize;
@@ -289,7 +287,7 @@ impl<const D: usize> Images<D> {
                 continue;
             }
             for_half(ranges, |shift| {
-                // Always: so large numbers were refused.
+                // Always succeeds, because larger numbers were refused.
                 let Ok(shift) = frame.given(shift) else { return };
                 let image = std::array::from_fn(|a| wrap[a] + shift[a]);
                 add(image, frame.place(x, image));

@@ -1,4 +1,4 @@
-//! What was made of a periodic scene: bodies, and which contact a pair of them is.
+//! Bodies made from a periodic scene, and the contact that a pair of them stands for.
 
 use nalgebra::Point;
 
@@ -9,20 +9,20 @@ use crate::contact::{Corners, Decided, Imaged, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};
 
-/// Which image of which particle.
+/// An image of a particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub owner: u32,
     pub image: [i32; 3],
 }
 
-/// The bodies of an open scene that has the contacts of a periodic one: first the particles in
-/// their order, then images.
+/// The bodies of an open scene with the contacts of a periodic one: the particles in order, then
+/// their images.
 pub struct Made<'a, const D: usize> {
     pub(super) given: &'a Scene<'a, f64, D>,
     pub(super) frame: Frame<D>,
     pub(super) owners: &'a [Point<f64, D>],
-    /// None if no particle was moved.
+    /// Empty if no particle was moved.
     pub(super) wraps: &'a [[i32; 3]],
     pub(super) tags: &'a [u8],
     pub(super) images: &'a [Body],
@@ -35,48 +35,47 @@ pub struct Made<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Made<'a, D> {
-    /// How many images there are, beside the particles themselves.
+    /// Returns the number of images, without the particles themselves.
     pub fn ghosts(&self) -> u64 {
         self.images.len() as u64
     }
 
-    /// How many particles there are.
+    /// Returns the number of particles.
     pub fn particles(&self) -> u32 {
         self.given.len() as u32
     }
 
-    /// What is held for this scene, in bytes.
+    /// Returns the bytes held for this scene.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// How near the places of the bodies are to the true ones, as a slack of the exact test.
+    /// Returns how far the positions of bodies can mislead, as a slack of the exact test.
     pub fn slack(&self) -> Slack {
         self.slack
     }
 
-    /// Was no particle moved? Then contacts of two particles are without a shift.
+    /// Returns whether no particle was moved; contacts of two particles then have no shift.
     pub fn are_as_given(&self) -> bool {
         self.wraps.is_empty()
     }
 
-    /// Are these two particles, moved alike? Then their contact is without a shift. If not so,
-    /// nothing is known.
+    /// Returns whether both bodies are particles moved by the same small numbers, so that their
+    /// contact has no shift. False means unknown.
     #[inline(always)]
     pub fn are_together(&self, a: u32, b: u32) -> bool {
         let tag = |body: u32| self.tags.get(body as usize).copied().unwrap_or(FAR);
         (tag(a) == tag(b)) & (tag(a) != FAR)
     }
 
-    /// Which contact that of a particle and an image is, in any order, where particles are as
-    /// given.
+    /// Returns the contact of a particle and an image, in any order, if no particle was moved.
     #[inline]
     pub fn through(&self, a: u32, b: u32) -> ImagePair {
         let Body { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
         ImagePair::new(a.min(b), owner, image)
     }
 
-    /// Which contact that of two bodies is; `None` for two images.
+    /// Returns the contact of two bodies, or `None` for two images.
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
         let owners = self.particles();
         if a >= owners && b >= owners {
@@ -86,19 +85,19 @@ impl<'a, const D: usize> Made<'a, D> {
         Some(ImagePair::new(i, j, image))
     }
 
-    /// Do two bodies touch, in exact arithmetic, for the numbers as given?
+    /// Returns whether two bodies touch, in exact arithmetic for the given numbers.
     pub fn touch(&self, a: u32, b: u32) -> bool {
         let ([i, j], image) = self.shift(a, b);
         touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors })
     }
 
-    /// Their owners, and by which shift of the second the first meets it.
+    /// Returns the owners, and the shift of the second for which the first meets it.
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
         let [a, b] = [a, b].map(|body| self.body(body as usize));
         ([a.owner, b.owner], std::array::from_fn(|k| b.image[k] - a.image[k]))
     }
 
-    /// By how many vectors a body was moved from where its owner was given.
+    /// Returns by how many vectors a body was moved from the given position of its owner.
     pub fn image(&self, body: u32) -> [i32; 3] {
         self.body(body as usize).image
     }
@@ -113,7 +112,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
-    /// For detectors.
+    /// Returns the bodies as detectors need them.
     pub fn imaged<'b>(&'b self, decided: Decided<'b>) -> Imaged<'b, D> {
         Imaged {
             owners: self.owners,
@@ -125,7 +124,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
-    /// The places of all bodies.
+    /// Returns the positions of all bodies.
     pub fn places(&self) -> impl ExactSizeIterator<Item = &[f64; D]> + Clone {
         let (owners, n) = (self.owners, self.owners.len());
         (0..n + self.centres.len()).map(move |body| match body.checked_sub(n) {
@@ -134,20 +133,20 @@ impl<'a, const D: usize> Made<'a, D> {
         })
     }
 
-    /// The radii of all bodies.
+    /// Returns the radii of all bodies.
     pub fn radii(&self) -> &Radii<'a, f64> {
         &self.radii
     }
 
-    /// The largest of them.
+    /// Returns the largest radius.
     pub fn largest_radius(&self) -> f64 {
         self.largest_radius
     }
 
-    /// A copy of all bodies.
+    /// Copies all bodies to an open scene.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`].
+    /// Returns [`Refusal::Exhausted`] if there is no memory.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
         let mut centres = Vec::new();
@@ -166,10 +165,10 @@ impl<'a, const D: usize> Made<'a, D> {
     }
 }
 
-/// The tag of numbers that have none.
+/// Code of all numbers without a code of their own.
 const FAR: u8 = u8::MAX;
 
-/// One for each three numbers of at most 2 in magnitude, and one for all others.
+/// Returns a code for three numbers of at most 2 in magnitude, or [`FAR`].
 pub(super) fn tag(wrap: [i32; 3]) -> u8 {
     if wrap.iter().any(|number| number.unsigned_abs() > 2) {
         return FAR;
@@ -177,7 +176,7 @@ pub(super) fn tag(wrap: [i32; 3]) -> u8 {
     wrap.iter().fold(0, |tag, number| 5 * tag + (number + 2) as u8)
 }
 
-/// Does particle i touch an image of j? Exactly, for the numbers as given.
+/// Returns whether particle i touches an image of j, exactly for the given numbers.
 pub(super) fn touches<const D: usize>(
     scene: &Scene<'_, f64, D>,
     pair: [u32; 2],

@@ -1,25 +1,25 @@
-//! Periodic boxes: contacts of particles with images of each other, and of themselves.
+//! Periodic boxes: contacts between particles and images of others, or of themselves.
 //!
-//! A [`Periodic`] scene is a scene and a [`Lattice`], a value of its own: it is never taken for an
-//! open one, and open scenes know nothing of it. A contact is an [`ImagePair`]: particle i touches
-//! the image of j that is shifted by S·H, whole numbers times the vectors of the box. There may be
-//! several of one pair, and of a particle with itself.
+//! A [`Periodic`] scene is a scene with a [`Lattice`]. It has its own type, so that no code takes
+//! it for an open scene. A contact is an [`ImagePair`]: particle i touches the image of j that is
+//! shifted by S·H, integers times the vectors of the box. One pair may have several contacts, and a
+//! particle may touch itself.
 //!
-//! * **What touches** is decided for the numbers as given: the sign of |xi - xj - S·H|² - (ri +
-//!   rj)² by exact arithmetic ([`crate::contact::image`]), never by a coordinate of an image, which
-//!   no double need hold. So it does not matter which image of a particle a file names, nor which
-//!   vectors of the lattice.
-//! * **How it is found:** every image that can matter becomes a further body of an open scene
-//!   ([`images`]), and any detector of the table searches that, by a [`Finder`], which keeps its
-//!   buffers and is what is timed. Boxes may be smaller than the reach, skewed, tilted by many box
-//!   lengths, and open along some vectors; particles may lie far outside. In boxes smaller than the
-//!   reach each particle is compared with all bodies instead (`crowded.rs`).
-//! * **The truth** goes over all pairs and all their images ([`truth()`]).
+//! * **The test** is exact for the given numbers: the sign of |xi - xj - S·H|² - (ri + rj)² is
+//!   computed by exact arithmetic ([`crate::contact::image`]). It never uses a coordinate of an
+//!   image, which may not fit a double. So the contacts do not depend on which image of a particle
+//!   or which vectors of the lattice a file contains.
+//! * **The search:** every image that can matter becomes another body of an open scene
+//!   ([`images`]). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
+//!   timed. Boxes may be smaller than the reach, skewed, tilted by many box lengths, and open along
+//!   some vectors; particles may lie far outside. In boxes smaller than the reach each particle is
+//!   compared with all bodies instead (`crowded.rs`).
+//! * **The truth** comes from all pairs and all their images ([`truth()`]).
 //!
-//! **Rounded arithmetics** decide from the coordinates of images, as a simulation code does that
-//! copies particles across its borders: wrapped coordinates and those of images are rounded to f64,
-//! and then stored as the arithmetic asks. So a rounded answer depends on which image of a particle
-//! is named and where the box begins; an exact one does not.
+//! **Rounded arithmetic** decides from the coordinates of images, like a simulation code that
+//! copies particles across its borders: wrapped coordinates and those of images are rounded to f64
+//! and then to the storage of the arithmetic. So a rounded result depends on which image of a
+//! particle is given and where the box begins; an exact result does not.
 //!
 //! ```
 //! use contactbench_core::contact::Arithmetic;
@@ -58,30 +58,30 @@ pub use truth::{BRUTE_FORCE, Truth, depth, truth, truth_as_stored};
 
 use crate::scene::{AnyScene, Lattice, LatticeError};
 
-/// A scene that repeats: particles, as given, and the box whose images they have.
+/// Particles and the box in which they repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periodic<'a> {
     scene: AnyScene<'a>,
     lattice: Lattice,
 }
 
-/// Why a scene and a box are no periodic scene.
+/// Why a scene and a box do not form a periodic scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodicError {
-    /// The box of a file is in f64, and so must be the particles.
+    /// The scene is not stored in f64, which is the precision of the box.
     #[error("a periodic scene is made of numbers in f64; this one is stored otherwise: widen it")]
     Storage,
-    /// The box does not suit the scene.
+    /// The box does not fit the scene.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
 
 impl<'a> Periodic<'a> {
-    /// The scene and its images. For discs the box is that of the plane ([`Lattice::flat`]). A box
-    /// that repeats along no vector is allowed, and adds nothing.
+    /// Combines a scene with a box. For discs the box must be flat ([`Lattice::flat`]). A box that
+    /// repeats along no vector is allowed and adds no contacts.
     ///
     /// # Errors
-    /// A scene that is not stored in f64, a box of discs that leaves their plane.
+    /// Fails if the scene is not stored in f64, or if the box of discs leaves their plane.
     pub fn new(scene: AnyScene<'a>, lattice: Lattice) -> Result<Periodic<'a>, PeriodicError> {
         if !scene.is_f64() {
             return Err(PeriodicError::Storage);
@@ -90,36 +90,36 @@ impl<'a> Periodic<'a> {
         Ok(Periodic { scene, lattice })
     }
 
-    /// The particles, as given.
+    /// Returns the particles as given.
     pub fn scene(&self) -> &AnyScene<'a> {
         &self.scene
     }
 
-    /// The box.
+    /// Returns the box.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// Both.
+    /// Returns the particles and the box.
     pub fn into_parts(self) -> (AnyScene<'a>, Lattice) {
         (self.scene, self.lattice)
     }
 }
 
-/// Particle `i` touches the image of particle `j` at xj + S·H. Seen from the other side it is the
-/// same contact: `j` touches the image of `i` at xi - S·H; [`ImagePair::new`] takes either.
+/// A contact of particle `i` with the image of particle `j` at xj + S·H. Seen from `j` it is the
+/// same contact with the image of `i` at xi - S·H; [`ImagePair::new`] accepts either form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImagePair {
-    /// The smaller number, or the same.
+    /// The smaller particle number.
     pub i: u32,
-    /// The larger number, or the same.
+    /// The larger particle number, or the same number.
     pub j: u32,
-    /// S, one number for each vector of the box, 0 where it is open. For a particle and its own
-    /// image the first that is not 0 is positive.
+    /// S, one number per vector of the box, 0 if the box is open along it. If `i` equals `j`, the
+    /// first nonzero number is positive.
     pub image: [i32; 3],
 }
 
-/// `3,7`, and `3,7 (0,-1,0)` through a face.
+/// Writes `3,7`, or `3,7 (0,-1,0)` for a contact through a face.
 impl std::fmt::Display for ImagePair {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ImagePair { i, j, image: [x, y, z] } = self;
@@ -130,16 +130,16 @@ impl std::fmt::Display for ImagePair {
     }
 }
 
-/// Pairs of an open scene as contacts without a shift.
+/// Converts pairs of an open scene to contacts without a shift.
 pub fn without_shift(pairs: &[[u32; 2]]) -> impl Iterator<Item = ImagePair> {
     pairs.iter().map(|&[i, j]| ImagePair::new(i, j, [0; 3]))
 }
 
-/// Bytes of one.
+/// Size of a contact in bytes.
 pub const IMAGE_PAIR_BYTES: u64 = size_of::<ImagePair>() as u64;
 
 impl ImagePair {
-    /// The one name of the contact of `i` with the image of `j` shifted by `image`.
+    /// Creates the canonical form of the contact of `i` with the image of `j` shifted by `image`.
     pub fn new(i: u32, j: u32, image: [i32; 3]) -> ImagePair {
         let reverse = image.map(i32::wrapping_neg);
         let reversed = j < i || (i == j && image < reverse);

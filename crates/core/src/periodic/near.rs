@@ -1,41 +1,41 @@
-//! Which images are near enough to touch, and how near their places are to the true ones.
+//! Which images are near enough to touch, and how accurate their positions are.
 //!
 //! Owners, T, pj and half of the images are those of [`super::images`].
 //!
-//! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions (`frame.rs`),
-//! from lowa to higha along vector a, and E a bound for |y - p| over all owners. If the image of j
-//! by T is within R of owner i, then by (1) of that file Ta differs from ga·(pi - pj) by at most
-//! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the
-//! sum of |ga| |y| by coordinates; likewise for j. So
+//! **Which images.** Let y be the computed positions of owners, fl(ga·y) their fractions
+//! (`frame.rs`), from lowa to higha along vector a, and E a bound for |y - p| over all owners. If
+//! the image of j by T is within R of owner i, then by (1) of that file Ta differs from ga·(pi -
+//! pj) by at most |ga| R + 2c off(a). ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where
+//! m bounds the sum of |ga| |y| over coordinates; likewise for j. So
 //!
 //! ```text
 //! lowa - fj - M <= Ta <= higha - fj + M,    M = |ga| (R + 2E) + 8u m + 2c off(a),
 //! ```
 //!
-//! and the roundings of these two sums, (lowa - M) - fj and (higha + M) - fj, are at most
-//! 3u (4m + M): we take 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T
-//! has a Ta of at least 1, so that fj is at most higha + M, less 1, for some a. One pass over the
-//! scene finds its corners and fractions and, by a guess of this bound, the particles whose images
-//! are looked at; where the guess was too low there is another.
+//! and the roundings of the two sums, (lowa - M) - fj and (higha + M) - fj, are at most 3u (4m +
+//! M): the code uses 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T
+//! has some Ta of at least 1, so fj is at most higha + M - 1 for this a. One pass over the scene
+//! finds its corners and fractions, and lists the particles whose images must be examined by a
+//! guess of this bound. If the guess was too low, there is a second pass.
 //!
-//! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts up to its
-//! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
-//! (f32-cell: by 2^-25 of a cell, that is of twice the largest diameter or of the extent in 2^19):
-//! an owner, at most Y from the origin, by less than 2vY, an image at distance d from it by less
+//! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts pairs up to
+//! its own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
+//! (f32-cell: by 2^-25 of a cell, which is twice the largest diameter or the extent in 2^19). An
+//! owner, at most Y from the origin, moves by less than 2vY, an image at distance d from it by less
 //! than 2v(Y + d). So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough,
 //! with the sum of the largest coordinates for Y. For f32-cell and points the extent is below 4Y +
-//! 4R, and 2^-44 of it is nothing against 16v. What is beyond R is not accepted, so that answers do
+//! 4R, and 2^-44 of it is negligible against 16v. Pairs beyond R are not accepted, so results do
 //! not depend on which images are made.
 //!
-//! **What detectors see** in exact arithmetic are places that are rounded: every body is within E
-//! of its true place, E now with the largest T in it. Distances of places and true ones differ by
-//! at most 2E; so pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
-//! s is the sum of the radii: a [`Slack`] of 2E. We take 2E(1 + 1/16), and a relative part of 8u,
-//! which covers the roundings of those who compute with a slack: at most four of them, in s and in
-//! the bound itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near)
-//! four). What is between the two is decided from the numbers as given. For points, whose reach
-//! would be less than a grid can address, the slack is about the distance between neighbours. Where
-//! nothing is shifted there is none.
+//! **What detectors use** in exact arithmetic are rounded positions: every body is within E of its
+//! true position, with E now for the largest T. Distances of rounded and true positions differ by
+//! at most 2E. So pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
+//! s is the sum of the radii: a [`Slack`] of 2E. The code uses 2E(1 + 1/16), and a relative part of
+//! 8u for the roundings of code that uses the slack: at most four of them, in s and in the bound
+//! itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near) four). Pairs
+//! between the two bounds are decided from the given numbers. For points, whose reach would be too
+//! small for a grid, the slack is about the distance between neighbours. If no image exists, the
+//! slack is none.
 
 use nalgebra::Point;
 
@@ -46,12 +46,12 @@ use crate::refusal::Refusal;
 use crate::scene::{CellF32, Real, Scene, Storage, array};
 use crate::wide::{Kernel, Level, Wide};
 
-/// From the lowest to the highest T along each vector.
+/// The lowest and the highest T along each vector.
 type Ranges = [[i32; 2]; 3];
 
-/// How many T of these ranges are lexicographically positive; exact below 2^53.
+/// Returns how many T in these ranges are lexicographically positive; exact below 2^53.
 pub(super) fn half([x, y, z]: Ranges) -> f64 {
-    // At most 2^30, and a product of two fits.
+    // At most 2^30, so that a product of two fits.
     let length = |[low, high]: [i32; 2]| i64::from((high - low + 1).max(0));
     let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
     let zero = |[low, high]: [i32; 2]| i64::from(low <= 0 && high >= 0);
@@ -59,7 +59,7 @@ pub(super) fn half([x, y, z]: Ranges) -> f64 {
     (positive(x) * length(y)) as f64 * length(z) as f64 + behind as f64
 }
 
-/// Each of them, in ascending order.
+/// Calls `call` with each lexicographically positive T, in ascending order.
 pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
     for a in x[0].max(0)..=x[1] {
         for b in (if a > 0 { y[0] } else { y[0].max(0) })..=y[1] {
@@ -70,8 +70,8 @@ pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
     }
 }
 
-/// The vector by which the one T that is lexicographically positive is a single step, where that is
-/// seen at once: as it is for most particles near a face of the box.
+/// Returns the vector for which the only lexicographically positive T is a single step, if a quick
+/// check shows it. This holds for most particles near a face of the box.
 #[inline(always)]
 pub(super) fn one_step([x, y, z]: Ranges) -> Option<usize> {
     let steps = x[1] + 2 * y[1] + 4 * z[1];
@@ -104,13 +104,14 @@ impl Reach {
         Reach { unit, slack, largest_radius }
     }
 
-    /// R for a particle of this radius and any other, where storing moves them by so much.
+    /// Returns R for a particle of this radius and any other, if storing moves them by `storing`.
     fn of(&self, radius: f64, storing: f64) -> f64 {
         (self.slack.reach(radius, self.largest_radius) + storing) * (1.0 + 16.0 * self.unit)
     }
 
-    /// Particles whose fraction along some vector is below this may have images, in a scene that
-    /// begins at the corner of its box. Rather too much: each looked at in vain costs little.
+    /// Returns a guess: particles with a fraction below this along some vector may have images, in
+    /// a scene that begins at the corner of its box. Rather too high, because each extra particle
+    /// costs little.
     pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
         std::array::from_fn(|a| {
             let reach = frame.lengths[a] * self.of(self.largest_radius, 0.0);
@@ -119,31 +120,31 @@ impl Reach {
     }
 }
 
-/// What one pass over a scene finds.
+/// Result of one pass over a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Survey<const D: usize> {
     pub corners: Corners<D>,
-    /// Of fractions.
+    /// Least and largest fractions.
     low: [f64; 3],
     high: [f64; 3],
-    /// How many particles are below some bound.
+    /// Number of particles below the bound.
     pub candidates: usize,
 }
 
-/// By how much more than 1 fractions may differ before particles are moved: those that a simulation
-/// lets out of its box between two looks do not make it copy them all.
+/// By how much more than 1 fractions may differ before particles are moved. A simulation lets
+/// particles leave its box between two rebuilds; this must not cause a copy.
 const WIDER: f64 = 1.0 / 64.0;
-/// Particles that are farther from the box than so many boxes are moved: fractions would have few
-/// digits left.
+/// Particles farther from the box than this many boxes are moved, because their fractions would
+/// have few digits left.
 const FAR: f64 = (1u64 << 20) as f64;
 
 impl<const D: usize> Survey<D> {
-    /// The largest magnitude along each axis.
+    /// Returns the largest magnitude along each axis.
     pub fn most(&self) -> [f64; D] {
         std::array::from_fn(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
     }
 
-    /// Do all particles fit in one box, at whatever corner?
+    /// Returns whether all particles fit in one box, wherever its corner is.
     pub fn fit(&self, frame: &Frame<D>) -> bool {
         (0..3).filter(|&a| frame.periodic[a]).all(|a| {
             let away = [self.low[a], self.high[a]].map(|f| (f - frame.corner(a)).abs());
@@ -152,16 +153,16 @@ impl<const D: usize> Survey<D> {
     }
 }
 
-/// A particle that may have images, and where it is: in a scene in random order it would not be in
-/// cache when it is looked at.
+/// A particle that may have images, with its position: in a scene in random order the position
+/// would no longer be in cache.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate<const D: usize> {
     pub place: [f64; D],
     pub owner: u32,
 }
 
-/// Goes over a scene that is not empty once, and lists the particles with a fraction of at most
-/// `below`, and perhaps some more, as far as the list has room.
+/// Makes one pass over a non-empty scene. It lists the particles with a fraction of at most
+/// `below`, and perhaps some more, until the list is full.
 pub(super) fn survey<const D: usize>(
     centres: &[Point<f64, D>],
     frame: &Frame<D>,
@@ -169,21 +170,21 @@ pub(super) fn survey<const D: usize>(
     list: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
     if frame.is_along_axes() {
-        // Some more, by the rounding of the quotient, and none along an open axis. What underflow
-        // could lose is less than the 2^-40 that a bound that counts has to spare (`Near::new`).
+        // Some more are listed because the quotient is rounded, and none along an open axis. What
+        // underflow could lose is less than 2^-40, which a valid bound has to spare (`Near::new`).
         let below: [f64; D] = std::array::from_fn(|k| {
             let below = below[k] / frame.scale(k);
             if frame.periodic[k] { below + (GROW - 1.0) * below.abs() } else { f64::NEG_INFINITY }
         });
         let (corners, candidates) =
             Level::best().run(GoOver { centres, numbers: |x: &[f64; D]| *x, below, list });
-        // Rounding is monotone: the least coordinate has the least fraction.
+        // Rounding is monotone, so the least coordinate has the least fraction.
         let fractions =
             |x: [f64; D]| std::array::from_fn(|a| if a < D { x[a] * frame.scale(a) } else { 0.0 });
         let (low, high) = (fractions(corners.0), fractions(corners.1));
         return Survey { corners, low, high, candidates };
     }
-    // Fractions and coordinates.
+    // Compute fractions and coordinates.
     let both = |x: &[f64; D]| -> [f64; 6] {
         std::array::from_fn(|k| if k < 3 { frame.fraction(k, x) } else { x[(k - 3).min(D - 1)] })
     };
@@ -196,8 +197,8 @@ pub(super) fn survey<const D: usize>(
     Survey { corners, low: part(low), high: part(high), candidates }
 }
 
-/// The least and the largest of some numbers of each particle, and how many particles have one that
-/// is not above some bound; they are listed, as far as there is room.
+/// Finds the least and the largest of several numbers of each particle, counts the particles with
+/// one at most `below`, and lists them until the list is full.
 struct GoOver<'a, N, const D: usize, const C: usize> {
     centres: &'a [Point<f64, D>],
     numbers: N,
@@ -217,8 +218,7 @@ where
         let is_near = |numbers: &[f64; C]| {
             numbers.iter().zip(&below).fold(false, |near, (number, below)| near | (number <= below))
         };
-        // In turns, as the corners of open scenes: a comparison need not wait for the one before
-        // it.
+        // Updated in turn, so that a comparison need not wait for the one before.
         const TURNS: usize = 4;
         let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
         let mut widen = |numbers: &[f64; C], turn: usize| {
@@ -261,19 +261,19 @@ where
     }
 }
 
-/// Without a call; of a number in the range of an i32.
+/// Works without a call, for numbers in the range of an i32.
 #[inline]
 fn floor(x: f64) -> i32 {
     let towards_zero = x as i32;
     towards_zero - i32::from(f64::from(towards_zero) > x)
 }
 
-/// Which images are near enough to some owner.
+/// Determines which images are near enough to some owner.
 pub(super) struct Near<'a, const D: usize> {
     pub frame: &'a Frame<D>,
-    /// Of owners.
+    /// Corners of the owners.
     pub corners: Corners<D>,
-    /// Of fractions of owners.
+    /// Least and largest fractions of owners.
     low: [f64; 3],
     high: [f64; 3],
     /// M without |ga| R.
@@ -281,11 +281,11 @@ pub(super) struct Near<'a, const D: usize> {
     reach: Reach,
     storing: f64,
     pub largest_reach: f64,
-    /// No T is larger.
+    /// Upper bound for all T.
     pub most: f64,
-    /// Particles with no fraction below these have no images.
+    /// Particles without a fraction below these have no images.
     pub below: [f64; 3],
-    /// E of all bodies.
+    /// E for all bodies.
     off: f64,
 }
 
@@ -293,12 +293,9 @@ pub(super) struct Near<'a, const D: usize> {
 const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 
 impl<'a, const D: usize> Near<'a, D> {
-    /// For owners that were moved by at most so many vectors each from coordinates that were at
-    /// most so large.
-    ///
-    /// # Errors
-    /// [`Refusal::Range`]; [`Refusal::Skewed`] where images cannot be numbered by the given
-    /// vectors.
+    /// Creates the bounds for owners that were moved by at most `wraps` vectors from coordinates of
+    /// at most `x_most`. Returns [`Refusal::Range`] if images overflow, and [`Refusal::Skewed`] if
+    /// images cannot be numbered in the given vectors.
     pub fn new(
         frame: &'a Frame<D>,
         found: &Survey<D>,
@@ -307,7 +304,7 @@ impl<'a, const D: usize> Near<'a, D> {
         reach: Reach,
     ) -> Result<Near<'a, D>, Refusal> {
         let (low, high, y_most) = (found.low, found.high, found.most());
-        // E, with images by up to so many vectors.
+        // E for images by up to this many vectors.
         let off = |shift: f64| -> f64 {
             let given = frame.most_given([shift; 3]);
             let along = |k: usize| {
@@ -327,7 +324,7 @@ impl<'a, const D: usize> Near<'a, D> {
         let (coupling, most) = frame.coupling(spread, largest_reach);
         (0..3).for_each(|a| more[a] += coupling[a]);
         let off = off(most.min(MOST));
-        // Also where it is no number.
+        // Also true for NaN.
         if !(off < f64::INFINITY && most.is_finite()) {
             return Err(Refusal::Range);
         }
@@ -359,7 +356,7 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// About how many images of so many particles are near; for a message.
+    /// Estimates how many images of this many particles are near, for a message.
     pub fn about(&self, particles: usize) -> f64 {
         let along = |a: usize| {
             let boxes = self.high[a] - self.low[a];
@@ -368,7 +365,7 @@ impl<'a, const D: usize> Near<'a, D> {
         0.5 * particles as f64 * (0..3).map(along).product::<f64>()
     }
 
-    /// The numbers between which T and the fractions of an owner of this radius add up.
+    /// Returns the interval for the sum of T and the fraction of an owner of this radius.
     pub fn sums(&self, radius: f64) -> [[f64; 2]; 3] {
         let reach = self.reach.of(radius, self.storing);
         std::array::from_fn(|a| {
@@ -377,7 +374,7 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// The T of an owner there.
+    /// Returns the T of an owner at this position.
     #[inline]
     pub fn ranges(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> Ranges {
         std::array::from_fn(|a| {
@@ -390,7 +387,7 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// Of the exact test, for the places of so many bodies between these corners.
+    /// Returns the slack of the exact test, for the positions of all bodies between these corners.
     pub fn slack(&self, corners: Option<Corners<D>>, bodies: usize) -> Slack {
         let mut absolute = 2.125 * self.off;
         if let (Some((low, high)), true) =

@@ -1,4 +1,4 @@
-//! The bodies of a periodic scene in other storages than f64.
+//! The bodies of a periodic scene in storages other than f64.
 
 use nalgebra::Point;
 
@@ -7,7 +7,7 @@ use crate::contact::Arithmetic;
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
 
-/// Room for a copy in another storage.
+/// Buffers for a copy in another storage.
 #[derive(Default)]
 pub struct Copies<const D: usize> {
     single: Copied<f32, D>,
@@ -26,10 +26,11 @@ impl<T: Real, const D: usize> Default for Copied<T, D> {
 }
 
 impl<const D: usize> Copies<D> {
-    /// The bodies as the arithmetic stores them; `None` where that is as they are.
+    /// Returns the bodies as the arithmetic stores them, or `None` if that is f64.
     ///
     /// # Errors
-    /// [`Refusal::Stored`]; [`Refusal::Exhausted`].
+    /// Returns [`Refusal::Stored`] if they do not fit, [`Refusal::Exhausted`] if there is no
+    /// memory.
     pub fn of(
         &mut self,
         made: &Made<'_, D>,
@@ -80,7 +81,8 @@ impl<T: Real, const D: usize> Copied<T, D> {
     }
 }
 
-/// Replaces what a buffer holds; one that is too small is not held beside the new one.
+/// Replaces the contents of a buffer; a buffer that is too small is freed before the new one is
+/// made.
 fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) -> Result<(), Refusal> {
     buffer.clear();
     if items.len() > buffer.capacity() {
@@ -95,7 +97,7 @@ fn refused(arithmetic: Arithmetic, error: SceneError) -> Refusal {
     Refusal::Stored { arithmetic: arithmetic.name(), error }
 }
 
-/// The scene with its images as a rounded arithmetic stores it.
+/// Returns the scene with its images as a rounded arithmetic stores it.
 pub(super) fn stored(
     open: &AnyScene<'_>,
     arithmetic: Arithmetic,

@@ -1,21 +1,21 @@
-//! The truth about a periodic scene: all pairs, and all of their images that can be within reach.
+//! The true contacts of a periodic scene: all pairs, with all images that can be within reach.
 //!
-//! **Exact.** For every pair i <= j the whole numbers S are gone through for which |xi - xj - S·H|
-//! can be at most ri + rj, from the numbers as given: no particle is wrapped, no image is made, no
-//! half is taken but that of a particle with itself. By (1) of the page on frames Sa differs from
-//! fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a); fa as computed, from a difference that
-//! is rounded, is within 8u of the sum of |ga| (|xi| + |xj|) by coordinates. A quarter more is
-//! taken on either side. Each such image is decided by exact arithmetic, but for those that are
-//! apart along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum
-//! of the magnitudes of its terms (five terms, products with one rounding more).
+//! **Exact.** For every pair i <= j, all integers S are tried for which |xi - xj - S·H| can be at
+//! most ri + rj, computed from the given numbers. No particle is wrapped, no image is made, and no
+//! images are skipped by symmetry except those of a particle with itself. By (1) in `frame.rs` Sa
+//! differs from fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a). fa as computed, from a
+//! rounded difference, is within 8u of the sum of |ga| (|xi| + |xj|) over coordinates. A margin of
+//! a quarter is added on either side. Exact arithmetic decides each such image except those that
+//! are clearly apart along one axis: the computed xi - xj - S·H has an error of at most 8u times
+//! the sum of the magnitudes of its terms (five terms, products with one more rounding).
 //!
-//! Above [`BRUTE_FORCE`] particles, fewer than in open scenes since a pair takes longer, two
-//! detectors must give the same contacts, and random particles are held against all others in this
-//! way, as in [`crate::oracle`].
+//! Above [`BRUTE_FORCE`] particles (fewer than in open scenes, because a pair takes longer) two
+//! detectors must find the same contacts, and random particles are tested against all others, as in
+//! [`crate::oracle`].
 //!
-//! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
-//! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored. The
-//! exact truth of those is between the two ([`truth_as_stored`]).
+//! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
+//! of the open scene of all bodies that detectors get ([`super::images`]), as stored.
+//! [`truth_as_stored`] decides the same stored bodies exactly.
 
 use super::contacts::List;
 use super::crowded;
@@ -35,9 +35,9 @@ use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
 use crate::sink::{Digest, Visit};
 
-/// Up to this number of particles every pair is tested.
+/// Largest number of particles for which every pair is tested.
 pub const BRUTE_FORCE: usize = 3_000;
-/// Above it, random particles are tested against all others: as many as make about so many tests.
+/// In larger scenes, random particles are tested against all others, with about this many tests.
 const TESTS: usize = 20_000_000;
 
 /// The set of contacts.
@@ -45,17 +45,17 @@ const TESTS: usize = 20_000_000;
 pub struct Truth {
     /// Each contact once, in ascending order.
     pub pairs: Vec<ImagePair>,
-    /// Their fingerprint.
+    /// Fingerprint of `pairs`.
     pub digest: Digest,
 }
 
-/// The truth about a periodic scene in an arithmetic; that of the test, where the arithmetic has
-/// filters that lose contacts. Lists of contacts, and images where they are made, may take `limit`
-/// bytes each.
+/// Returns the true contacts of a periodic scene in an arithmetic. For `textbook` arithmetic this
+/// is the truth of its contact test, without its filters. Lists of contacts, and images if any are
+/// made, may take `limit` bytes each.
 ///
 /// # Errors
-/// [`NoTruth::Refused`] where there are more contacts than that, or the box makes no sense, or the
-/// arithmetic cannot hold the scene; else what [`NoTruth`] says.
+/// Returns [`NoTruth::Refused`] if the limit is too low, the box is too skewed or the arithmetic
+/// cannot represent the scene, and other [`NoTruth`] errors as described there.
 pub fn truth(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,
@@ -68,13 +68,13 @@ pub fn truth(
     Ok(Truth::new(pairs))
 }
 
-/// What is true, in exact arithmetic, of particles and images as they are stored for an arithmetic:
-/// brought into the box, copied across its faces, and rounded. Against [`truth()`] in exact
-/// arithmetic it shows what storing them changes, against that in the arithmetic what its test
-/// does.
+/// Returns the exactly decided contacts of particles and images as they are stored for an
+/// arithmetic: brought into the box, copied across its faces, and rounded. Compared with
+/// [`truth()`] in exact arithmetic, this shows the effect of storing; compared with [`truth()`] in
+/// the given arithmetic, the effect of its test.
 ///
 /// # Errors
-/// As [`truth()`].
+/// Fails as [`truth()`].
 pub fn truth_as_stored(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,
@@ -126,7 +126,7 @@ where
     Ok(tested(scene, &frame, None, limit)?)
 }
 
-/// Of the bodies that detectors get, as stored, by a test.
+/// Tests the bodies that detectors get, as stored.
 fn bodies<const D: usize>(
     periodic: &Periodic<'_>,
     scene: &Scene<'_, f64, D>,
@@ -154,7 +154,7 @@ where
     Ok(list.end(scene.len())?)
 }
 
-/// All pairs tested, or those of the particles that are chosen; in ascending order.
+/// Tests all pairs, or those of the chosen particles, and returns contacts in ascending order.
 pub(super) fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
@@ -167,7 +167,8 @@ pub(super) fn tested<const D: usize>(
         return Err(Refusal::Range);
     }
     let at = |index: usize| array(&scene.centres()[index]);
-    // A sphere is half of the box around it, of a skewed one far less; most pairs have none.
+    // A sphere fills half of the box around it, or much less of a skewed one; most pairs have no
+    // image in reach.
     let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
     let (mut images, mut list) = (0.0, List::new(limit));
     let few: Vec<usize> = match chosen {
@@ -176,7 +177,7 @@ pub(super) fn tested<const D: usize>(
     };
     for i in 0..n {
         let all = chosen.is_none_or(|chosen| chosen[i]);
-        // All later particles, or those of them that are chosen.
+        // All later particles, or the chosen ones among them.
         let few = if all { &[][..] } else { &few[few.partition_point(|&j| j < i)..] };
         for j in (i..if all { n } else { i }).chain(few.iter().copied()) {
             let sum = scene.radius(i) + scene.radius(j);
@@ -202,7 +203,7 @@ pub(super) fn tested<const D: usize>(
     list.end(n)
 }
 
-/// From the lowest to the highest S.
+/// Returns the lowest and the highest S along each vector.
 fn around<const D: usize>(
     frame: &Frame<D>,
     [i, j]: [usize; 2],
@@ -237,7 +238,7 @@ fn size<const D: usize>(x: &[f64; D]) -> f64 {
     x.iter().fold(0.0, |most, x| x.abs().max(most))
 }
 
-/// Is the image surely too far away along some axis?
+/// Returns whether the image is certainly too far away along some axis.
 fn apart<const D: usize>(
     frame: &Frame<D>,
     a: &[f64; D],
@@ -253,7 +254,7 @@ fn apart<const D: usize>(
             terms += product.abs();
         }
         let error = 16.0 * U * terms + f64::MIN_POSITIVE;
-        // Not where anything overflows: infinity less infinity is no number.
+        // Not if anything overflows: infinity minus infinity is NaN.
         difference.abs() - error > sum * (1.0 + 4.0 * U) && terms < f64::INFINITY
     })
 }
@@ -268,8 +269,8 @@ fn for_all([x, y, z]: [[i32; 2]; 3], mut call: impl FnMut([i32; 3])) {
     }
 }
 
-/// See [`depth_of_image`]; within the range of doubles. 0 for particles that the scene does not
-/// have.
+/// Returns the depth of a contact (see [`depth_of_image`]), clamped to finite doubles, or 0 if a
+/// particle is not in the scene.
 pub fn depth(periodic: &Periodic<'_>, pair: ImagePair) -> f64 {
     match periodic.scene() {
         AnyScene::Plane(scene) => depth_in(&scene.widened(), periodic, pair),

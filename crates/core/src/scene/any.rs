@@ -133,7 +133,8 @@ impl<'a> AnyScene<'a> {
         with_scene!(self, scene => matches!(scene.radii(), Radii::Uniform(_)))
     }
 
-    /// Returns the largest radius, without rounding; 0 if there are no particles.
+    /// Returns the largest radius, without rounding; 0 for an empty scene with a radius per
+    /// particle.
     pub fn largest_radius(&self) -> f64 {
         with_scene!(self, scene => scene.largest_radius().wide())
     }

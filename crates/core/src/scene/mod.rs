@@ -1,9 +1,8 @@
-//! Scenes: sets of discs (2D) and spheres (3D).
+//! Scenes: sets of discs (2D) or spheres (3D).
 //!
-//! A scene is centres and radii, and says what it is: its dimension, its precision, and whether it
-//! has one radius or one per particle. Code for the simple case never pays for the rich one. A
-//! [`Scene`] is always valid: finite coordinates, finite radii that are not negative, at most
-//! 2^32 - 1 particles.
+//! A scene holds centres and radii. Its type states the dimension, the precision, and whether all
+//! particles share one radius, so simple scenes cost nothing extra. A [`Scene`] is always valid:
+//! coordinates are finite, radii finite and not negative, and there are at most 2^32 - 1 particles.
 
 pub mod any;
 pub mod lattice;
@@ -16,18 +15,19 @@ pub use lattice::{Lattice, LatticeError};
 use nalgebra::Point;
 pub use scalar::{CellF32, Real, Work};
 
-/// The coordinates of a point as a plain array.
+/// Returns the coordinates of a point as an array.
 #[inline(always)]
 pub fn array<T: nalgebra::Scalar, const D: usize>(p: &Point<T, D>) -> &[T; D] {
     &p.coords.data.0[0]
 }
 
-/// Rows of coordinates as points: the same memory.
+/// Reinterprets rows of coordinates as points, without copying.
 pub fn points<const D: usize>(rows: &[[f64; D]]) -> &[Point<f64, D>] {
     const { assert!(size_of::<Point<f64, D>>() == size_of::<[f64; D]>()) };
     const { assert!(align_of::<Point<f64, D>>() == align_of::<[f64; D]>()) };
-    // SAFETY: a point is `repr(C)` around one array of its coordinates and a marker without size;
-    // so it has the size and the alignment of that array, as asserted, and any doubles are a point.
+    // SAFETY: a point is `repr(C)` around one array of its coordinates and a zero-sized marker. So
+    // it has the size and the alignment of that array, as asserted, and any doubles are a valid
+    // point.
     unsafe { std::slice::from_raw_parts(rows.as_ptr().cast(), rows.len()) }
 }
 
@@ -48,7 +48,7 @@ pub enum Radii<'a, T: Clone> {
 }
 
 impl<T: Copy> Radii<'_, T> {
-    /// The radius of particle `k`.
+    /// Returns the radius of particle `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> T {
         match self {
@@ -58,8 +58,8 @@ impl<T: Copy> Radii<'_, T> {
     }
 }
 
-/// The smallest and the largest of `n` numbers, of which none is NaN: eight in turn, so that a
-/// comparison need not wait for the one before it.
+/// Returns the smallest and the largest of `n` numbers without NaN, or `None` if `n` is 0. Eight
+/// accumulators are used in turn, so that a comparison need not wait for the one before.
 pub(crate) fn extremes<T: Copy + PartialOrd>(n: usize, at: impl Fn(usize) -> T) -> Option<(T, T)> {
     const TURNS: usize = 8;
     let smaller = |a: T, b: T| if b < a { b } else { a };
@@ -77,45 +77,45 @@ pub(crate) fn extremes<T: Copy + PartialOrd>(n: usize, at: impl Fn(usize) -> T) 
     Some((rest.clone().chain(least).fold(first, smaller), rest.chain(largest).fold(first, larger)))
 }
 
-/// What is wrong with a set of centres and radii. Particles are numbered from 0.
+/// Why centres and radii do not form a scene. Particles are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum SceneError {
-    /// NaN or infinite.
+    /// A coordinate is NaN or infinite.
     #[error(
         "particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend \
          the particle"
     )]
     Coordinate { index: usize, axis: &'static str, value: f64 },
-    /// NaN, infinite or negative.
+    /// A radius is NaN, infinite or negative.
     #[error(
         "particle {index}: the radius is {value}; radii must be finite and not negative: remove \
          or mend the particle"
     )]
     Radius { index: usize, value: f64 },
-    /// NaN, infinite or negative.
+    /// The radius of all particles is NaN, infinite or negative.
     #[error("the radius of all particles is {value}; it must be finite and not negative")]
     UniformRadius { value: f64 },
-    /// Numbers of centres and radii differ.
+    /// The numbers of centres and radii differ.
     #[error("{centres} centres but {radii} radii; give one radius per particle, or one for all")]
     Lengths { centres: usize, radii: usize },
-    /// Cell numbers and offsets do not hold the coordinates.
+    /// Cell numbers and offsets cannot represent the coordinates.
     #[error(
         "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); \
          coordinates by cells hold fewer: take f64 or exact"
     )]
     Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
-    /// More than can be numbered.
+    /// There are more particles than can be numbered.
     #[error("{n} particles; at most 2^32 - 1 = 4294967295 can be numbered: split the scene")]
     TooMany { n: usize },
 }
 
 impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
-    /// A scene from centres and radii, in one unit of length.
+    /// Creates a scene from centres and radii in the same unit of length.
     ///
     /// # Errors
-    /// Coordinates or radii that are not finite, negative radii, numbers of centres and radii that
-    /// differ, more than 2^32 - 1 particles.
+    /// Fails if a number is not finite, a radius is negative, the numbers of centres and radii
+    /// differ, or there are more than 2^32 - 1 particles.
     pub fn new(
         centres: impl Into<Cow<'a, [Point<T, D>]>>,
         radii: Radii<'a, T>,
@@ -153,32 +153,32 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Ok(Scene { centres, radii })
     }
 
-    /// The centres, in file or generation order.
+    /// Returns the centres, in the order in which they were given.
     pub fn centres(&self) -> &[Point<T, D>] {
         &self.centres
     }
 
-    /// One radius, or one per particle.
+    /// Returns the shared radius, or one radius per particle.
     pub fn radii(&self) -> &Radii<'a, T> {
         &self.radii
     }
 
-    /// The radius of particle `k`.
+    /// Returns the radius of particle `k`.
     pub fn radius(&self, k: usize) -> T {
         self.radii.get(k)
     }
 
-    /// The number of particles.
+    /// Returns the number of particles.
     pub fn len(&self) -> usize {
         self.centres.len()
     }
 
-    /// True if there are no particles.
+    /// Returns whether there are no particles.
     pub fn is_empty(&self) -> bool {
         self.centres.is_empty()
     }
 
-    /// The largest radius; 0 for an empty scene with a radius per particle.
+    /// Returns the largest radius; 0 for an empty scene with a radius per particle.
     pub fn largest_radius(&self) -> T {
         match &self.radii {
             Radii::Uniform(r) => *r,
@@ -188,7 +188,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         }
     }
 
-    /// The scene with its particles in another order: particle k of the result is `order[k]`.
+    /// Returns a copy with the particles in another order: its particle k is particle `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> Scene<'static, T, D> {
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(*r),
@@ -197,15 +197,15 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Scene { centres: order.iter().map(|&k| self.centres[k as usize]).collect(), radii }
     }
 
-    /// The scene rounded to another precision.
+    /// Rounds the scene to another precision.
     ///
     /// # Errors
-    /// [`SceneError::Coordinate`] or [`SceneError::Radius`] where a number overflows.
+    /// Returns [`SceneError::Coordinate`] or [`SceneError::Radius`] if a number overflows.
     pub fn convert<U: Real>(&self) -> Result<Scene<'static, U, D>, SceneError> {
         self.map(|x, _| U::place(x), U::nearest)
     }
 
-    /// The scene in f64. Cannot fail: every storage widens to f64 exactly.
+    /// Returns the scene in f64. This cannot fail, because every storage widens to f64 exactly.
     pub fn widened(&self) -> Scene<'static, f64, D> {
         let wide = |p: &Point<T, D>| Point::from(array(p).map(|x| x.wide()));
         let radii = match &self.radii {
@@ -215,7 +215,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Scene { centres: self.centres.iter().map(wide).collect(), radii }
     }
 
-    /// The scene with every coordinate (and its axis) and every radius mapped.
+    /// Maps every coordinate (with its axis) and every radius.
     fn map<U: Real>(
         &self,
         coordinate: impl Fn(f64, usize) -> U,
@@ -233,13 +233,13 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 }
 
 impl<const D: usize> Scene<'_, f64, D> {
-    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter
-    /// upwards, at least 2^-1022 (for points: such that the scene spans 2^20 cells). Cells are
-    /// numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an
-    /// axis.
+    /// Stores the scene by cells, in units of the cell's edge. The edge is the smallest power of
+    /// two that is at least the largest diameter and 2^-1022; for points, the scene spans 2^20
+    /// cells. Cells are numbered from the one with the lowest coordinate. Cell numbers are exact;
+    /// offsets are rounded by at most 2^-25 of an edge.
     ///
-    /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the
-    /// offsets.
+    /// # Errors
+    /// Returns [`SceneError::Cells`] if there are 2^28 or more cells along an axis.
     pub fn by_cells(&self) -> Result<Scene<'static, CellF32, D>, SceneError> {
         let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
         for centre in self.centres.iter() {
@@ -252,7 +252,7 @@ impl<const D: usize> Scene<'_, f64, D> {
     }
 }
 
-/// How coordinates and lengths are stored by cells: see [`Scene::by_cells`].
+/// Converts coordinates and lengths to storage by cells: see [`Scene::by_cells`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ByCells<const D: usize> {
     edge: f64,
@@ -260,7 +260,7 @@ pub(crate) struct ByCells<const D: usize> {
 }
 
 impl<const D: usize> ByCells<D> {
-    /// For a scene between these corners.
+    /// Creates the conversion for a scene between these corners.
     pub fn new(
         (low, high): ([f64; D], [f64; D]),
         largest_radius: f64,
@@ -275,7 +275,7 @@ impl<const D: usize> ByCells<D> {
         let first = low.map(|x| (x / edge).floor());
         for k in 0..D {
             let cells = (high[k] / edge).floor() - first[k];
-            // Also where the quotients overflow, and nothing can be said.
+            // Also true if a quotient overflows and the difference is NaN.
             if !(cells < CellF32::MOST_CELLS || empty) {
                 return Err(SceneError::Cells {
                     axis: ["x", "y", "z"][k.min(2)],
@@ -298,7 +298,7 @@ impl<const D: usize> ByCells<D> {
     }
 }
 
-/// The smallest power of two of at least `x`; in the range of normal numbers.
+/// Returns the smallest power of two of at least `x` within the normal numbers.
 fn power_of_two(x: f64) -> f64 {
     let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
     if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }
@@ -318,7 +318,7 @@ mod tests {
         assert_eq!(points::<2>(&[]).len(), 0);
     }
 
-    /// Wherever they are: in any turn, and in what is left.
+    /// Extremes in any accumulator and in the remainder.
     #[test]
     fn extremes_are_the_smallest_and_the_largest() {
         assert_eq!(extremes(0, |_| 1.0), None);

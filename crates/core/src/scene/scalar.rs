@@ -3,40 +3,41 @@
 
 use std::ops::{Add, Mul};
 
-/// A scalar in which scenes are stored.
+/// A scalar type in which scenes are stored.
 pub trait Real:
     nalgebra::Scalar + Copy + PartialOrd + Default + Send + Sync + sealed::Sealed
 {
-    /// In what differences and sums of two such numbers, and their squares, are computed.
+    /// Type in which differences, sums and their squares are computed.
     type Work: Work;
-    /// The name of the precision, for messages.
+    /// Name of the precision, for messages.
     const NAME: &'static str;
-    /// Half the distance from 1 to the next number of [`Real::Work`]: the relative rounding error
-    /// of one operation.
+    /// Half the distance from 1 to the next number of [`Real::Work`]: the largest relative rounding
+    /// error of one operation.
     const UNIT: f64;
-    /// At least four times the square root of half the smallest subnormal of [`Real::Work`].
+    /// A bound of at least four times the square root of half the smallest subnormal of
+    /// [`Real::Work`].
     const UNDERFLOW: f64;
-    /// The value as a double, without error.
+    /// Returns the value in f64, without rounding.
     fn wide(self) -> f64;
-    /// The nearest value of this type, for lengths.
+    /// Rounds a length to this type.
     fn nearest(x: f64) -> Self;
-    /// The nearest value of this type, for coordinates.
+    /// Rounds a coordinate to this type.
     fn place(x: f64) -> Self {
         Self::nearest(x)
     }
-    /// False for NaN and the infinities.
+    /// Returns whether the value is neither NaN nor infinite.
     fn finite(self) -> bool;
-    /// self - other.
+    /// Returns self - other.
     fn minus(self, other: Self) -> Self::Work;
-    /// self + other.
+    /// Returns self + other.
     fn plus(self, other: Self) -> Self::Work;
 }
 
-/// A floating-point type that computes.
+/// A floating-point type for computations.
 pub trait Work:
     Copy + PartialOrd + Default + Add<Output = Self> + Mul<Output = Self> + Send + Sync
 {
-    /// False for NaN and the infinities.
+    /// Returns whether the value is neither NaN nor infinite.
     fn finite(self) -> bool;
 }
 
@@ -85,14 +86,14 @@ macro_rules! floating_point {
 floating_point!(f32, f64::from_bits((1023 - 73) << 52)); // 4·√(2^-150) = 2^-73
 floating_point!(f64, f64::from_bits((1023 - 535) << 52)); // 4·√(2^-1075) < 2^-535
 
-/// A coordinate as the number of a cell of edge 1 and an offset from the cell's origin in `f32`:
-/// what codes do that keep particles in single precision, but far from the origin, or in a large
+/// A coordinate stored as the number of a cell of edge 1 and an `f32` offset from the cell's
+/// origin, as codes do that keep particles in single precision far from the origin or in a large
 /// domain.
 ///
-/// Offsets of coordinates are rounded to multiples of 2^-24, from 0 to below 1; the cell's number
-/// is below 2^28 in magnitude. So a coordinate has at most 52 bits, and is a double without error;
-/// a difference of two offsets is exact in `f32`. A length (radius) is an offset from cell 0, with
-/// all the bits of an `f32`.
+/// Offsets of coordinates are multiples of 2^-24 in [0, 1); cell numbers are below 2^28 in
+/// magnitude. So a coordinate has at most 52 bits and converts to f64 exactly, and the difference
+/// of two offsets is exact in `f32`. A length (radius) is an offset from cell 0 with full `f32`
+/// precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct CellF32 {
     cell: i32,
@@ -100,16 +101,16 @@ pub struct CellF32 {
 }
 
 impl CellF32 {
-    /// Cell numbers stay below this in magnitude.
+    /// Limit for the magnitude of cell numbers.
     pub const MOST_CELLS: f64 = (1u64 << 28) as f64;
     const STEPS: f64 = (1u64 << 24) as f64;
 
-    /// The coordinate `offset` (from 0 to 1) beyond the origin of `cell`, a whole number; not
-    /// finite where that is too large.
+    /// Creates the coordinate `offset` (from 0 to 1) beyond the origin of `cell`, an integer; the
+    /// result is not finite if the cell number is too large.
     pub fn at(cell: f64, offset: f64) -> CellF32 {
-        // At most 2^24 steps: an f32 holds every whole number up to there.
+        // At most 2^24 steps, and f32 represents all integers up to there.
         let steps = (offset * CellF32::STEPS).round();
-        // One form for each value: an offset that rounds to 1 is the origin of the next cell.
+        // Unique representation: an offset that rounds to 1 becomes the origin of the next cell.
         let (cell, steps) = if steps == CellF32::STEPS { (cell + 1.0, 0.0) } else { (cell, steps) };
         if cell.is_nan() || cell.abs() >= CellF32::MOST_CELLS {
             return CellF32 { cell: 0, offset: f32::INFINITY };
@@ -133,7 +134,7 @@ impl Real for CellF32 {
         CellF32 { cell: 0, offset: x as f32 }
     }
 
-    /// Not finite where the cell number is too large.
+    /// The result is not finite if the cell number is too large.
     fn place(x: f64) -> CellF32 {
         CellF32::at(x.floor(), x - x.floor())
     }

@@ -1,4 +1,4 @@
-//! What becomes of listed pairs in a frame: contacts in open space, or in a box.
+//! Decides listed pairs in a frame and collects contacts, in open space or in a box.
 
 use super::around::Around;
 use crate::pair_list::PairList;
@@ -7,21 +7,19 @@ use crate::scene::Scene;
 use crate::sink::Sink;
 use crate::wide::Spot;
 
-/// Takes the listed pairs that touch in a frame.
+/// Receives the listed pairs of a frame.
 pub(super) trait Answer {
-    /// Whether it calls particles by their places, or by their numbers in the scene.
+    /// Whether pairs are numbered by places or by the scene's particle numbers.
     const BY_PLACE: bool;
 
-    /// These touch.
+    /// Receives pairs that touch.
     fn take(&mut self, pairs: &[[u32; 2]]);
 
-    /// Takes this pair if it touches.
+    /// Tests this pair and keeps it if it touches.
     fn decide(&mut self, pair: [u32; 2]);
 }
 
-/// In open space.
 pub(super) struct Open<'a, 'p, F> {
-    /// The contact test.
     pub touch: F,
     pub pairs: &'a mut PairList<'p>,
 }
@@ -41,7 +39,6 @@ impl<F: FnMut(u32, u32) -> bool> Answer for Open<'_, '_, F> {
     }
 }
 
-/// In a periodic box.
 pub(super) struct Boxed<'a, 'p, const D: usize> {
     scene: &'a Scene<'a, f64, D>,
     spots: &'a [Spot],
@@ -62,12 +59,12 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
         Boxed { scene, spots, around, plain, shifted, exact: 0 }
     }
 
-    /// How many took exact arithmetic.
+    /// Returns how many tests used exact arithmetic.
     pub fn exact(&self) -> u64 {
         self.exact
     }
 
-    /// Takes two that are listed with this image if they touch.
+    /// Tests a pair that is listed with this image and keeps it if it touches.
     pub fn decide_image(&mut self, ImagePair { i: a, j: b, image }: ImagePair) {
         let image = self.around.image(a, b, image);
         let (i, j) = (self.particle(a), self.particle(b));

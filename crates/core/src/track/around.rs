@@ -1,12 +1,12 @@
 //! Lists that are kept in a periodic box.
 //!
-//! A list in a box holds triples (i, j, S): particle i near the image of j by S whole vectors of
-//! the box. In a later frame a particle may be named by another image, since it has left through a
-//! face and come in on the other side. It is then brought about by whole vectors W to where it
-//! would be had it gone on, W·H being of the box H of that frame; which W is taken decides on how
-//! long the list serves, never on what touches: (i, j, S) is (i, j, S + Wj - Wi) of the particles
-//! as given, and that is decided, exactly, for the numbers as given. The proof that no contact is
-//! missed, also where the box itself is sheared or pressed, is on the page of filters, 8.
+//! A list in a box holds triples (i, j, S): particle i near the image of j shifted by S box
+//! vectors. In a later frame a particle may be given by another image, because it left through one
+//! face and entered through the opposite one. An integer shift W then brings it near the position
+//! where it would be without that jump; W·H uses the box H of that frame. The choice of W affects
+//! how long the list serves, never the contacts. For the given positions (i, j, S) means (i, j, S +
+//! Wj - Wi), which is decided exactly. [`crate::filter`], section 8, proves that no contact is
+//! missed, even if the box is sheared or compressed.
 
 use nalgebra::Point;
 
@@ -18,23 +18,23 @@ use crate::refusal::{Refusal, reserve};
 use crate::scene::lattice::Numbers;
 use crate::scene::{Lattice, Scene, array};
 
-/// What a list in a box needs beside its pairs of particles.
+/// State of a list in a box beyond its pairs of particles.
 pub(super) struct Around<const D: usize> {
-    /// When the list was built; none in open space.
+    /// The box when the list was built, or `None` in open space.
     then: Option<Lattice>,
-    /// No centre was farther from the origin of coordinates then, along the axes together.
+    /// Largest sum of a centre's absolute coordinates when the list was built.
     far: f64,
-    /// Of the frame.
+    /// The box of this frame.
     now: Vectors<D>,
-    /// How the box has changed since, if it has.
+    /// Change of the box since the list was built, if any.
     strain: Option<Strain<D>>,
-    /// Listed triples with S not 0; of places.
+    /// Listed triples with S other than 0, numbered by places.
     pub through: Vec<ImagePair>,
-    /// Places of particles that are brought about in this frame, in ascending order, and W.
+    /// Places of particles with W other than 0 in this frame, in ascending order, and their W.
     brought: Vec<(u32, [i32; 3])>,
-    /// A bit for each place: is it among those?
+    /// One bit per place: whether the place is in `brought`.
     marks: Vec<u64>,
-    /// How far a way may be off by rounding, since particles are brought about and carried.
+    /// Bound for the rounding error of a displacement, caused by W and by the motion of the box.
     off: f64,
 }
 
@@ -53,15 +53,15 @@ impl<const D: usize> Default for Around<D> {
     }
 }
 
-/// The box of a frame.
+/// The vectors of a frame's box.
 #[derive(Clone, Copy, Debug)]
 struct Vectors<const D: usize> {
-    /// 0 along open axes.
+    /// Zeros along open axes.
     vectors: [[f64; D]; 3],
-    /// Of the shortest vectors of the lattice, and those by the vectors of the box.
+    /// Duals of the shortest vectors of the lattice; `numbers` combines those from the box vectors.
     duals: [[f64; D]; 3],
     numbers: Numbers,
-    /// Who goes farther in a frame is likely to have another name.
+    /// A particle that moves farther in a frame was probably given by another image.
     far: f64,
 }
 
@@ -75,7 +75,7 @@ impl<const D: usize> Vectors<D> {
 
     fn new(lattice: &Lattice) -> Vectors<D> {
         let mut all = Vectors::NONE;
-        // However far the box is tilted.
+        // Reduced first, so that the tilt does not matter.
         let (short, numbers) = lattice.reduced();
         all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {
@@ -87,8 +87,8 @@ impl<const D: usize> Vectors<D> {
         all
     }
 
-    /// By how many vectors a particle is brought near to where it was. Below 2^28, so that S +
-    /// Wj - Wi is a number of 32 bits, as S is below 2^30.
+    /// Returns the shift that brings a particle near its earlier position. Numbers are below 2^28,
+    /// so that S + Wj - Wi fits in 32 bits (S is below 2^30).
     fn nearest(&self, at: &[f64; D], then: &[f64; D]) -> [i32; 3] {
         const MOST: f64 = (1u32 << 28) as f64;
         let short =
@@ -102,39 +102,40 @@ impl<const D: usize> Vectors<D> {
         }
     }
 
-    /// S·H.
+    /// Returns S·H.
     fn shift(&self, by: [i32; 3]) -> [f64; D] {
         std::array::from_fn(|k| (0..3).map(|v| f64::from(by[v]) * self.vectors[v][k]).sum())
     }
 
-    /// The sum of the magnitudes of all terms of S·H.
+    /// Returns the sum of the magnitudes of all terms of S·H.
     fn size(&self, by: [i32; 3]) -> f64 {
         let sum = |v: usize| self.vectors[v].iter().map(|x| x.abs()).sum::<f64>();
         (0..3).map(|v| f64::from(by[v]).abs() * sum(v)).sum()
     }
 }
 
-/// Of sums of a dozen terms.
+/// Rounding error of sums of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// A box that has changed: F = 1 + A, by which the vectors then become those of now.
+/// The linear map F = 1 + A from the box vectors when the list was built to those of this frame.
 struct Strain<const D: usize> {
     /// A.
     by: [[f64; D]; D],
-    /// The corner of the box.
+    /// Corner of the box when the list was built; `to` is the corner in this frame.
     from: [f64; D],
     to: [f64; D],
-    /// |F v| is at least so many times |v|.
+    /// Lower bound for |F v| / |v|.
     least: f64,
-    /// How far F of a centre may be from what is computed.
+    /// Bound for the error of a centre mapped by F.
     off: f64,
 }
 
 impl<const D: usize> Strain<D> {
-    /// None if only a fresh list will do. No centre was farther than `far` from the origin.
+    /// Computes the map, or returns `None` if the list must be rebuilt. No centre was farther than
+    /// `far` from the origin.
     fn new(then: &Lattice, now: &Lattice, far: f64) -> Option<Strain<D>> {
         let mut by = [[0.0; D]; D];
-        // By how much A may be off, as a map.
+        // Bound for the error of A as a map.
         let mut error = 0.0;
         let repeats = || (0..3).filter(|&v| now.periodic()[v]);
         let size = |of: &[f64; 3]| of[..D].iter().map(|x| x.abs()).sum::<f64>();
@@ -147,7 +148,8 @@ impl<const D: usize> Strain<D> {
             for (k, row) in by.iter_mut().enumerate() {
                 (0..D).for_each(|l| row[l] += change[k] * dual[l]);
             }
-            // What a dual times the vectors is, beside 1 and 0, by the duals.
+            // Product of the dual with a vector; its deviation from 1 or 0 is the error of the
+            // dual.
             let product = |of: &[f64; 3]| (0..D).map(|k| dual[k] * of[k]).sum::<f64>();
             let beside = repeats().map(|b| {
                 let vector = &then.vectors()[b];
@@ -155,12 +157,11 @@ impl<const D: usize> Strain<D> {
                 2.0 * (rest + ROUNDING * size(&dual) * size(vector)) / then.height(b)
             });
             error += size(&change) * (beside.sum::<f64>() + ROUNDING * size(&dual));
-            // Along open axes the corner carries nobody.
+            // Along open axes the corner does not move particles.
             let along = product(&moved);
             (0..D).for_each(|k| to[k] += along * old[k]);
         }
-        // |F v|² = |v|² + 2 v·A v + |A v|², and no eigenvalue of the symmetric part of A is below
-        // the least of its circles (Gershgorin).
+        // |F v|² = |v|² + 2 v·A v + |A v|². By Gershgorin, no eigenvalue of the symmetric part of A is below the lower end of its discs.
         let lowest = (0..D).map(|k| {
             let beside = |l: usize| 0.5 * (by[k][l] + by[l][k]).abs();
             by[k][k] - (0..D).filter(|&l| l != k).map(beside).sum::<f64>()
@@ -171,11 +172,11 @@ impl<const D: usize> Strain<D> {
         let far = far + sum(&from);
         let entries: f64 = by.iter().map(sum).sum();
         let off = error * far + ROUNDING * ((1.0 + entries) * far + sum(&to));
-        // Neither where it is pressed to nothing, nor where numbers overflow.
+        // Fails if the box is compressed to nothing or numbers overflow.
         (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
     }
 
-    /// Where a particle would be had it moved with the box.
+    /// Returns where a particle would be if it had moved with the box.
     fn carried(&self, at: &Point<f64, D>) -> Point<f64, D> {
         let off: [f64; D] = std::array::from_fn(|k| at[k] - self.from[k]);
         Point::from(std::array::from_fn(|k| {
@@ -186,8 +187,8 @@ impl<const D: usize> Strain<D> {
 }
 
 impl<const D: usize> Around<D> {
-    /// A list will be built in this box, or in open space. Its distances are to be longer by what
-    /// is returned, so that particles may be brought about later.
+    /// Prepares for a list in this box, or in open space. Returns the margin that the list's
+    /// distances must add for later shifts of particles.
     pub fn begin(
         &mut self,
         lattice: Option<&Lattice>,
@@ -206,12 +207,12 @@ impl<const D: usize> Around<D> {
         self.marks.clear();
         reserve(&mut self.marks, marks)?;
         self.marks.resize(marks, 0);
-        // For names some dozens of boxes away.
+        // Covers images a few dozen boxes away.
         Ok(64.0 * ROUNDING * (self.far + self.now.size([1; 3])))
     }
 
-    /// Whether the list is one for frames in such a box; if so, its particles are about to be
-    /// brought to their places.
+    /// Returns whether the list is valid for frames in such a box, and if so prepares to shift
+    /// particles.
     pub fn serves(&mut self, lattice: Option<&Lattice>) -> bool {
         let repeats = |lattice: Option<&Lattice>| lattice.map(Lattice::periodic);
         if repeats(lattice) != repeats(self.then.as_ref()) {
@@ -232,8 +233,9 @@ impl<const D: usize> Around<D> {
         true
     }
 
-    /// Brings particles in places from `first` on to where they would be had they gone on. Gives
-    /// from where their ways are: where they were, carried with the box.
+    /// Shifts particles at places from `first` on to where they would be without jumps through
+    /// faces. Returns the positions from which displacements are measured: the earlier ones, moved
+    /// with the box.
     pub fn bring<'a>(
         &mut self,
         at: &mut [Point<f64, D>],
@@ -268,14 +270,14 @@ impl<const D: usize> Around<D> {
         let by = self.now.nearest(array(at), array(from));
         let shift = self.now.shift(by);
         let way = |by: &[f64; D]| (0..D).map(|k| (at[k] + by[k] - from[k]).powi(2)).sum::<f64>();
-        // Nor where it would be farther.
+        // Keep the position if the shift would move it farther away.
         if by == [0; 3] || way(&shift) >= way(&[0.0; D]) {
             return;
         }
         let far: f64 = array(at).iter().map(|x| x.abs()).sum();
         let carried = self.strain.as_ref().map_or(0.0, |strain| strain.off);
         let off = carried + ROUNDING * (far + self.now.size(by));
-        // Without room for its name the list is of no use.
+        // Without memory to record the shift the list becomes invalid.
         let room = self.brought.try_reserve(1).is_ok();
         self.off = self.off.max(if room { off } else { f64::INFINITY });
         if !room {
@@ -286,13 +288,14 @@ impl<const D: usize> Around<D> {
         self.marks[place / 64] |= 1 << (place % 64);
     }
 
-    /// How far particles, or from where their ways are, may be off by rounding.
+    /// Returns the bound for the rounding error of particles, or of the positions from which
+    /// displacements are measured.
     pub fn off(&self) -> f64 {
         self.off
     }
 
-    /// How much nearer than by their own ways bodies may have come that were at most `distance`
-    /// apart, since the box has changed.
+    /// Returns how much the change of the box may have reduced a distance of at most `distance`,
+    /// apart from the particles' own displacements.
     pub fn nearer(&self, distance: f64) -> f64 {
         match &self.strain {
             Some(strain) => ((1.0 - strain.least) * distance * (1.0 + ROUNDING)).next_up(),
@@ -300,12 +303,12 @@ impl<const D: usize> Around<D> {
         }
     }
 
-    /// What brought particles leave open.
+    /// Returns the uncertainty of distances that shifted particles cause.
     pub fn slack(&self) -> Slack {
         Slack { relative: 0.0, absolute: 2.0 * self.off }
     }
 
-    /// W.
+    /// Returns W of a place.
     fn by(&self, place: u32) -> [i32; 3] {
         if !self.is_brought(place) {
             return [0; 3];
@@ -319,7 +322,7 @@ impl<const D: usize> Around<D> {
         self.marks[place as usize / 64] >> (place % 64) & 1 == 1
     }
 
-    /// S of particles as given, for places that are listed with `image`.
+    /// Returns S for the given positions of two places that are listed with `image`.
     #[inline]
     pub fn image(&self, a: u32, b: u32, image: [i32; 3]) -> [i32; 3] {
         if self.brought.is_empty() || !(self.is_brought(a) | self.is_brought(b)) {
@@ -329,8 +332,8 @@ impl<const D: usize> Around<D> {
         std::array::from_fn(|v| image[v].wrapping_add(of_b[v]).wrapping_sub(of_a[v]))
     }
 
-    /// Does a particle touch an image of another, exactly, for the numbers as given? Tells also
-    /// whether that took exact arithmetic.
+    /// Returns whether a particle touches an image of another, exactly for the given numbers, and
+    /// whether that used exact arithmetic.
     pub fn touch(
         &self,
         scene: &Scene<'_, f64, D>,
@@ -357,7 +360,7 @@ impl<const D: usize> Around<D> {
         }
     }
 
-    /// Bytes, where the list has room for as many triples as it holds.
+    /// Returns the bytes held, not counting spare capacity.
     pub fn bytes(&self) -> u64 {
         match self.then {
             Some(_) => {

@@ -8,24 +8,25 @@ use crate::scene::{Lattice, Radii, Scene};
 
 const LIMIT: u64 = 1 << 28;
 
-/// What a box does while its particles fly.
+/// How a box changes during the flight of its particles.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     Stays,
-    /// By so much of its first edge in each frame, and back by a whole edge beyond a half.
+    /// Sheared in each frame by this part of its first edge; flipped back by a whole edge beyond a
+    /// half.
     Sheared(f64),
-    /// To so much of its lengths in each frame.
+    /// Scaled in each frame by this factor.
     Pressed(f64),
 }
 
-/// Particles as a file may name them.
+/// Which image of a particle a file contains.
 #[derive(Clone, Copy, Debug)]
 enum Named {
-    /// Where they fly, out of the box.
+    /// Its continuous path, out of the box.
     Onwards,
-    /// Brought into the box in every frame.
+    /// The image inside the box, in every frame.
     Wrapped,
-    /// By any image, another one in each frame.
+    /// A different random image in each frame.
     Anyhow,
 }
 
@@ -61,7 +62,7 @@ impl Course {
         let mut points = |size: f64| -> Vec<[f64; 3]> {
             (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
         };
-        // Fractions of the box, and ways.
+        // Fractions of the box, and displacements.
         let (first, ways, names) = (points(0.5), points(0.04), points(3.0));
         let radii = match sizes {
             true => Radii::Each((0..n).map(|k| 0.1 + 0.4 * (k % 5) as f64 / 4.0).collect()),
@@ -79,7 +80,7 @@ impl Course {
             let vectors = |tilt: f64| [[x, 0.0, 0.0], [tilt * x, y, 0.0], [0.0, 0.0, z]];
             let given = [true, true, !open];
             let lattice = Lattice::new(vectors(flipped), given, [0.0; 3]).unwrap();
-            // Affinely with the box as it was never flipped, and each on its own way.
+            // Moved affinely with the box, without flips, plus individual paths.
             let place = |i: usize| -> [f64; 3] {
                 let of = vectors(sheared);
                 let sum = |axis: usize| (0..3).map(|v| first[i][v] * of[v][axis]).sum::<f64>();
@@ -125,7 +126,7 @@ where
     Periodic::new(scene.into(), Lattice::new(vectors, periodic, corner).unwrap()).unwrap()
 }
 
-/// Contacts missed, contacts in all, frames in which a list was built.
+/// Returns missed contacts, all contacts, and frames in which a list was built.
 fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
     let (mut missed, mut all, mut built) = (0, 0, 0);
     let mut contacts = Contacts::default();
@@ -184,11 +185,11 @@ fn safe_rules_miss_nothing_in_boxes_that_stay_or_move() {
         }
     }
     assert!(all > 500_000, "{all}");
-    // Lists do serve, whatever particles are called.
+    // Lists serve for many frames, whichever images are given.
     assert!(2 * built < frames, "{built} of {frames}");
 }
 
-/// The names of particles do not decide how long a list serves.
+/// Which images are given does not affect how long a list serves.
 #[test]
 fn lists_serve_as_long_whatever_particles_are_called() {
     let of = |named| Course { named, seed: 9, ..TILTED };
@@ -200,7 +201,7 @@ fn lists_serve_as_long_whatever_particles_are_called() {
     assert!((2..8).contains(&built[0]), "{built:?}");
 }
 
-/// A sphere alone in a box that is pressed, or sheared, until it touches its own images.
+/// A single sphere in a box that is compressed or sheared until it touches its own images.
 #[test]
 fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
     let frame = |x: f64, tilt: f64| {
@@ -213,7 +214,7 @@ fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
         &(0..10).map(pressed).collect::<Vec<_>>(),
     );
     assert!(lost == 0 && all == 2 && built < 6, "{all} {built}");
-    // Careless lists do not look at the box either.
+    // Unsafe rules do not observe the box either.
     let careless = "verlet(direct,skin=0.25,rule=every-20)";
     let [lost, _, built] =
         missed(&mut *tracker(careless), &(0..10).map(pressed).collect::<Vec<_>>());
@@ -224,8 +225,8 @@ fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
     assert!(lost == 0 && built < 20, "{built}");
 }
 
-/// A box whose corner moves along its open axis, as dumps have it that fit it to the particles, and
-/// one that is sheared about a corner that moves along: nobody is carried by that.
+/// A box whose corner moves along its open axis, as in dumps that fit the box to the particles, and
+/// one that is sheared about a moving corner: neither moves any particle.
 #[test]
 fn corners_that_move_do_not_end_a_list() {
     let mut draw = Draw(17);
@@ -243,17 +244,17 @@ fn corners_that_move_do_not_end_a_list() {
         let frames: Vec<_> = (0..12).map(frame).collect();
         let [lost, all, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &frames);
         assert!(lost == 0 && all > 100, "{all}");
-        // Those that move with their box are at rest.
+        // Particles that move with their box count as resting.
         assert_eq!(built, 1, "{sheared} {along}");
     }
 }
 
-/// Where a box is tilted by more than its length, the image near to where a particle was is not the
-/// one whose fractions are.
+/// In a box tilted by more than its length, the image nearest to a particle's earlier position does
+/// not have the nearest fractions.
 #[test]
 fn lists_serve_in_boxes_that_are_tilted_far() {
     let of = |tilt, named| Course { tilt, named, seed: 23, ..TILTED };
-    // The flip of these frames is no part of a box that stays.
+    // A box at rest never flips.
     for tilt in [0.45, -0.49] {
         for named in [Named::Wrapped, Named::Anyhow] {
             let [lost, all, built] =
@@ -273,9 +274,9 @@ fn lists_serve_in_boxes_that_are_tilted_far() {
     assert!(lost == 0 && all > 20 && built == 1, "{all} {built}");
 }
 
-/// Couples that are, when the list is built, as far apart through a face as the skin and what is
-/// allowed for rounding, or hardly more or less, and touch, or not, when they have gone just so
-/// far, by themselves or with the box.
+/// Pairs through a face at a distance of skin plus rounding margin, or slightly more or less, when
+/// the list is built. They then move just so far, on their own or with the box, that they touch or
+/// not.
 #[test]
 fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
     let (mut draw, mut touching, mut unlisted) = (Draw(5), 0, 0);
@@ -294,14 +295,14 @@ fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
             -1 => x.next_down(),
             more => x + 0.5 * f64::from(more) * allowed,
         };
-        // Or the first is named by its image near the other.
+        // In some rounds the first particle is given by its image near the second.
         let named = if round % 3 == 0 { edge } else { 0.0 };
-        // The second is beyond the face on the other side: its image is at minus reach and gap.
+        // The second is beyond the opposite face: its image is at minus reach and gap.
         let places = [
             [offset, near(offset + edge - reach - gap)],
             [near(offset + named - share * gap), near(offset + edge - reach - share * gap)],
         ];
-        // Or the box becomes shorter by what the couple leaves over.
+        // In some rounds the box is shortened by the gap instead.
         let by_box = round % 11 == 0;
         let edges = if by_box { [edge, near(edge - gap)] } else { [edge; 2] };
         let frames = [0, 1].map(|k| {
@@ -346,7 +347,7 @@ fn what_is_not_for_boxes_says_so() {
     assert_eq!(step("verlet(nbs)", Arithmetic::Exact), Ok(2));
     let said = step("verlet(nbs)", Arithmetic::F32).unwrap_err();
     assert!(said.contains("exact arithmetic, not in f32"), "{said}");
-    // The same tracker in open space and in boxes, in turn.
+    // The same tracker in open space and in boxes, alternately.
     let mut tracker = tracker("verlet(nbs,skin=0.5)");
     for _ in 0..3 {
         let mut pairs = Vec::new();
@@ -361,7 +362,7 @@ fn what_is_not_for_boxes_says_so() {
     }
 }
 
-/// What a box did is forgotten with it.
+/// A list in open space is not affected by an earlier change of a box.
 #[test]
 fn open_space_after_a_box_that_was_pressed_keeps_its_list() {
     let mut tracker = tracker("verlet(nbs,skin=0.5)");

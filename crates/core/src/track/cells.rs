@@ -1,22 +1,18 @@
-//! Particles put into the order of cells in rows; no answer depends on it.
+//! Sorts particles by cells in rows, for locality; no result depends on the order.
 
 use crate::contact::Corners;
 use crate::refusal::{Refusal, reserve};
 
-/// What putting in order takes for the time: in the i-th pair the cell of particle i, and the place
-/// of the next particle of cell i.
+/// Scratch space for the sort: the i-th pair holds the cell of particle i, and the place of the
+/// next particle of cell i.
 pub(super) type Room = Vec<[u32; 2]>;
 
-/// Pairs of [`Room`] for so many particles.
 pub(super) fn room(particles: usize) -> usize {
     if particles == 0 { 0 } else { particles + 1 }
 }
 
-/// Tells for each particle within a box its place, where those of a cell are side by side. There
-/// are at most as many cells as particles.
-///
-/// # Errors
-/// There is no memory for it.
+/// Calls `put` with each particle's place, such that particles of a cell are adjacent. There are at
+/// most as many cells as particles. Fails if there is no memory.
 pub(super) fn places<const D: usize>(
     points: impl ExactSizeIterator<Item = [f64; D]>,
     (low, high): Corners<D>,
@@ -24,7 +20,7 @@ pub(super) fn places<const D: usize>(
     mut put: impl FnMut(u32, usize),
 ) -> Result<(), Refusal> {
     let n = points.len();
-    // Where they overflow all particles are in the first cell, and stay as they are.
+    // If coordinates overflow, all particles are in the first cell and keep their order.
     let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
     let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
     let mut edge = 2.0 * extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
@@ -38,8 +34,8 @@ pub(super) fn places<const D: usize>(
         true => count(edge).map(|count| count as usize),
         false => [1; D],
     };
-    // Layers across the longest axis, as `streamed-nbs` goes through them: its pairs, and so looks
-    // at them, then stay in a few layers for long.
+    // Layers across the longest axis, as in `streamed-nbs`, so that its pairs, and passes over
+    // them, stay within a few layers for long.
     let mut axes: [usize; D] = std::array::from_fn(|k| k);
     axes.sort_by(|&a, &b| extent[b].total_cmp(&extent[a]));
     taken.clear();

@@ -1,4 +1,4 @@
-//! What is kept between frames: particles in spatial order, and the list of near pairs.
+//! State kept between frames: particles in spatial order, and the list of near pairs.
 
 use nalgebra::Point;
 
@@ -19,29 +19,29 @@ use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
 use crate::searcher::Searcher;
 use crate::wide::{Kernel, Level, Spot, Wide};
 
-/// Particles that are handled together.
+/// Number of particles that are processed together.
 const BLOCK: usize = 128;
 
-/// Particles stand in places, so that those near one another are side by side in memory; listed
-/// pairs are of places.
+/// Particles are stored in places, with neighbours in space adjacent in memory; listed pairs are
+/// numbered by places.
 #[derive(Default)]
 pub(super) struct Kept<const D: usize> {
-    /// Where each particle was in the last frame, and its number, by place.
+    /// Position of each particle in the last frame and its number, by place.
     spots: Vec<Spot>,
     unit: Unit<D>,
-    /// Where it was when the list was built.
+    /// Positions when the list was built.
     then: Vec<Point<f64, D>>,
-    /// Where it was in the last frame, in full, for rules that ask for its way since then.
+    /// Positions in the last frame in f64, for rules that need displacements since then.
     last: Vec<Point<f64, D>>,
     radii: KeptRadii,
     listed: Room,
     /// Half of the skin of the list.
     half: f64,
-    /// What the contact test may round beyond the sum of two radii: the list allows for it.
+    /// What rounding may add to the reach of the contact test; the list allows for it.
     rounding: f64,
-    /// Frames since the list was built; none if there is no list.
+    /// Frames since the list was built, or `None` without a list.
     age: Option<u32>,
-    /// The longest way in each of them, added up.
+    /// Sum of the largest displacements in each frame.
     summed: f64,
     around: Around<D>,
 }
@@ -49,9 +49,9 @@ pub(super) struct Kept<const D: usize> {
 enum KeptRadii {
     Uniform(f64),
     Each {
-        /// By particle.
+        /// Radii by particle.
         given: Vec<f64>,
-        /// By place.
+        /// Radii by place.
         placed: Vec<f64>,
     },
 }
@@ -63,12 +63,12 @@ impl Default for KeptRadii {
 }
 
 impl<const D: usize> Kept<D> {
-    /// The list is of no use any more.
+    /// Invalidates the list.
     pub fn forget(&mut self) {
         self.age = None;
     }
 
-    /// Bytes of the arrays, where the list has room for as many pairs as it holds.
+    /// Returns the bytes of the arrays, without spare capacity of the list.
     pub fn bytes(&self) -> u64 {
         let n = self.spots.len();
         let radii = match self.radii {
@@ -83,9 +83,9 @@ impl<const D: usize> Kept<D> {
             + self.around.bytes()
     }
 
-    /// Brings the particles to their places in this frame, and says how far they have gone and how
-    /// many frames ago the list was built. None if there is no list, or it is of other particles,
-    /// or of another kind of box, or for a test that rounds less.
+    /// Updates the particles to this frame. Returns the age of the list in frames and the
+    /// displacements, or `None` if there is no list, or it belongs to other particles, to another
+    /// kind of box, or to a test that rounds less.
     pub fn follow<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -104,15 +104,16 @@ impl<const D: usize> Kept<D> {
             return None;
         }
         let (first, second) = (at_most(top.first), at_most(top.second));
-        // No less than the longest way: as in real numbers, and since a box carries particles.
+        // Not less than the largest displacement, as in real numbers, even if a box moves
+        // particles.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
     }
 
-    /// Lists all pairs whose bodies are at most twice `half` apart in this frame, and further by
-    /// what the contact test may round, for a rule. The centres are within `corners`. False if
-    /// rounding makes a list useless: in a box that is very long.
+    /// Lists all pairs that are at most twice `half`, plus the rounding of the contact test, apart
+    /// in this frame. The centres are within `corners`. Returns false if the rounding of a very
+    /// long box makes a list useless.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -139,7 +140,7 @@ impl<const D: usize> Kept<D> {
         }
         let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
         let each = match scene.radii() {
-            // By particle, by place, and larger while the list is built.
+            // By particle, by place, and enlarged during the build.
             Radii::Each(_) => 24,
             Radii::Uniform(_) => 0,
         };
@@ -213,24 +214,24 @@ impl<const D: usize> Kept<D> {
         Ok(true)
     }
 
-    /// Of the list.
+    /// Returns the skin of the list.
     pub fn skin(&self) -> f64 {
         2.0 * self.half
     }
 
-    /// Pairs in the list, images among them.
+    /// Returns the number of listed pairs, images included.
     pub fn listed(&self) -> u64 {
         self.listed.len() as u64 + self.around.through.len() as u64
     }
 
-    /// How much nearer than by their own ways bodies that are not listed may have come, where they
-    /// touch at distances of at most `reach`: [`Around::nearer`].
+    /// Returns how much the change of the box may have reduced distances of unlisted pairs that
+    /// touch within `reach`: see [`Around::nearer`].
     pub fn nearer(&self, reach: f64) -> f64 {
         self.around.nearer(reach + self.skin() + self.rounding)
     }
 
-    /// Hands the listed pairs that touch in this frame to `pairs`. Tells how many took exact
-    /// arithmetic.
+    /// Appends the listed pairs that touch in this frame to `pairs`. Returns how many tests used
+    /// exact arithmetic.
     pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
         let mut tally = Tally::default();
         let touch = |i, j| bodies.touch(i, j, &mut tally);
@@ -238,7 +239,7 @@ impl<const D: usize> Kept<D> {
         tally.get(Op::ExactTest)
     }
 
-    /// As [`Kept::pass`], in a box.
+    /// Works as [`Kept::pass`] in a box.
     pub fn pass_in_box(
         &self,
         scene: &Scene<'_, f64, D>,
@@ -265,7 +266,7 @@ impl<const D: usize> Kept<D> {
     }
 }
 
-/// Brings particles to their places.
+/// Updates particles to the positions of a frame.
 struct Follow<'a, T: Real, const D: usize> {
     kept: &'a mut Kept<D>,
     centres: &'a [Point<T, D>],
@@ -273,7 +274,7 @@ struct Follow<'a, T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
-    /// The longest ways since the list was built, and since the last frame.
+    /// Largest displacements since the list was built, and since the last frame.
     type Output = (TopTwo, TopTwo);
 
     #[inline(always)]
@@ -284,7 +285,7 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
         let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
         let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
         for (k, (spots, then)) in blocks.enumerate() {
-            // Nothing else, so that many wait for memory at the same time.
+            // Only loads here, so that many of them wait for memory at the same time.
             for (at, spot) in block.iter_mut().zip(&*spots) {
                 *at = wide(&centres[spot.id as usize]);
             }
@@ -307,7 +308,6 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
     }
 }
 
-/// Bytes of a coordinate.
 const POINT: u64 = size_of::<f64>() as u64;
 
 const SPOT: u64 = size_of::<Spot>() as u64;
@@ -316,16 +316,16 @@ const SPOT: u64 = size_of::<Spot>() as u64;
 pub(super) struct Wanted<'a> {
     /// Half of its skin.
     pub half: f64,
-    /// What the contact test may round beyond the sum of two radii.
+    /// What rounding may add to the reach of the contact test.
     pub rounding: f64,
-    /// How long it serves.
+    /// The rule that ends it.
     pub rule: Rule,
     /// The box, if there is one.
     pub lattice: Option<&'a Lattice>,
 }
 
 impl KeptRadii {
-    /// Are these the radii of the scene?
+    /// Returns whether these are the radii of the scene.
     fn are<T: Real, const D: usize>(&self, scene: &Scene<'_, T, D>) -> bool {
         match (self, scene.radii()) {
             (KeptRadii::Uniform(kept), Radii::Uniform(r)) => *kept == r.wide(),

@@ -1,14 +1,13 @@
-//! Trackers: which bodies touch, in frames that come one after the other?
+//! Trackers: contacts in consecutive frames of moving particles.
 //!
-//! A simulation does not ask once. Bodies move a little, and it asks again; so codes keep a list of
-//! all pairs that are nearly in touch, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98),
-//! and look only at those until some body has moved too far. How long the list serves is decided by
-//! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7,
-//! and in periodic boxes 8).
+//! In a simulation particles move a little between detections. Codes therefore keep a list of all
+//! nearly touching pairs, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98), and test
+//! only those until some particle has moved too far. A [`Rule`] determines how long the list
+//! serves. [`crate::filter`] proves what is safe, in section 7 and for periodic boxes in section 8.
 //!
-//! A tracker stands above any detector of the table. It gives, for each frame, what the detector
-//! would give: the pairs that the contact test accepts in that frame, complete if its rule is safe,
-//! so that answers can be held to the truth frame by frame.
+//! A tracker uses any detector of the table. For each frame it returns what the detector would: the
+//! pairs that the contact test accepts. The result is complete if the rule is safe, so it can be
+//! compared with the truth in each frame.
 //!
 //! ```
 //! use contactbench_core::contact::Test;
@@ -63,19 +62,19 @@ use crate::scene::AnyScene;
 pub use crate::searcher::Frame;
 use crate::searcher::Searcher;
 
-/// Finds the contacts of frames: scenes of the same particles, one after the other.
+/// Finds the contacts of frames: consecutive scenes of the same particles.
 pub trait Tracker: Send {
     /// Appends the contacts of this frame, each once, in any order.
     ///
-    /// Frames may be of any scene: where the number of particles or a radius is another than
-    /// before, a list is built again. The box may be another in each frame, and particles may be
-    /// named by any of their images; frames in boxes and in open space may follow each other. With
-    /// a `tally` every operation is counted, which takes time.
+    /// Any scene may follow: if the number of particles or a radius changes, the list is rebuilt.
+    /// The box may change in each frame, particles may be given by any of their images, and frames
+    /// in boxes and in open space may alternate. With a `tally` every operation is counted, which
+    /// takes time.
     ///
     /// # Errors
-    /// What the detector and [`Finder::list`](crate::periodic::Finder::list) refuse, and
-    /// [`Refusal::Pairs`]; [`Refusal::Rounded`] from trackers that keep lists, which decide in
-    /// exact arithmetic in a box. `contacts` is then as it was, and the next frame is taken as the
+    /// Returns the refusals of the detector and of [`Finder::list`](crate::periodic::Finder::list),
+    /// and [`Refusal::Pairs`]. Trackers that keep lists return [`Refusal::Rounded`] in a box unless
+    /// the arithmetic is exact. `contacts` is then unchanged, and the next frame counts as the
     /// first.
     fn find(
         &mut self,
@@ -84,10 +83,7 @@ pub trait Tracker: Send {
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal>;
 
-    /// As [`Tracker::find`], of a frame in open space.
-    ///
-    /// # Errors
-    /// As [`Tracker::find`].
+    /// Works as [`Tracker::find`] on a frame in open space.
     fn step(
         &mut self,
         frame: &AnyScene<'_>,
@@ -101,25 +97,25 @@ pub trait Tracker: Send {
         step
     }
 
-    /// The next frame is taken as the first; buffers stay.
+    /// Makes the next frame count as the first; buffers are kept.
     fn forget(&mut self);
 
-    /// Bytes that the tracker and its detector need between frames, by formula; without the list of
-    /// contacts, which is the caller's.
+    /// Returns the bytes that the tracker and its detector need between frames, by formula, without
+    /// the caller's list of contacts.
     fn formula_bytes(&self) -> u64;
 }
 
-/// What a tracker did for a frame.
+/// What a tracker did in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// Whether the tracker called its detector.
     pub built: bool,
-    /// Pairs that it looked at, in touch or not.
+    /// Number of pairs examined, touching or not.
     pub listed: u64,
-    /// What LAMMPS calls a dangerous build: the rule was broken at the first frame at which it was
-    /// looked at, so it may have been broken before.
+    /// A dangerous build in the sense of LAMMPS: the rule was already broken at the first frame in
+    /// which it was checked, so contacts may have been missed before.
     pub dangerous: bool,
-    /// Time for building, of the whole time of the step.
+    /// Time spent on building, included in the time of the step.
     pub building: Duration,
 }
 

@@ -1,31 +1,32 @@
-//! The pass over a list: which of the listed pairs touch in this frame?
+//! The pass over a list: finds the listed pairs that touch in this frame.
 //!
-//! Sixteen at a time, without a branch: nobody can foresee which of them do. What copies in f32
-//! leave open is left to the answer.
+//! Sixteen pairs are tested at a time, without branches, which would be unpredictable. The answer
+//! decides pairs that f32 copies leave open.
 
 use super::answer::Answer;
 use crate::filter::Near;
 use crate::wide::{Kernel, LANES, Spot, Wide};
 
-/// Pairs that are handed to the answer together.
+/// Number of pairs that are passed on together.
 const BLOCK: usize = 128;
 
-/// Hands listed pairs that touch to an answer.
+/// Tests listed pairs and passes those that touch to an answer.
 pub(super) struct Pass<'a, R, A> {
     pub spots: &'a [Spot],
-    /// Of places.
+    /// Pairs of places.
     pub listed: &'a [[u32; 2]],
     pub reach: R,
     pub answer: &'a mut A,
 }
 
-/// At which distances bodies touch.
+/// The distances at which particles touch.
 pub(super) trait Reach {
-    /// What squares of distances say of sixteen couples of places: see [`within`] and [`beyond`].
+    /// Returns limits for the squared distances of sixteen pairs of places: see [`within`] and
+    /// [`beyond`].
     fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2];
 }
 
-/// All at the same.
+/// Equal radii: one limit for all pairs.
 pub(super) struct Same(pub Near);
 
 impl Reach for Same {
@@ -35,11 +36,11 @@ impl Reach for Same {
     }
 }
 
-/// Each couple at its own.
+/// Individual radii: one limit per pair.
 pub(super) struct Each<'a, F> {
     /// Radii by place.
     pub placed: &'a [f64],
-    /// For radii with a given sum.
+    /// Returns limits for a given sum of radii.
     pub near: F,
 }
 
@@ -55,15 +56,15 @@ impl<F: Fn(f64) -> Near> Reach for Each<'_, F> {
     }
 }
 
-/// A square in f32 is at most this just where it is at most `inner`.
+/// Returns a limit x such that an f32 is at most x exactly if it is at most `inner`.
 #[inline(always)]
 fn within(inner: f64) -> f32 {
     let near = inner as f32;
     if f64::from(near) > inner { near.next_down() } else { near }
 }
 
-/// A square in f32 is at least this just where it is more than `outer`; no number, which none is,
-/// where that is infinite.
+/// Returns a limit x such that an f32 is at least x exactly if it is more than `outer`; NaN if
+/// `outer` is infinite, so that no number is.
 #[inline(always)]
 fn beyond(outer: f64) -> f32 {
     if outer < f64::INFINITY { within(outer).next_up() } else { f32::NAN }
@@ -94,11 +95,10 @@ impl<R: Reach, A: Answer> Kernel for Pass<'_, R, A> {
     }
 }
 
-/// All lanes of a mask.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Packs those of a mask that surely touch to the front of `to`, and tells how many they are. What
-/// copies leave open is for the answer to decide.
+/// Packs the masked pairs that certainly touch to the front of `to` and returns their number. The
+/// answer decides pairs that copies leave open.
 #[inline(always)]
 fn look<W: Wide, R: Reach, A: Answer>(
     w: W,
@@ -113,7 +113,7 @@ fn look<W: Wide, R: Reach, A: Answer>(
     let pairs = if A::BY_PLACE { w.load_pairs(couples) } else { numbers };
     let [inner, outer] = reach.bounds(w, couples);
     let (touch, apart) = (w.at_most(squares, inner) & mask, w.at_most(outer, squares));
-    // There is a vector's room behind a block.
+    // A block is followed by space for a vector.
     let Some(to) = to.first_chunk_mut() else { unreachable!() };
     w.pack_pairs(pairs, touch, to);
     let open = mask & !(touch | apart);
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use crate::wide::Level;
 
-    /// Squares at, next to and far from bounds of all sizes.
+    /// Squares at, next to and far from limits of all sizes.
     #[test]
     fn bounds_in_f32_say_what_those_in_f64_say() {
         let scales = [
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// What it is handed: pairs that touch, and pairs to decide.
+    /// Records pairs that touch, and pairs to decide.
     #[derive(Default)]
     struct Heard<const BY_PLACE: bool>(Vec<[u32; 2]>, Vec<[u32; 2]>);
 
@@ -192,7 +192,7 @@ mod tests {
         all
     }
 
-    /// Lists of all lengths, with infinite coordinates, whose distances are no numbers, among them.
+    /// Lists of all lengths, including infinite coordinates with NaN distances.
     #[test]
     fn every_level_says_what_one_pair_at_a_time_is() {
         let spots: Vec<Spot> = (0..97u32)

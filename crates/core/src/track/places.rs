@@ -1,24 +1,24 @@
-//! Particles side by side in memory as they are side by side in space.
+//! Particles stored such that neighbours in space are adjacent in memory.
 //!
-//! Where a particle is, is kept in f32: half of the memory, and a look at a list of near pairs
-//! waits for memory most of the time. Lengths are in a unit u, the power of two with
-//! u <= diameter < 2u (for diameters below 2^-1000 or beyond 2^1000 that of the bound, so that no
-//! diameter is more than 2^24 u), from an origin amid the particles. With x' for a coordinate as
-//! kept, M the largest |x'| and v = 2^-24:
+//! Positions are stored in f32, which halves the memory: a pass over a list of near pairs mostly
+//! waits for memory. Lengths are in a unit u, the power of two with u <= diameter < 2u, from an
+//! origin amid the particles. (For diameters below 2^-1000 or beyond 2^1000 the unit is that of the
+//! bound, so that no diameter is more than 2^24 u.) Let x' be a stored coordinate, M the largest
+//! |x'| and v = 2^-24.
 //!
-//! * x' is off by at most M(v + 4v²) + 2^-150, since the difference in f64 and its rounding to f32
-//!   are; so a distance of two centres as kept is off by at most √D · 2 · M · 1.01v < 2^-22 M, and
+//! * x' is off by at most M(v + 4v²) + 2^-150, because of the difference in f64 and its rounding to
+//!   f32. So a distance of two stored centres is off by at most √D · 2 · M · 1.01v < 2^-22 M, plus
 //!   2^-148.
-//! * The computed square of that distance is off by at most 6v of itself, and 2^-147 where squares
-//!   are too small for f32.
+//! * The computed square of that distance is off by at most 6v relative, plus 2^-147 where squares
+//!   underflow f32.
 //!
-//! So what the contact test says of the distance d it says of the root of the computed square, with
-//! a [`Slack`] larger by 2^-20 relative and 2^-22 M + 2^-60 absolute, in the unit u, the whole
-//! of the absolute one larger by 2^-20 of itself. What lies between is left to the test. Squares
-//! that overflow are infinite: those of distances of at least 2^63 u, which nothing reaches while
-//! the absolute slack is below 2^60 u. Where it is not, and where M is infinite, all is left to the
-//! test. So a scene pays for a particle far away: M = 10^4 diameters leaves to it what is within
-//! 0.0024 diameters of touching.
+//! So the result of the contact test for the distance d holds for the root of the computed square
+//! with a larger [`Slack`]: by 2^-20 relative, by 2^-22 M + 2^-60 absolute in the unit u, and the
+//! whole absolute part by a factor of 1 + 2^-20. The test decides what lies between. Squares that
+//! overflow are infinite; they belong to distances of at least 2^63 u, beyond any reach while the
+//! absolute slack is below 2^60 u. If it is not, or if M is infinite, the test decides all pairs. A
+//! particle far away therefore costs time: with M = 10^4 diameters the test decides all pairs
+//! within 0.0024 diameters of touching.
 
 use nalgebra::Point;
 
@@ -27,13 +27,13 @@ use crate::filter::Near;
 use crate::scene::array;
 use crate::wide::Spot;
 
-/// In what spots are given.
+/// The unit and origin of stored positions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit<const D: usize> {
     origin: [f64; D],
-    /// Of one length, in units.
+    /// Units per length.
     scale: f64,
-    /// The largest coordinate along each axis, in size.
+    /// Largest magnitude of a coordinate along each axis.
     most: [f32; D],
 }
 
@@ -44,21 +44,21 @@ impl<const D: usize> Default for Unit<D> {
 }
 
 impl<const D: usize> Unit<D> {
-    /// For bodies of up to this diameter within this box.
+    /// Creates a unit for particles of up to this diameter within this box.
     pub fn new((low, high): Corners<D>, diameter: f64) -> Unit<D> {
-        // Within the numbers of f64, whatever the diameter.
+        // Within the range of f64, whatever the diameter.
         const FEWEST: u64 = 1023 - 1000;
         let exponent = (diameter.abs().to_bits() >> 52).clamp(FEWEST, 2 * 1023 - FEWEST);
         let origin = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
         Unit { origin, scale: f64::from_bits((2 * 1023 - exponent) << 52), most: [0.0; D] }
     }
 
-    /// The same for another frame, in which no particle has its place yet.
+    /// Returns the same unit for another frame, before any particle is stored.
     pub fn begun(&self) -> Unit<D> {
         Unit { most: [0.0; D], ..*self }
     }
 
-    /// Puts a particle where it is in this frame.
+    /// Stores a particle's position in this frame.
     #[inline(always)]
     pub fn put(&mut self, spot: &mut Spot, at: &Point<f64, D>) {
         for (k, &x) in array(at).iter().enumerate() {
@@ -68,7 +68,7 @@ impl<const D: usize> Unit<D> {
         }
     }
 
-    /// What a test with this slack says of computed squares, for radii with a given sum.
+    /// Returns, for a sum of radii, the limits for computed squares under a test with this slack.
     pub fn near(&self, slack: Slack) -> impl Fn(f64) -> Near {
         const RELATIVE: f64 = 1.0 / (1u64 << 20) as f64;
         const ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
@@ -87,7 +87,8 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
-    /// What copies say of two particles, beside others that make the box wide; checked.
+    /// Decides two particles from copies, with other particles that enlarge the box, and checks the
+    /// result.
     fn verdict(points: [[f64; 2]; 2], radii: [f64; 2], others: &[[f64; 2]]) -> Option<bool> {
         let all = || points.iter().chain(others);
         let corner = |of: fn(f64, f64) -> f64| -> [f64; 2] {
@@ -106,8 +107,8 @@ mod tests {
         said
     }
 
-    /// Couples of points at all scales, beside others near and far, and sums of radii that are
-    /// nearly, or exactly, their distance: what copies decide is what is true.
+    /// Pairs at all scales, with other particles near and far, and sums of radii nearly or exactly
+    /// equal to the distance: every decision from copies is true.
     #[test]
     fn what_places_decide_is_true() {
         let mut state = 7u64;
@@ -136,14 +137,14 @@ mod tests {
         assert!(decided > 1000 && open > 3000, "{decided} {open}");
     }
 
-    /// A particle so far away that these two are kept far apart, and their square overflows.
+    /// A distant particle makes the stored positions coarse, and its squared distance overflows.
     #[test]
     fn squares_that_overflow_decide_nothing() {
         let power = |k: i32| 2.0f64.powi(k);
         let far = -2.0 * (power(106) + 3.0 * power(82) - power(54));
         let points = [[power(53) - 1.0, 0.0], [power(53), 0.0]];
         assert_eq!(verdict(points, [0.5, 0.5], &[[far, 0.0]]), None);
-        // Far apart themselves, and nothing else.
+        // These two are far apart themselves, with no other particle.
         assert_eq!(verdict([[0.0, 0.0], [power(70), 0.0]], [0.5, 0.5], &[]), Some(false));
     }
 }

@@ -1,66 +1,64 @@
-//! When a list of near pairs must be built again.
+//! Rules for rebuilding a list of near pairs.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// When a list is built again: by how far particles have gone since it was built, or by the number
-/// of frames.
+/// Determines when a list is rebuilt: by displacements since it was built, or by the number of
+/// frames.
 ///
-/// For the same list the frames at which it is given up come in this order, for every motion:
-/// [`Rule::Summed`] first, then [`Rule::HalfSkin`], then [`Rule::TopTwo`], and last of all the
-/// frame in which a pair that is not listed touches, at which it must be given up.
+/// For the same list and any motion, the rules discard it in this order: [`Rule::Summed`] first,
+/// then [`Rule::HalfSkin`], then [`Rule::TopTwo`], and all of them before or in the frame in which
+/// an unlisted pair touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// When twice the way of the particle that is farthest from where it was is more than the skin.
-    /// Safe.
+    /// Rebuilds if twice the largest displacement exceeds the skin. Safe.
     HalfSkin,
-    /// When the ways of the two particles that are farthest from where they were are together more
-    /// than the skin. Safe.
+    /// Rebuilds if the sum of the two largest displacements exceeds the skin. Safe.
     TopTwo,
-    /// When twice the sum, over the frames, of the longest way of a particle in a frame is more
-    /// than the skin: the rule of codes after Munjiza's book, which add up the way of the fastest.
+    /// Rebuilds if twice the sum over frames of each frame's largest displacement exceeds the skin.
+    /// Codes after Munjiza's book use this rule, which adds up the steps of the fastest particle.
     /// Safe.
     Summed,
-    /// In every k-th frame, whatever moves. Unsafe but for k = 1.
+    /// Rebuilds every k-th frame, whatever moves. Unsafe except for k = 1.
     Every(u32),
-    /// As `neigh_modify` of LAMMPS: never in fewer than `delay` frames, at multiples of `every`,
-    /// and then always or, with `check`, when a particle has gone more than half of the skin by
-    /// LAMMPS's own rounded comparison. Unsafe but for a delay of at most 1, every frame and a
-    /// check, and there up to rounding.
+    /// Works as `neigh_modify` of LAMMPS: rebuilds no earlier than after `delay` frames, at
+    /// multiples of `every`. It then rebuilds always or, with `check`, if a displacement exceeds
+    /// half the skin in LAMMPS's rounded comparison. Safe only for a delay of at most 1, every
+    /// frame and a check, up to rounding.
     Lammps {
-        /// Frames that a list serves at least.
+        /// Least number of frames for which a list serves.
         delay: u32,
-        /// Frames between two looks.
+        /// Frames between two checks.
         every: u32,
-        /// Whether ways are looked at.
+        /// Whether displacements are checked.
         check: bool,
     },
 }
 
-/// How far particles have gone. Those but the squares are upper bounds of the true ways.
+/// Displacements of particles. All but the squares are upper bounds of the true displacements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Ways {
-    /// The square of the longest way since the list was built, as computed.
+    /// Square of the largest displacement since the list was built, as computed.
     pub square: f64,
-    /// The longest way since then.
+    /// Largest displacement since the list was built.
     pub first: f64,
-    /// That of the particle that is next.
+    /// Second largest displacement since the list was built.
     pub second: f64,
-    /// The longest way in each frame, added up.
+    /// Sum of the largest displacements in each frame.
     pub summed: f64,
 }
 
-/// From where a rule has to know ways in a frame.
+/// Which displacements a rule needs in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Looks {
     Nowhere,
-    /// From where particles were when the list was built.
+    /// Displacements since the list was built.
     SinceBuilt,
-    /// And from where they were in the frame before.
+    /// Displacements since the list was built and since the previous frame.
     SinceFrame,
 }
 
-/// What a rule says of a frame.
+/// Decision of a rule for a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Due {
     pub build: bool,
@@ -68,12 +66,12 @@ pub(super) struct Due {
 }
 
 impl Rule {
-    /// No contact is missed, whatever moves.
+    /// Returns whether no contact is missed, whatever moves.
     pub fn is_safe(self) -> bool {
         matches!(self, Rule::HalfSkin | Rule::TopTwo | Rule::Summed | Rule::Every(1))
     }
 
-    /// What it looks at in the frame that is the `age`-th after that in which the list was built.
+    /// Returns which displacements the rule needs in the frame with this age of the list.
     pub(super) fn looks(self, age: u32) -> Looks {
         match self {
             Rule::HalfSkin | Rule::TopTwo => Looks::SinceBuilt,
@@ -83,7 +81,7 @@ impl Rule {
         }
     }
 
-    /// Whether LAMMPS asks in this frame.
+    /// Returns whether LAMMPS checks in this frame.
     fn may_build(self, age: u32) -> bool {
         match self {
             Rule::Lammps { delay, every, .. } => age >= delay && age.is_multiple_of(every),
@@ -91,19 +89,19 @@ impl Rule {
         }
     }
 
-    /// How far two particles may have come nearer, by this rule, so that a list is given up when it
-    /// is more than the skin.
+    /// Returns how much nearer two particles may have come, by this rule. The list is discarded if
+    /// this exceeds the skin.
     pub(super) fn gone(self, ways: &Ways) -> f64 {
         match self {
-            // Rounded up, but no more than twice the longest.
+            // Rounded up, but at most twice the largest.
             Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first),
             Rule::Summed => 2.0 * ways.summed,
             Rule::HalfSkin | Rule::Every(_) | Rule::Lammps { .. } => 2.0 * ways.first,
         }
     }
 
-    /// Must a list with this skin be built again in this frame, the `age`-th after that in which
-    /// it was built? Of a skin below 0 nothing is left.
+    /// Returns whether a list with this skin and age must be rebuilt in this frame. A negative skin
+    /// forces a rebuild.
     pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
             Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
@@ -168,8 +166,8 @@ mod tests {
         }
     }
 
-    /// LAMMPS: `ago >= delay && ago % every == 0`, then the check; dangerous is a list that was
-    /// given up at the first look.
+    /// LAMMPS checks if `ago >= delay && ago % every == 0`; a build at the first check is
+    /// dangerous.
     #[test]
     fn the_rule_of_lammps_looks_when_lammps_looks() {
         let (far, near) = (
@@ -180,7 +178,8 @@ mod tests {
         let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, 1.0).build).collect();
         assert_eq!(looks, [6, 9, 12]);
         assert!((1..13).all(|age| rule.is_due(age, &near, 1.0) == Due::default()));
-        // `ago == max(delay, every)` is no multiple of every: never called dangerous, as there.
+        // `max(delay, every)` is not a multiple of `every` here, so LAMMPS never reports a
+        // dangerous build.
         assert!((1..13).all(|age| !rule.is_due(age, &far, 1.0).dangerous));
         let rule = Rule::Lammps { delay: 0, every: 3, check: true };
         let dangerous: Vec<u32> =
@@ -203,7 +202,7 @@ mod tests {
         assert!(!due(Rule::Summed, ways(9.0, 9.0, 0.5)));
         assert!(due(Rule::Summed, ways(0.0, 0.0, 0.5f64.next_up())));
         assert!(due(Rule::Every(1), Ways::default()) && !due(Rule::Every(2), Ways::default()));
-        // Two that have gone half of it each: no rule gives up before the one below.
+        // Two particles that moved by half the skin each: no rule discards the list too early.
         assert!(
             !due(Rule::TopTwo, ways(0.5, 0.5, 0.5)) && !due(Rule::HalfSkin, ways(0.5, 0.5, 0.5))
         );

@@ -1,5 +1,4 @@
-//! Which tracker, over which detector: written `every-step(nbs)` or
-//! `verlet(streamed-nbs,rule=half-skin,skin=0.2)`.
+//! Tracker specifications: `every-step(nbs)` or `verlet(streamed-nbs,rule=half-skin,skin=0.2)`.
 
 use std::fmt;
 
@@ -13,29 +12,30 @@ use crate::detect::spec::{self, DetectorSpec, SpecError};
 use crate::searcher::Searcher;
 use contactbench_terms::grammar::{self, Spec};
 
-/// A tracker over a detector of the table. Its text ([`fmt::Display`]) is the normal form, and
-/// [`parse`] gives the spec back.
+/// A tracker over a detector of the table. [`fmt::Display`] writes its normal form, and [`parse`]
+/// reads it back.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrackerSpec {
-    /// The detector is asked in every frame.
+    /// Calls the detector in every frame.
     EveryStep(DetectorSpec),
-    /// A list of near pairs is kept.
+    /// Keeps a list of near pairs.
     Verlet {
-        /// Who builds it.
+        /// Detector that builds the list.
         detector: DetectorSpec,
-        /// How far apart listed bodies may be at most, from surface to surface.
+        /// Largest distance of listed particles, from surface to surface.
         skin: Skin,
-        /// When it is built again.
+        /// Rule that ends the list.
         rule: Rule,
     },
 }
 
-/// How thick a skin is.
+/// Thickness of a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Skin {
-    /// In diameters of the largest body.
+    /// In diameters of the largest particle.
     Diameters(f64),
-    /// What makes steps cheap, found while they go on: the same for the same frames.
+    /// Chosen during the run to minimise the cost of steps; the same frames always yield the same
+    /// skins.
     Auto,
 }
 
@@ -49,8 +49,8 @@ impl fmt::Display for Skin {
 }
 
 impl TrackerSpec {
-    /// A tracker that has seen no frame. Its lists may take the memory limit of `options`, and its
-    /// detector as much.
+    /// Creates a tracker without a list. Its lists may take the memory limit of `options`, and so
+    /// may its detector.
     pub fn make(&self, options: Options) -> Box<dyn Tracker> {
         let search = EveryStep(Searcher::new(self.detector(), options));
         match self {
@@ -61,7 +61,8 @@ impl TrackerSpec {
         }
     }
 
-    /// Its name and its parameters, in the order of the text. The first, `over`, is the detector.
+    /// Returns the name and the parameters in the order of the text. The first, `over`, is the
+    /// detector.
     pub fn parts(&self) -> (&'static str, Vec<(&'static str, String)>) {
         let over = ("over", self.detector().to_string());
         match self {
@@ -72,20 +73,20 @@ impl TrackerSpec {
         }
     }
 
-    /// Who is asked.
+    /// Returns the detector.
     pub fn detector(&self) -> &DetectorSpec {
         match self {
             TrackerSpec::EveryStep(detector) | TrackerSpec::Verlet { detector, .. } => detector,
         }
     }
 
-    /// Its rule lets contacts be missed.
+    /// Returns whether the rule may miss contacts.
     pub fn may_miss(&self) -> bool {
         matches!(self, TrackerSpec::Verlet { rule, .. } if !rule.is_safe())
     }
 
-    /// No contact is missed under this test, whatever moves. (The textbook's filters may lose some;
-    /// what is kept is made without them.)
+    /// Returns whether no contact is missed under this test, whatever moves. Textbook filters may
+    /// lose contacts in every frame; lists are built without these filters.
     pub fn is_safe(&self, test: Test) -> bool {
         let safe = match self {
             TrackerSpec::EveryStep(_) => test.margin() != Some(Margin::Textbook),
@@ -106,7 +107,7 @@ impl fmt::Display for TrackerSpec {
     }
 }
 
-/// How trackers are written, and what each does.
+/// The forms of a tracker specification, and what each does.
 pub const FORMS: [(&str, &str); 8] = [
     ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
     (
@@ -130,31 +131,30 @@ pub const FORMS: [(&str, &str); 8] = [
     ),
 ];
 
-/// What is wrong with the text of a [`TrackerSpec`].
+/// Why the text of a [`TrackerSpec`] is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackerError {
-    /// Another form.
+    /// The text has another form.
     #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
     Form(String),
-    /// A skin that nobody looks after.
+    /// `skin=auto` with a rule that does not use displacements.
     #[error("'{0}': skin=auto goes with half-skin, top-two or summed, which look where bodies go")]
     Auto(String),
-    /// A parameter that is given twice, or cannot have this value.
+    /// A parameter is given twice or has an invalid value.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
-    /// The detector in it.
+    /// The detector is invalid.
     #[error(transparent)]
     Detector(#[from] SpecError),
 }
 
-/// Where none is given: a tenth of a diameter, as in the granular benchmark of LAMMPS
-/// (`bench/in.chute`).
+/// Default skin: a tenth of a diameter, as in the granular benchmark of LAMMPS (`bench/in.chute`).
 const SKIN: Skin = Skin::Diameters(0.1);
 
-/// The tracker that a text asks for; of a detector alone, one that asks it in every frame.
+/// Parses a tracker. A detector alone means `every-step` over it.
 ///
 /// # Errors
-/// Other forms, and what is wrong with the detector.
+/// Fails on other forms and on an invalid detector.
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     let given = Spec::parse_tracker(text);
     match (given.name, &given.over) {
@@ -189,7 +189,7 @@ fn verlet(given: &Spec<'_>, over: &str) -> Result<TrackerSpec, TrackerError> {
     Ok(TrackerSpec::Verlet { detector: spec::parse(over)?, skin, rule })
 }
 
-/// A number of at least 0; -0 becomes 0.
+/// Parses a number of at least 0; -0 becomes 0.
 fn length(text: &str) -> Option<f64> {
     let length: f64 = text.parse().ok()?;
     (length >= 0.0 && length.is_finite()).then_some(length + 0.0)

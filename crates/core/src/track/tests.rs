@@ -10,7 +10,7 @@ use crate::periodic::Periodic;
 use crate::scene::{Lattice, Radii, Scene};
 use crate::sink::{normalise, splitmix64};
 
-/// Uniform in [-1, 1), from a count.
+/// Random numbers, uniform in [-1, 1), from a counter.
 pub(super) struct Draw(pub(super) u64);
 
 impl Draw {
@@ -22,15 +22,15 @@ impl Draw {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Motion {
-    /// Straight flight.
+    /// Uniform velocities.
     Flight,
-    /// About the first place.
+    /// Oscillation about the first position.
     Swing,
-    /// A few go far, the others rest.
+    /// A few particles move far, the others rest.
     Few,
 }
 
-/// Frames of discs or spheres in a box in which each touches a few.
+/// Frames of discs or spheres in a box in which each touches a few others.
 pub(super) fn frames<const D: usize>(
     n: usize,
     sizes: bool,
@@ -65,7 +65,7 @@ where
     (0..12).map(frame).collect()
 }
 
-/// Pair-steps missed and pair-steps in all; pairs that do not touch are no matter of rules.
+/// Counts missed and actual contacts, summed over frames. Reported pairs must touch under any rule.
 pub(super) fn missed(
     tracker: &mut dyn Tracker,
     frames: &[AnyScene<'_>],
@@ -119,8 +119,8 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
     assert!(all > 500_000, "{all}");
 }
 
-/// What a rounded test accepts beyond the sum of the radii is in the list from the first frame on,
-/// whatever the skin.
+/// A list contains what a rounded test accepts beyond the sum of the radii, from the first frame
+/// on, for any skin.
 #[test]
 fn a_fresh_list_has_what_rounding_accepts() {
     let couple = |x: [f64; 2], r: f64| -> AnyScene<'static> {
@@ -139,7 +139,7 @@ fn a_fresh_list_has_what_rounding_accepts() {
             let found = missed(&mut *tracker(&text), &frames, arithmetic);
             assert_eq!(found, [0, 2], "{text} {x:?} {arithmetic:?}");
         }
-        // The list of a test that rounds less will not do.
+        // A list for a test that rounds less cannot be used.
         let mut tracker = tracker("verlet(direct,skin=0)");
         let frame = couple(x, r).stored(arithmetic).unwrap();
         let step = |tracker: &mut dyn Tracker, test| {
@@ -151,7 +151,7 @@ fn a_fresh_list_has_what_rounding_accepts() {
     }
 }
 
-/// Skins and bodies that overflow are refused, ways that do are too long.
+/// Skins and particles that overflow are refused; displacements that overflow exceed any skin.
 #[test]
 fn numbers_that_overflow_lose_nothing() {
     let frame = |x: f64, r: f64| -> AnyScene<'static> {
@@ -173,8 +173,8 @@ fn numbers_that_overflow_lose_nothing() {
     }
 }
 
-/// From the same list: no rule gives it up before the one below it, nor after the first frame in
-/// which a pair that is not listed touches.
+/// For the same list, no rule discards it before the rule below it does, nor after the first frame
+/// in which an unlisted pair touches.
 #[test]
 fn the_ladder_of_rules_has_no_exception() {
     let (mut apart, mut equal) = (0, 0);
@@ -225,7 +225,7 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
     assert!(steps[5].dangerous && steps[10].dangerous && !steps[0].dangerous);
 }
 
-/// 49 discs of diameter 2 in a square, so far apart.
+/// 49 discs of diameter 2 on a square lattice with this spacing.
 pub(super) fn grid(apart: f64) -> AnyScene<'static> {
     let at = |k: i32| Point::from([k % 7, k / 7].map(|x| apart * f64::from(x)));
     Scene::new((0..49).map(at).collect::<Vec<_>>(), Radii::Uniform(1.0)).unwrap().into()
@@ -244,7 +244,7 @@ fn other_particles_and_other_radii_begin_anew() {
     for text in ["verlet(nbs,skin=9)", "verlet(kd-tree,skin=9)", "nbs"] {
         assert_eq!(missed(&mut *tracker(text), &mixed, Arithmetic::Exact)[0], 0, "{text}");
     }
-    // A body grows: its contacts do, at no way at all.
+    // A particle grows, so it gains contacts without any displacement.
     let grown = |r: f64| -> AnyScene<'static> {
         let centres = [[0.0, 0.0], [3.0, 0.0]].map(Point::from).to_vec();
         Scene::new(centres, Radii::Each(vec![r, 1.0].into())).unwrap().into()
@@ -257,7 +257,7 @@ fn other_particles_and_other_radii_begin_anew() {
     assert_eq!([lost, all], [0, 1]);
 }
 
-/// After a refusal the pairs are as they were, and the next frame is the first.
+/// After a refusal the pairs are unchanged, and the next frame counts as the first.
 #[test]
 fn refusals_begin_anew() {
     let make =
@@ -268,7 +268,7 @@ fn refusals_begin_anew() {
         assert_eq!(pairs, [[7, 8]]);
         step.map(|step| step.built)
     };
-    // Too many contacts: the same particles, farther apart, begin a new list.
+    // Too many contacts; the same particles farther apart start a new list.
     let (near, far) = (grid(0.5), grid(2.5));
     let mut of_few = make("verlet(direct,skin=0)", 3_000);
     assert_eq!(step(&mut *of_few, &far), Ok(true));
@@ -302,7 +302,8 @@ fn formulas_give_the_bytes_of_the_arrays() {
             let mut tracker = tracker(&format!("verlet(direct,rule={rule},skin=0.6)"));
             assert_eq!(tracker.formula_bytes(), 0);
             let step = tracker.step(frame, Test::Exact, None, &mut Vec::new()).unwrap();
-            // In full when the list was built, in f32 in the last frame with its number, two radii.
+            // Positions in f64 when the list was built, in f32 with the number in the last frame,
+            // two radii.
             let each = 8 * dim * full + 16 + 16;
             assert!(step.listed > 501);
             assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);

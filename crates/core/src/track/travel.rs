@@ -1,27 +1,27 @@
-//! How far particles have gone: upper bounds from rounded squares.
+//! Displacements of particles: upper bounds from rounded squares.
 
 use nalgebra::Point;
 
 use crate::scene::array;
 
-/// An upper bound of a distance in up to three dimensions from its square as computed,
-/// Σ fl(fl(x - y)²).
+/// Returns an upper bound of a distance in up to three dimensions from its computed square, Σ
+/// fl(fl(x - y)²). The bound is never 0.
 ///
-/// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`crate::filter`], 5),
-/// so at most what is under the root here: its own two roundings are within the other 8u. A root is
-/// rounded correctly, and the next double is above the true one. Never 0.
+/// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`crate::filter`],
+/// section 5). So it is at most what is under the root here, whose own two roundings are within the
+/// other 8u. A root is rounded correctly, and the next double is above the true one.
 pub(super) fn at_most(square: f64) -> f64 {
     const BAND: f64 = 16.0 / (1u64 << 53) as f64;
     const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
     (square * (1.0 + BAND) + FLOOR).sqrt().next_up()
 }
 
-/// An upper bound of the distance of two points.
+/// Returns an upper bound of the distance of two points.
 pub fn way<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     at_most(square(a, b))
 }
 
-/// The square of the distance of two points, as computed.
+/// Returns the computed square of the distance of two points.
 #[inline(always)]
 pub(super) fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).fold(0.0, |sum, k| {
@@ -45,8 +45,8 @@ impl TopTwo {
         self.first = if square > self.first { square } else { self.first };
     }
 
-    /// The squares of the ways between points, in turn. Nearly always none is among the two
-    /// largest; so the largest is found first, in turns that need not wait for each other.
+    /// Takes the squared distances between corresponding points. Usually none is among the two
+    /// largest, so the largest is found first, with accumulators that need not wait for each other.
     #[inline(always)]
     pub fn take_all<const D: usize>(&mut self, now: &[Point<f64, D>], then: &[Point<f64, D>]) {
         const TURNS: usize = 4;
@@ -67,7 +67,8 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
-    /// Block by block as one by one, wherever the two farthest are, equal ones among them.
+    /// Processing in blocks equals processing one by one, wherever the two largest are, even if
+    /// equal.
     #[test]
     fn the_two_farthest_are_found_among_all_blocks() {
         for case in 0..200u32 {
@@ -92,7 +93,7 @@ mod tests {
                 let (a, b) =
                     ([x * scale, scale / 3.0, -x * scale], [0.1 * scale, x * scale, scale]);
                 let bound = at_most(square(&a, &b));
-                // Points at this distance: a body of that radius and a point.
+                // A particle of that radius and a point at this distance.
                 assert!(label(&a, &b, bound, 0.0) != Label::Apart, "{a:?} {b:?} {bound}");
                 tight += usize::from(label(&a, &b, bound * (1.0 - 4e-15), 0.0) == Label::Apart);
             }

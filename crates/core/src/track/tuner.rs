@@ -1,23 +1,23 @@
-//! The skin that makes steps cheap, found while they go on.
+//! Chooses the skin that minimises the cost of steps, during the run.
 //!
-//! A thick skin makes a list long, a thin one makes it short-lived. Per particle, in units of one
-//! look at a listed pair, a step that builds a list costs about BUILD + MAKE · listed, one that
-//! only looks at it FOLLOW + listed, and the detector alone DETECT + MAKE · contacts. A list with
-//! skin s, whose two fastest bodies go u diameters in a step together, is built in one of
-//! floor(s / u) + 1 steps, and
+//! A thick skin makes a list long, a thin one makes it short-lived. Costs are per particle, in
+//! units of examining one listed pair. A step that builds a list costs about BUILD + MAKE · listed,
+//! a step that only uses it FOLLOW + listed, and the detector alone DETECT + MAKE · contacts. Let
+//! the two fastest particles move u diameters per step together. A list with skin s is then built
+//! in one of floor(s / u) + 1 steps, and
 //!
 //! ```text
 //! listed = contacts + e ((1 + s)^D - 1),
 //! ```
 //!
-//! with e known from the list at hand. All are counted, not timed, so that the same frames are
-//! given the same skins on every machine. Near its least the cost hardly depends on s: half or
-//! twice the best skin costs a quarter more of the excess, and an error of four times in BUILD is
-//! one of two times in the skin.
+//! with e measured on the current list. All quantities are counted, not timed, so the same frames
+//! get the same skins on every machine. Near its minimum the cost hardly depends on s: half or
+//! twice the best skin raises the excess by a quarter, and a factor of four in BUILD changes the
+//! best skin by a factor of two.
 
 use crate::detect::table::Speed;
 
-/// What a detector costs, in looks of 1 to 1.3 ns.
+/// Costs of a detector, in units of examining a pair (1 to 1.3 ns).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Costs {
     build: f64,
@@ -26,75 +26,71 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    /// Of `streamed-nbs` on 2,000 to a million packed spheres, where building takes 40 to 100 looks
-    /// and asking 27 to 42 in all.
+    /// For `streamed-nbs` on 2,000 to a million packed spheres, where building takes 40 to 100
+    /// units and a whole detection 27 to 42.
     const FAST: Costs = Costs { build: 55.0, make: 5.0, detect: 18.0 };
-    /// Of `nbs` on 32,000.
+    /// For `nbs` on 32,000 spheres.
     const SLOW: Costs = Costs { build: 100.0, make: 18.0, detect: 100.0 };
 
-    /// The costs of a detector.
+    /// Returns the costs of a detector of this speed.
     pub fn of(speed: Speed) -> Costs {
         if speed == Speed::Fast { Costs::FAST } else { Costs::SLOW }
     }
 }
 
-/// To follow costs 5 to 22 looks.
+/// Cost of updating a particle; 5 to 22 were measured.
 const FOLLOW: f64 = 10.0;
-/// In diameters: before anything is known, and at least and at most.
+/// Skins in diameters: the first one, and the least and the most.
 const FIRST: f64 = 0.1;
 pub(super) const LEAST: f64 = 0.01;
 const MOST: f64 = 1.0;
-/// Where lists are of no use so many frames are looked at without one, and twice as many each time
-/// that the next is of no use either.
+/// Number of frames without a list if lists do not pay; it doubles each time the next list does not
+/// pay either.
 const DIRECT: u32 = 15;
 const MOST_DIRECT: u32 = 64 * DIRECT;
-/// So many frames after a list was built it is asked whether a thinner skin would do, and then
-/// after twice as many.
+/// Age at which a list is first compared with a thinner one; the age doubles after each comparison.
 const ASKED: u32 = 64;
 
-/// What is known of a list that is given up, or looked at.
+/// Statistics of a list that is discarded or examined.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Served {
-    /// Frames since it was built.
+    /// Frames since the list was built.
     pub age: u32,
-    /// How far the two that went farthest have gone together, in diameters.
+    /// Sum of the two largest displacements, in diameters.
     pub together: f64,
-    /// Its skin, in diameters.
+    /// Skin in diameters.
     pub skin: f64,
-    /// Listed pairs for each particle.
+    /// Listed pairs per particle.
     pub listed: f64,
-    /// Of those, in touch.
+    /// Touching pairs per particle.
     pub touching: f64,
-    /// Dimensions.
     pub dim: u32,
 }
 
-/// Chooses skins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tuner {
     costs: Costs,
-    /// Of the next list, in diameters.
+    /// Skin of the next list, in diameters.
     pub skin: f64,
-    /// Frames to come that are looked at without a list.
+    /// Number of coming frames without a list.
     pub direct: u32,
-    /// So many there will be where the next list is of no use.
+    /// Number of frames without a list if the next list does not pay.
     next: u32,
-    /// The thickest for which there is room.
+    /// Largest skin whose list fits in memory.
     most: f64,
 }
 
 impl Tuner {
-    /// Of lists over a detector that costs so much.
+    /// Creates a tuner for a detector with these costs.
     pub fn new(costs: Costs) -> Tuner {
         Tuner { costs, skin: FIRST, direct: 0, next: DIRECT, most: MOST }
     }
 
-    /// As at first.
     pub fn reset(&mut self) {
         *self = Tuner::new(self.costs);
     }
 
-    /// A list has been given up.
+    /// Updates the skin from a list that was discarded.
     pub fn learn(&mut self, served: &Served) {
         match best(self.costs, served) {
             Some(skin) => {
@@ -104,32 +100,32 @@ impl Tuner {
         }
     }
 
-    /// No list for a while.
+    /// Uses no list for a while.
     pub fn give_up(&mut self) {
         (self.skin, self.direct) = (FIRST.min(self.most), self.next);
         self.next = (2 * self.next).min(MOST_DIRECT);
     }
 
-    /// A list that may serve on: is it worth building a thinner one?
+    /// Returns whether it pays to replace a list that is still valid by a thinner one.
     pub fn is_too_thick(&self, served: &Served) -> bool {
         let asked = served.age >= ASKED && served.age.is_power_of_two();
         asked && best(self.costs, served).is_some_and(|skin| skin < 0.5 * served.skin)
     }
 
-    /// There is no room for a list with this skin.
+    /// Halves the skin because its list does not fit in memory.
     pub fn thinner(&mut self) {
         self.most = (0.5 * self.skin).max(LEAST);
         self.skin = self.most;
     }
 }
 
-/// The skin of least cost, in diameters; none if it costs less to build in every step.
+/// Returns the skin of least cost in diameters, or `None` if building in every step costs less.
 fn best(costs: Costs, served: &Served) -> Option<f64> {
     let Costs { build, make, detect } = costs;
     let Served { age, together, skin, listed, touching, dim } = *served;
-    // Multiplied out: powers are rounded differently from machine to machine.
+    // Multiplied out, because powers are rounded differently on different machines.
     let grown = |skin: f64| (0..dim).fold(1.0, |power, _| power * (1.0 + skin)) - 1.0;
-    // An empty list says nothing of the next.
+    // An empty list does not predict the next one, hence at least 1.
     let extra = ((listed - touching) / grown(skin).max(LEAST)).max(1.0);
     let step = together / f64::from(age.max(1));
     let cost = |steps: f64, skin: f64| {
@@ -158,7 +154,7 @@ fn best(costs: Costs, served: &Served) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A dense pack, in which the two fastest go so far together in a step.
+    /// A dense packing in which the two fastest particles move this far together in a step.
     fn served(step: f64, skin: f64) -> Served {
         let age = (skin / step).floor().clamp(1.0, 1e6);
         let listed = 3.0 + 6.0 * ((1.0 + skin).powi(3) - 1.0);
@@ -166,8 +162,8 @@ mod tests {
         Served { age: age as u32, together, skin, listed, touching: 3.0, dim: 3 }
     }
 
-    /// By the model without whole steps, where the skin is thin: a step that
-    /// builds a list does not follow, and makes its contacts.
+    /// Predicted by the model without integer steps, for thin skins: a step that builds a list does
+    /// not update it, and finds its contacts.
     #[test]
     fn the_skin_grows_with_the_root_of_the_speed() {
         for step in [1e-5, 1e-4, 1e-3, 1e-2] {
@@ -178,7 +174,7 @@ mod tests {
             let predicted = (excess * step / (3.0 * 6.0)).sqrt().max(LEAST);
             let ratio = tuner.skin / predicted;
             assert!((0.5..=1.5).contains(&ratio), "{step}: {} for {predicted}", tuner.skin);
-            // What it finds it keeps.
+            // A skin that was found is stable.
             let before = tuner;
             tuner.learn(&served(step, tuner.skin));
             assert!((tuner.skin / before.skin - 1.0).abs() < 0.3, "{step}: {tuner:?}");
@@ -202,8 +198,7 @@ mod tests {
         assert_eq!(tuner.direct, DIRECT);
     }
 
-    /// What takes long to find is kept for longer: many contacts, by any detector, and few, by a
-    /// slow one.
+    /// Expensive detections favour lists: many contacts with any detector, and few with a slow one.
     #[test]
     fn the_longer_asking_takes_the_more_lists_pay() {
         let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };

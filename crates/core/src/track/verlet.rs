@@ -1,4 +1,4 @@
-//! A list of near pairs over any detector.
+//! A tracker that keeps a list of near pairs, over any detector.
 
 use std::time::Instant;
 
@@ -17,14 +17,14 @@ use crate::scene::{AnyScene, Lattice, Real, Scene};
 use crate::searcher::Searcher;
 use crate::with_stored;
 
-/// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
-/// and looks at those only, until the rule says that others may touch.
+/// Keeps all pairs at most a skin apart, found by a detector among enlarged particles, and tests
+/// only those until the rule requires a rebuild.
 ///
-/// Needs, for N particles in D dimensions and L listed pairs, (16 + 8·D) N bytes and 8 for each of
-/// L or N + 1, whichever are more, beside its detector; 16 N more with a radius each, and 8 N more
-/// of those while a list is built; 8·D N more where the rule is [`Rule::Summed`]. In a box N / 8
-/// more, 20 for each listed pair through a face, 16 for each particle that has another name than
-/// when the list was built, and images while it is built.
+/// For N particles in D dimensions and L listed pairs it needs (16 + 8·D) N bytes and 8 for each of
+/// max(L, N + 1), besides its detector. A radius per particle adds 16 N, and 8 N more while a list
+/// is built; [`Rule::Summed`] adds 8·D N. A box adds N / 8, 20 for each listed pair through a face,
+/// 16 for each particle given by another image than when the list was built, and images while it is
+/// built.
 pub(super) struct Verlet {
     search: EveryStep,
     skin: Skin,
@@ -49,7 +49,7 @@ impl Verlet {
         }
     }
 
-    /// A step with a list; none if the detector is to be called without one.
+    /// Makes a step with a list, or returns `None` if the detector must be called without one.
     fn with_list(
         &mut self,
         frame: Frame<'_>,
@@ -127,7 +127,7 @@ impl Tracker for Verlet {
             self.space.forget();
             self.tuner.direct = self.tuner.direct.saturating_sub(1);
             let frame = match frame {
-                // As safe as lists are, whatever filters are asked for.
+                // Lists are safe, so the frame without a list uses safe filters, too.
                 Frame::Open(scene, test) => Frame::Open(scene, test.safe()),
                 boxed @ Frame::Boxed(..) => boxed,
             };
@@ -151,7 +151,7 @@ impl Tracker for Verlet {
     }
 }
 
-/// Who says how thick the skin is, in diameters of the largest body.
+/// Thickness of the skin in diameters of the largest particle: given, or chosen by a tuner.
 enum Thick<'a> {
     Given(f64),
     By(&'a mut Tuner),
@@ -160,7 +160,7 @@ enum Thick<'a> {
 /// Input of one step.
 struct Work<'a> {
     rule: Rule,
-    /// Contacts of the frame before.
+    /// Contacts of the previous frame.
     touching: u64,
     test: Test,
     skin: Thick<'a>,
@@ -172,8 +172,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Hands the listed pairs that touch to the lists by `pass`, which returns how many of them
-    /// took exact arithmetic. None if the detector is to be called without a list.
+    /// Passes the listed pairs that touch to the lists by `pass`, which returns how many tests used
+    /// exact arithmetic. Returns `None` if the detector must be called without a list.
     fn step<'a, T: Real, const D: usize>(
         mut self,
         kept: &mut Kept<D>,
@@ -196,8 +196,8 @@ impl Work<'_> {
         Ok(Some(step))
     }
 
-    /// Brings particles to their places, and builds a list if it is due. None if the detector is to
-    /// be asked without one.
+    /// Updates particles to this frame and builds a list if it is due. Returns `None` if the
+    /// detector must be called without a list.
     fn ready<T: Real, const D: usize>(
         &mut self,
         kept: &mut Kept<D>,
@@ -248,7 +248,7 @@ impl Work<'_> {
                 match &mut self.skin {
                     Thick::Given(_) => return Err(refusal),
                     Thick::By(tuner) if too_long && tuner.skin > LEAST => tuner.thinner(),
-                    // Without a list there may be room.
+                    // Without a list memory may suffice.
                     Thick::By(tuner) => {
                         tuner.give_up();
                         return Ok(None);
@@ -262,7 +262,7 @@ impl Work<'_> {
     }
 }
 
-/// Sums up for the tuner what a list has done so far, for this many particles with this largest
+/// Summarises for the tuner what a list has done, for this many particles with this largest
 /// diameter.
 fn served<const D: usize>(
     kept: &Kept<D>,
@@ -271,7 +271,7 @@ fn served<const D: usize>(
     age: u32,
     gone: f64,
 ) -> Served {
-    // Points go infinitely far.
+    // For points, every displacement would be infinitely many diameters.
     let in_diameters = |length: f64| if length > 0.0 { length / diameter } else { 0.0 };
     let per_particle = |count: u64| count as f64 / particles.max(1) as f64;
     Served {

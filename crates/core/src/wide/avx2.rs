@@ -1,15 +1,15 @@
-//! AVX2: two registers of 8 floats; ids are packed by a permutation from a table.
+//! AVX2: two registers of 8 floats; a permutation from a table packs ids.
 
 use std::arch::x86_64::*;
 
 use super::{HALF, Kernel, LANES, Spot, Wide};
 
-/// A processor with AVX2, FMA, BMI and POPCNT. Made by [`Avx2::detect`] only.
+/// A processor with AVX2, FMA, BMI and POPCNT. Only [`Avx2::detect`] creates it.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
 
 impl Avx2 {
-    /// `Some` on a processor that has the instructions.
+    /// Returns `Some` on a processor that has the instructions.
     pub fn detect() -> Option<Avx2> {
         (is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")
@@ -26,7 +26,7 @@ fn compiled<K: Kernel>(wide: Avx2, kernel: K) -> K::Output {
     kernel.run(wide)
 }
 
-/// For every mask of 8 lanes: the lanes in it, side by side.
+/// For every mask of 8 lanes: the selected lanes, moved to the front.
 static PACKED: [[u32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut mask = 0;
@@ -44,12 +44,12 @@ static PACKED: [[u32; 8]; 256] = {
     table
 };
 
-/// For every mask of four pairs: the lanes of those in it, side by side.
+/// For every mask of four pairs: the lanes of the selected pairs, moved to the front.
 static PACKED_PAIRS: [[u32; 8]; 16] = {
     let mut table = [[0; 8]; 16];
     let mut mask = 0;
     while mask < 16 {
-        // Both lanes of a pair, or none.
+        // Both lanes of a pair, or neither.
         let spread = mask & 1 | (mask & 2) << 1 | (mask & 4) << 2 | (mask & 8) << 3;
         table[mask] = PACKED[3 * spread];
         mask += 1;
@@ -57,8 +57,8 @@ static PACKED_PAIRS: [[u32; 8]; 16] = {
     table
 };
 
-// A value of this type exists only where `detect` has found the instructions: what SAFETY means by
-// "found" below. Loads and stores are of the unaligned kind, but for spots, which are aligned.
+// A value of this type exists only if `detect` found the instructions: "found" in SAFETY comments
+// below. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx2 {
     #[inline(always)]
     fn each(
@@ -79,35 +79,35 @@ impl Avx2 {
         }
     }
 
-    /// One side of couples r and 4 + r: of four such vectors, transposed in blocks of 4x4 lanes,
-    /// the couples are in turn.
+    /// Loads one side of pairs r and 4 + r. Four such vectors, transposed in blocks of 4x4 lanes,
+    /// yield the pairs in order.
     ///
     /// # Safety
-    /// Their places are below the number of spots.
+    /// The places of the pairs must be below the number of spots.
     #[inline(always)]
     unsafe fn two(self, spots: &[Spot], eight: &[[u32; 2]], r: usize, side: usize) -> __m256 {
-        // SAFETY: AVX was found; the caller vouches for the places, and a spot is sixteen bytes
-        // and aligned to them.
+        // SAFETY: AVX was found; the caller ensures valid places, and a spot is sixteen bytes,
+        // aligned to sixteen.
         unsafe {
             let at = |k: usize| _mm_load_ps(spots.as_ptr().add(eight[k][side] as usize).cast());
             _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(at(r)), at(4 + r))
         }
     }
 
-    /// Eight of [`Wide::couples`].
+    /// Computes eight of [`Wide::couples`].
     ///
     /// # Safety
-    /// Their places are below the number of spots.
+    /// The places must be below the number of spots.
     #[inline(always)]
     unsafe fn eight(self, spots: &[Spot], eight: &[[u32; 2]]) -> (__m256, [__m256i; 2]) {
-        // SAFETY: AVX2 was found; the caller vouches for the places.
+        // SAFETY: AVX2 was found; the caller ensures valid places.
         unsafe {
             let two = |r: usize, side: usize| self.two(spots, eight, r, side);
             let (a0, b0) = (two(0, 0), two(0, 1));
             let (a1, b1) = (two(1, 0), two(1, 1));
             let (a2, b2) = (two(2, 0), two(2, 1));
             let (a3, b3) = (two(3, 0), two(3, 1));
-            // In the fourth lane of each the number of b stays.
+            // The fourth lane of each keeps the number of b.
             let off0 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a0, b0), b0);
             let off1 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a1, b1), b1);
             let off2 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a2, b2), b2);
@@ -252,7 +252,7 @@ impl Wide for Avx2 {
         let most = couples.iter().flatten().fold(0, |most, &place| most.max(place));
         assert!((most as usize) < spots.len(), "a place beyond the spots");
         let (low, high) = couples.split_at(HALF);
-        // SAFETY: no place is more than `most`, and that is below the number of spots.
+        // SAFETY: no place is above `most`, which is below the number of spots.
         let ((low, [p, q]), (high, [r, s])) =
             unsafe { (self.eight(spots, low), self.eight(spots, high)) };
         ([low, high], [p, q, r, s])
@@ -264,9 +264,8 @@ impl Wide for Avx2 {
         let mut packed = 0;
         for (quarter, pairs) in pairs.into_iter().enumerate() {
             let mask = (mask >> (4 * quarter)) & 0xf;
-            // SAFETY: AVX2 was found; `packed` is at most four for each quarter before, so that
-            // four pairs from there are within the sixteen of `to`; a row of the table is eight
-            // numbers.
+            // SAFETY: AVX2 was found. `packed` is at most four per earlier quarter, so four pairs
+            // from there are within the sixteen of `to`. A row of the table has eight numbers.
             unsafe {
                 let order = _mm256_loadu_si256(PACKED_PAIRS[mask as usize].as_ptr().cast());
                 let four = _mm256_permutevar8x32_epi32(pairs, order);

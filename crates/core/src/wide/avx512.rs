@@ -1,17 +1,16 @@
-//! AVX-512: one register of 16 floats, masks in registers of their own, ids packed by one
-//! instruction.
+//! AVX-512: one register of 16 floats, mask registers, and an instruction that packs ids.
 
 use std::arch::x86_64::*;
 
 use super::{HALF, Kernel, LANES, Spot, Wide};
 
-/// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Made by
-/// [`Avx512::detect`] only.
+/// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Only [`Avx512::detect`]
+/// creates it.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(());
 
 impl Avx512 {
-    /// `Some` on a processor that has the instructions.
+    /// Returns `Some` on a processor that has the instructions.
     pub fn detect() -> Option<Avx512> {
         (is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
@@ -31,24 +30,24 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
     kernel.run(wide)
 }
 
-// A value of this type exists only where `detect` has found the instructions: what SAFETY means by
-// "found" below. Loads and stores are of the unaligned kind, but for spots, which are aligned.
+// A value of this type exists only if `detect` found the instructions: "found" in SAFETY comments
+// below. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx512 {
     #[inline(always)]
     fn packed(self, ids: __m512i, mask: u32, to: &mut [u32; HALF]) {
-        // SAFETY: AVX-512 F and VL were found; of the sixteen packed lanes the first eight are
-        // stored, and `to` has eight.
+        // SAFETY: AVX-512 F and VL were found; the first eight of sixteen packed lanes are stored,
+        // and `to` has eight.
         unsafe {
             let packed = _mm512_maskz_compress_epi32(mask as u16, ids);
             _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
         }
     }
 
-    /// One side of couples r, 4 + r, 8 + r and 12 + r: of four such vectors, transposed in blocks
-    /// of 4x4 lanes, the couples are in turn.
+    /// Loads one side of pairs r, 4 + r, 8 + r and 12 + r. Four such vectors, transposed in blocks
+    /// of 4x4 lanes, yield the pairs in order.
     ///
     /// # Safety
-    /// Their places are below the number of spots.
+    /// The places of the pairs must be below the number of spots.
     #[inline(always)]
     unsafe fn four(
         self,
@@ -57,8 +56,8 @@ impl Avx512 {
         r: usize,
         side: usize,
     ) -> __m512 {
-        // SAFETY: AVX-512 F was found; the caller vouches for the places, and a spot is sixteen
-        // bytes and aligned to them.
+        // SAFETY: AVX-512 F was found; the caller ensures valid places, and a spot is sixteen
+        // bytes, aligned to sixteen.
         unsafe {
             let at = |k: usize| _mm_load_ps(spots.as_ptr().add(couples[k][side] as usize).cast());
             let four = _mm512_castps128_ps512(at(r));
@@ -175,7 +174,8 @@ impl Wide for Avx512 {
     #[inline(always)]
     fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (__m512, [__m512i; 2]) {
         let [low, high] = self.load_pairs(couples);
-        // SAFETY: AVX-512 F was found. All places are below the number of spots, by the assertion.
+        // SAFETY: AVX-512 F was found; the assertion ensures that places are below the number of
+        // spots.
         unsafe {
             let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);
             let within = [_mm512_cmplt_epu32_mask(low, most), _mm512_cmplt_epu32_mask(high, most)];
@@ -185,7 +185,7 @@ impl Wide for Avx512 {
             let (a1, b1) = (four(1, 0), four(1, 1));
             let (a2, b2) = (four(2, 0), four(2, 1));
             let (a3, b3) = (four(3, 0), four(3, 1));
-            // In the fourth lane of each the number of b stays.
+            // The fourth lane of each keeps the number of b.
             let off0 = _mm512_mask_sub_ps(b0, 0x7777, a0, b0);
             let off1 = _mm512_mask_sub_ps(b1, 0x7777, a1, b1);
             let off2 = _mm512_mask_sub_ps(b2, 0x7777, a2, b2);

@@ -1,18 +1,18 @@
-//! Sixteen floats at a time: what the vector code of a detector is written in.
+//! Sixteen floats at a time: an abstraction over vector instructions.
 //!
-//! A kernel is written once, over [`Wide`], and compiled for every instruction set; the widest that
-//! the processor has is chosen when the program runs ([`Level::best`]), so one binary serves all
-//! machines. A value of an implementing type is the proof that its instructions may be used: only
-//! [`Level`] makes one, after asking the processor.
+//! A kernel is written once, over [`Wide`], and compiled for every instruction set. [`Level::best`]
+//! selects the widest one that the processor has at run time, so one binary serves all machines. A
+//! value of an implementing type proves that its instructions may be used: only [`Level`] creates
+//! one, after checking the processor.
 //!
 //! | level | registers | instructions |
 //! |---|---|---|
 //! | `avx512` | one of 16 floats | AVX-512 F, BW, DQ, VL |
 //! | `avx2` | two of 8 floats | AVX2 and FMA |
-//! | `portable` | an array of 16 floats | none in particular |
+//! | `portable` | an array of 16 floats | any |
 //!
-//! The levels may round differently (a fused multiply-add rounds once), by less than one part in
-//! 2^22 in a sum of three squares. Detectors leave to the contact test what that could change, so
+//! Levels may round differently (a fused multiply-add rounds once), by less than one part in 2^22
+//! in a sum of three squares. Detectors leave pairs that this could change to the contact test, so
 //! their pairs are the same on every level.
 
 #[cfg(target_arch = "x86_64")]
@@ -27,26 +27,25 @@ pub use avx2::Avx2;
 pub use avx512::Avx512;
 pub use portable::Portable;
 
-/// Numbers handled together.
+/// Number of lanes of a vector.
 pub const LANES: usize = 16;
-/// Half of them.
+/// Half the number of lanes.
 pub const HALF: usize = LANES / 2;
 
-/// A point and its number, side by side in memory. In two dimensions the last coordinate is 0.
+/// A point and its number, adjacent in memory. In two dimensions the last coordinate is 0.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub struct Spot {
-    /// Where it is.
+    /// Coordinates.
     pub at: [f32; 3],
-    /// Its number.
+    /// Number of the point.
     pub id: u32,
 }
 
-// A spot is one register.
 const _: () = assert!(size_of::<Spot>() == 16 && align_of::<Spot>() == 16);
 
 impl Spot {
-    /// The square of the distance, as [`Wide::couples`] has it.
+    /// Returns the squared distance, with the rounding of [`Wide::couples`].
     #[inline(always)]
     pub fn square(&self, other: &Spot) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.at[axis] - other.at[axis]);
@@ -54,80 +53,79 @@ impl Spot {
     }
 }
 
-/// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane
-/// in the lowest.
+/// Vectors of [`LANES`] floats in one instruction set. Masks have one bit per lane, the first lane
+/// in the lowest bit.
 pub trait Wide: Copy + Send + Sync {
-    /// Are sixteen lanes so many instructions that one number after the other is faster where only
-    /// a few lanes are needed?
+    /// Whether sixteen lanes take so many instructions that single numbers are faster if only a few
+    /// lanes are needed.
     const NARROW: bool = false;
     /// A vector of floats.
     type Floats: Copy;
-    /// The same number in every lane.
+    /// Returns a vector with the same number in every lane.
     fn all(self, x: f32) -> Self::Floats;
-    /// As stored.
+    /// Loads sixteen floats.
     fn load(self, from: &[f32; LANES]) -> Self::Floats;
-    /// Eight lanes from one place, eight from another.
+    /// Loads eight lanes from one place and eight from another.
     fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> Self::Floats;
-    /// a + b.
+    /// Returns a + b.
     fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// a - b.
+    /// Returns a - b.
     fn sub(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// a · b.
+    /// Returns a · b.
     fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// a · b + c, rounded once or twice.
+    /// Returns a · b + c, rounded once or twice.
     fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
-    /// The larger of a and b; b where a is no number.
+    /// Returns the larger of a and b, or b if a is NaN.
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// The lanes in which a <= b.
+    /// Returns a mask of the lanes with a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
-    /// Writes the lanes of `ids` that are in `mask` side by side to the front of `to`, if they are
-    /// at most eight; what comes after them is anything.
+    /// Writes the `ids` selected by `mask`, at most eight, to the front of `to`; the rest of `to`
+    /// is unspecified.
     fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]);
-    /// As [`Wide::pack`], with ids from two places.
+    /// Works as [`Wide::pack`] with ids from two places.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pairs (i, ids\[k\]).
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]);
-    /// Sixteen pairs of numbers.
+    /// A vector of sixteen pairs of numbers.
     type Pairs: Copy;
-    /// As stored.
+    /// Loads sixteen pairs.
     fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs;
-    /// Of sixteen couples of places in `spots` the squares of the distances, rounded after every
-    /// step so that all levels give the same, and the pairs of their numbers.
+    /// Returns the squared distances of sixteen pairs of places in `spots`, rounded after every
+    /// step so that all levels agree, and the pairs of their numbers.
     ///
     /// # Panics
-    /// A place is beyond `spots`.
+    /// Panics if a place is beyond `spots`.
     fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs);
-    /// Writes the pairs that are in `mask` side by side to the front of `to`; what comes after
-    /// them is anything.
+    /// Writes the pairs selected by `mask` to the front of `to`; the rest of `to` is unspecified.
     fn pack_pairs(self, pairs: Self::Pairs, mask: u32, to: &mut [[u32; 2]; LANES]);
-    /// Runs a kernel, compiled for these instructions.
+    /// Runs a kernel compiled for these instructions.
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
-/// Code over any [`Wide`], to be inlined where the instructions are known. Implementations should
-/// be `#[inline(always)]`.
+/// Code over any [`Wide`], inlined where the instructions are known. Implementations should be
+/// `#[inline(always)]`.
 pub trait Kernel {
-    /// What comes of it.
+    /// Type of the result.
     type Output;
-    /// Does it.
+    /// Runs the code with a proof of the instructions.
     fn run<W: Wide>(self, wide: W) -> Self::Output;
 }
 
 /// An instruction set that this processor has.
 #[derive(Clone, Copy, Debug)]
 pub enum Level {
-    /// See [`Avx512`].
+    /// AVX-512.
     #[cfg(target_arch = "x86_64")]
     Avx512(Avx512),
-    /// See [`Avx2`].
+    /// AVX2.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
-    /// See [`Portable`].
+    /// Plain Rust.
     Portable(Portable),
 }
 
 impl Level {
-    /// All levels of this processor, the widest first.
+    /// Returns all levels of this processor, the widest first.
     pub fn all() -> Vec<Level> {
         let mut levels = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -139,7 +137,7 @@ impl Level {
         levels
     }
 
-    /// The widest.
+    /// Returns the widest level.
     pub fn best() -> Level {
         #[cfg(target_arch = "x86_64")]
         {
@@ -153,7 +151,7 @@ impl Level {
         Level::Portable(Portable)
     }
 
-    /// Its name, for messages.
+    /// Returns the name, for messages and parameters.
     pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -183,7 +181,7 @@ mod tests {
     struct Everything;
     impl Kernel for Everything {
         type Output = Vec<u64>;
-        /// All operations on numbers on which no level rounds.
+        /// All operations on numbers that no level rounds.
         #[inline(always)]
         fn run<W: Wide>(self, w: W) -> Vec<u64> {
             let a: [f32; LANES] = std::array::from_fn(|k| (k * k) as f32 - 37.0);
@@ -192,7 +190,7 @@ mod tests {
             let (va, vb) = (w.load(&a), w.load(&b));
             let mut all = Vec::new();
             let mut see = |v: W::Floats| {
-                // A vector, seen through comparisons: the ranks of its lanes.
+                // Reads a vector through comparisons: the ranks of its lanes.
                 all.extend(
                     (-3000..3000).step_by(7).map(|x| u64::from(w.at_most(v, w.all(x as f32)))),
                 );
@@ -219,7 +217,8 @@ mod tests {
                 pairs,
                 [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
             );
-            // Differences, squares and sums that are rounded, and numbers of all bits.
+            // Differences, squares and sums that are rounded, of numbers with all bits set at
+            // random.
             let spots: [Spot; 19] = std::array::from_fn(|k| Spot {
                 at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),
                 id: (k as u32 + 1).wrapping_mul(0x9e37_79b9),

@@ -1,7 +1,7 @@
 //! `kd-tree`: the k-d tree of the crate [kd-tree](https://docs.rs/kd-tree).
 //!
-//! Particles are sorted in place into a balanced tree, and each, in the order of the tree, asks for
-//! what is within reach. The crate gives the answer to each query as a new list.
+//! Particles are sorted in place into a balanced tree. Each particle, in the order of the tree,
+//! queries its neighbours within reach. The crate returns a new list for each query.
 
 use ::kd_tree::{KdSlice2, KdSlice3};
 
@@ -12,7 +12,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per particle.
+/// Builds a tree and queries it once per particle.
 pub struct KdTree<const D: usize> {
     points: Vec<[f64; D]>,
     items: Vec<([f64; D], u32)>,
@@ -28,7 +28,7 @@ impl<const D: usize> Declare for KdTree<D> {
     }
 }
 
-// The crate has a type for each dimension.
+// The crate has one type per dimension.
 macro_rules! detector {
     ($d:literal, $slice:ident) => {
         impl<T: Real> Detector<T, $d> for KdTree<$d> {
@@ -39,7 +39,7 @@ macro_rules! detector {
                 sink: &mut S,
             ) -> Result<(), Refusal> {
                 positions(&bodies, &mut self.points);
-                // The crate's search is open: at exactly this distance nothing is found, which the
+                // The crate's search is open: it finds nothing at exactly this distance, which the
                 // margin covers.
                 let radius = squared_reach(KD_TREE.name, &bodies, &self.points)?.sqrt();
                 self.items.clear();

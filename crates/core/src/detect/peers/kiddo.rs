@@ -1,10 +1,10 @@
 //! `kiddo`: the k-d tree of the crate [kiddo](https://docs.rs/kiddo).
 //!
-//! The tree for points that are known beforehand (`ImmutableKdTree`) is built from the slice of
-//! centres; it copes with many points that share a coordinate, which the crate's mutable tree does
-//! not. Each particle, in the order of the leaves, asks for what is within reach, unsorted, without
-//! distances, by a visitor, with a stack that is kept: no query allocates. The crate's SIMD needs a
-//! nightly compiler and is off; its threads are off.
+//! `ImmutableKdTree` is built from the slice of centres. It handles many points with an equal
+//! coordinate, which the crate's mutable tree does not. Each particle, in the order of the leaves,
+//! queries its neighbours within reach: unsorted, without distances, by a visitor with a reused
+//! stack, so no query allocates. The crate's SIMD needs a nightly compiler and is off; its threads
+//! are off.
 
 use ::kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -15,7 +15,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per particle.
+/// Builds a tree and queries it once per particle.
 pub struct Kiddo<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Kiddo<D> {

@@ -1,13 +1,14 @@
-//! Peers: libraries that people use to find neighbours, as detectors, measured in the same run as
-//! ours (cargo feature `peers`).
+//! Peers: neighbour search libraries that people use, wrapped as detectors and measured in the same
+//! run (cargo feature `peers`).
 //!
-//! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*: it is
-//! asked for all pairs within [`reach`](crate::contact::Bodies::reach), and
-//! [`touch`](crate::contact::Bodies::touch) decides, so that its answers are held to the same
-//! truth. The clock is ours, too: from raw coordinates to the complete list of pairs, building the
-//! library's structure included. What a library cannot be trusted with is refused, with the reason.
+//! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*. It
+//! finds all pairs within [`reach`](crate::contact::Bodies::reach), and
+//! [`touch`](crate::contact::Bodies::touch) decides, so its result must equal the same truth. The
+//! clock is the same, too: from raw coordinates to the complete list of pairs, including the
+//! construction of the library's structure. Scenes that a library cannot handle are refused with
+//! the reason.
 //!
-//! Peers are not held to our rules about memory: they allocate as they please and declare no
+//! Peers need not follow this project's rules about memory: they allocate freely and have no
 //! formula.
 
 #[cfg(feature = "peers")]
@@ -28,20 +29,20 @@ use crate::contact::Bodies;
 #[cfg(feature = "peers")]
 use crate::scene::Real;
 
-/// What is known of a peer also where it is not compiled.
+/// Description of a peer, available even if the peer is not compiled in.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Peer {
-    /// The name in records, experiments and on the command line.
+    /// Name in records, experiments and on the command line.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// The algorithm in a few words.
     pub summary: &'static str,
     /// Cost for N particles.
     pub cost: &'static str,
-    /// What it refuses or does badly.
+    /// Scenes that the peer refuses or is slow on.
     pub limits: &'static str,
 }
 
-/// See [`kiddo`](https://docs.rs/kiddo).
+/// The crate [`kiddo`](https://docs.rs/kiddo).
 pub const KIDDO: Peer = Peer {
     name: "kiddo",
     summary: "peer: k-d tree of the crate kiddo, one radius query per particle",
@@ -49,7 +50,7 @@ pub const KIDDO: Peer = Peer {
     limits: "refuses scenes where squares of distances overflow",
 };
 
-/// See [`kd-tree`](https://docs.rs/kd-tree).
+/// The crate [`kd-tree`](https://docs.rs/kd-tree).
 pub const KD_TREE: Peer = Peer {
     name: "kd-tree-crate",
     summary: "peer: k-d tree of the crate kd-tree, one radius query per particle",
@@ -57,7 +58,7 @@ pub const KD_TREE: Peer = Peer {
     limits: "a new list for every query; refuses scenes where squares of distances overflow",
 };
 
-/// See [`rstar`](https://docs.rs/rstar).
+/// The crate [`rstar`](https://docs.rs/rstar).
 pub const RSTAR: Peer = Peer {
     name: "rstar",
     summary: "peer: R*-tree of the crate rstar, bulk-loaded, one radius query per particle",
@@ -65,7 +66,7 @@ pub const RSTAR: Peer = Peer {
     limits: "refuses scenes where squares of distances overflow",
 };
 
-/// See [`parry`](https://parry.rs).
+/// The crates of [`parry`](https://parry.rs).
 pub const PARRY: Peer = Peer {
     name: "parry",
     summary: "peer: bounding volume hierarchy of the crate parry, traversed against itself",
@@ -73,7 +74,7 @@ pub const PARRY: Peer = Peer {
     limits: "refuses scenes where squares of distances overflow",
 };
 
-/// See [`zelll`](https://docs.rs/zelll).
+/// The crate [`zelll`](https://docs.rs/zelll).
 pub const ZELLL: Peer = Peer {
     name: "zelll",
     summary: "peer: hashed cells of the crate zelll",
@@ -84,7 +85,8 @@ pub const ZELLL: Peer = Peer {
 /// All peers.
 pub const PEERS: [&Peer; 5] = [&KIDDO, &KD_TREE, &RSTAR, &PARRY, &ZELLL];
 
-/// Why a peer cannot be run, if it is one that this program was built without.
+/// Returns why the peer of this name cannot run, or `None` unless it is a peer that was not
+/// compiled in.
 pub fn missing(name: &str) -> Option<String> {
     let absent = !cfg!(feature = "peers") && PEERS.iter().any(|peer| peer.name == name);
     absent.then(|| {
@@ -95,14 +97,13 @@ pub fn missing(name: &str) -> Option<String> {
     })
 }
 
-/// The centres of all particles, in a buffer that is kept.
 #[cfg(feature = "peers")]
 fn positions<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, points: &mut Vec<[f64; D]>) {
     points.clear();
     points.extend((0..bodies.len() as u32).map(|i| bodies.position(i)));
 }
 
-/// The box around points; one point at the origin if there are none.
+/// Returns the bounding box of the points, or the origin if there are none.
 #[cfg(feature = "peers")]
 fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
     let first = points.first().copied().unwrap_or([0.0; D]);
@@ -111,13 +112,13 @@ fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
     })
 }
 
-/// The square of the distance to search, for libraries that prune and decide by squares: no pair
-/// that `touch` accepts is farther apart as they compute it.
+/// Returns the square of the search distance, for libraries that prune and decide by squares: no
+/// pair that `touch` accepts is farther apart as such a library computes it.
 ///
-/// A square computed in one go is off by 6u (see [`crate::filter`], section 5); trees that update
-/// the distance to a box at every level may be off by some u for each. 2^-40 covers thousands of
-/// levels and costs nothing; the term beside it covers underflow. Where squares overflow, trees may
-/// compute infinity less infinity, and the scene is refused.
+/// A square computed directly is off by 6u (see [`crate::filter`], section 5). Trees that update
+/// the distance to a box at every level may be off by a few u per level. The factor 2^-40 covers
+/// thousands of levels at no cost; the added 2^-960 covers underflow. If squares overflow, trees
+/// may compute infinity minus infinity: such scenes are refused.
 #[cfg(feature = "peers")]
 fn squared_reach<T: Real, const D: usize>(
     detector: &'static str,
@@ -125,7 +126,7 @@ fn squared_reach<T: Real, const D: usize>(
     points: &[[f64; D]],
 ) -> Result<f64, Refusal> {
     const PART: f64 = 1.0 / (1u64 << 40) as f64;
-    // 2^-960, by its bits.
+    // 2^-960, as bits.
     let least = f64::from_bits((1023 - 960) << 52);
     let [low, high] = bounds(points);
     let farthest: f64 = (0..D).map(|k| (high[k] - low[k]) * (high[k] - low[k])).sum();

@@ -1,10 +1,10 @@
 //! `parry`: the bounding volume hierarchy of the crates [parry2d-f64 and
 //! parry3d-f64](https://parry.rs).
 //!
-//! Boxes around the particles, half of what each reaches to its like to each side, are put into a
-//! tree by binning, the crate's fast way to build one, and the tree is traversed against itself,
-//! which gives each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`],
-//! section 2).
+//! Each particle gets a box that extends by half its reach to a particle of its own size. Binning,
+//! the crate's fast construction, builds a tree of these boxes. Traversing the tree against itself
+//! yields each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`], section
+//! 2).
 
 use super::{PARRY, positions, squared_reach};
 use crate::contact::Bodies;
@@ -27,7 +27,7 @@ impl<const D: usize> Declare for Parry<D> {
     }
 }
 
-// There is a crate for each dimension.
+// The library has one crate per dimension.
 macro_rules! detector {
     ($d:literal, $parry:ident) => {
         impl<T: Real> Detector<T, $d> for Parry<$d> {
@@ -41,11 +41,11 @@ macro_rules! detector {
                 use $parry::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
                 positions(&bodies, &mut self.0);
-                // Only for its refusal: volumes of boxes must not overflow, either.
+                // Called only to refuse large scenes: volumes of boxes must not overflow.
                 squared_reach(PARRY.name, &bodies, &self.0)?;
                 let slack = bodies.slack();
                 let boxes = self.0.iter().zip(0..).map(|(point, id)| {
-                    // No less than half of its reach to any other, as in the class of itself.
+                    // At least half of the reach to any particle of this size or smaller.
                     let half = slack.reach(bodies.radius(id), bodies.radius(id)) / 2.0;
                     let [low, high] =
                         [0, 1].map(|side| point.map(|x| interval(x, half)[side]).into());

@@ -1,7 +1,7 @@
 //! `rstar`: the R*-tree of the crate [rstar](https://docs.rs/rstar).
 //!
-//! The tree is bulk-loaded from the centres, and each particle, in the order of the leaves, asks
-//! for what is within reach.
+//! The tree is bulk-loaded from the centres. Each particle, in the order of the leaves, queries its
+//! neighbours within reach.
 
 use ::rstar::RTree;
 use ::rstar::primitives::GeomWithData;
@@ -13,7 +13,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per particle.
+/// Builds a tree and queries it once per particle.
 pub struct Rstar<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Rstar<D> {

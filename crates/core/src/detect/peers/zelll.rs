@@ -1,14 +1,14 @@
 //! `zelll`: the cell lists of the crate [zelll](https://docs.rs/zelll).
 //!
-//! Particles with their numbers are sorted into cells of one reach, hashed by a number of 32 bits;
-//! the crate enumerates all pairs in equal and neighbouring cells.
+//! Particles are sorted into cells as wide as the reach, hashed by a 32-bit number. The crate
+//! enumerates all pairs in equal and neighbouring cells.
 //!
-//! * The grid is made anew for every detection. The crate can also rebuild one in place, but then
-//!   takes over the cells of the detection before where no particle has left its cell, which the
-//!   clock forbids, and it does not notice when only the number of particles changes.
+//! * A new grid is made for every detection. The crate can rebuild one in place, but then reuses
+//!   the previous cells if no particle has left its cell, which would make the measurement unfair.
+//!   It also misses a changed number of particles.
 //! * Cells are wider than the reach by the margin of [`crate::filter::cells`], whose proof holds
-//!   here: fewer than 2^31 cells per axis, found by one subtraction and one division. Where their
-//!   numbers would not fit 32 bits, cells are doubled until they do.
+//!   here: fewer than 2^31 cells per axis, found by one subtraction and one division. Cells are
+//!   doubled until their numbers fit in 32 bits.
 
 use ::zelll::{CellGrid, ParticleLike};
 
@@ -19,7 +19,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Makes a grid and takes its pairs.
+/// Builds a grid and enumerates its pairs.
 pub struct Zelll<const D: usize>(Vec<[f64; D]>);
 
 #[derive(Clone, Copy)]
@@ -68,10 +68,9 @@ impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
     }
 }
 
-/// The edge of the cells.
+/// Returns the edge of the cells.
 fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal> {
-    // The crate numbers four cells more than there are on each axis, and adds and subtracts
-    // neighbours.
+    // The crate numbers four more cells per axis than exist, and adds and subtracts neighbours.
     const MOST: f64 = (1u64 << 30) as f64;
     let [low, high] = bounds(points);
     let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
@@ -82,7 +81,7 @@ fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal>
             "its cells or their distances overflow; scale the scene down, or use direct".into();
         return Err(Refusal::Library { detector: ZELLL.name, reason });
     }
-    // Bodies without extent: about one per cell will do.
+    // For points, about one particle per cell is enough.
     if reach == 0.0 {
         edge = edge.max(longest / libm::pow(points.len().max(1) as f64, 1.0 / D as f64));
     }

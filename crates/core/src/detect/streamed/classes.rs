@@ -1,39 +1,36 @@
-//! Classes of sizes: which bodies go through the scene together.
+//! Size classes: which particles share a grid.
 //!
-//! Cells are as wide as the reach of the largest body in them. So bodies of very different sizes
-//! are parted by their radii, each class gets the grid that suits it, and where the grid of one
-//! class holds the smaller bodies, larger ones visit it ([`super::visits`]).
+//! Cells are as wide as the reach of the largest particle in them. So particles of very different
+//! sizes are divided into classes by radius, and each class gets a grid that suits it. Larger
+//! particles then visit the grids of smaller ones ([`super::visits`]).
 //!
-//! Radii are told apart by octaves: how many times the largest radius of the scene is halved,
-//! before it is less. Which octaves share a grid is chosen so that a model of the work is least
-//! ([`Class::work`], [`Class::visits`]). Since larger bodies visit finer classes one by one, the
-//! work in a class and of its visitors depends on where the class begins and ends alone, and the
-//! best partition is found octave by octave. Most scenes whose sizes differ by a small factor are
-//! one class, and once that is known are swept as if there were none.
+//! Radii are grouped by octave: how often the largest radius of the scene is halved until it is not
+//! larger. Which octaves share a grid is chosen to minimise a model of the work ([`Class::work`],
+//! [`Class::visits`]). As larger particles visit finer classes one by one, the work in a class and
+//! of its visitors depends only on where the class begins and ends, so the best partition is found
+//! octave by octave. Most scenes whose sizes differ by a small factor form one class and are swept
+//! like scenes of one size.
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
 use crate::detect::modern::crowd::CLASSES;
 use crate::scene::{Real, extremes};
 
-/// Octaves that are told apart: what is smaller than 2^-31 of the largest body is in the last.
+/// Number of octaves; the last one holds all radii below 2^-31 of the largest.
 pub(super) const MOST: usize = CLASSES;
-/// Scenes with fewer bodies are one class.
+/// Scenes with fewer particles form one class.
 const FEWEST: usize = 64;
-/// What it takes to find a row of candidates, in contact tests: measured.
+/// Measured cost of finding a row of candidates, in contact tests.
 const ROW: f64 = 30.0;
-/// What a class takes beside its bodies, in contact tests.
+/// Fixed cost of a class, in contact tests.
 const CLASS: f64 = 2000.0;
 
-/// Bodies of similar sizes.
+/// A range of octaves with its particles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
-    /// Octaves of radii that it has.
     pub octaves: usize,
-    /// The largest radius.
     pub largest: f64,
-    /// The sum of all radii.
     sum: f64,
     /// The box around the centres.
     pub low: [f64; D],
@@ -53,7 +50,7 @@ impl<const D: usize> Class<D> {
     #[inline(always)]
     fn take(&mut self, position: [f64; D], radius: f64) {
         for (k, x) in position.into_iter().enumerate() {
-            // Not f64::min, which asks for NaN first; there is none in a scene.
+            // f64::min would check for NaN, which a scene cannot contain.
             self.low[k] = if x < self.low[k] { x } else { self.low[k] };
             self.high[k] = if x > self.high[k] { x } else { self.high[k] };
         }
@@ -63,7 +60,6 @@ impl<const D: usize> Class<D> {
         self.octaves = 1;
     }
 
-    /// Both together.
     pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
             bodies: self.bodies + other.bodies,
@@ -75,7 +71,7 @@ impl<const D: usize> Class<D> {
         }
     }
 
-    /// Volume of its domain, and edge of its cells, about; in units of the edge.
+    /// Returns about how many cells the class has, and their edge.
     fn cells(&self) -> (f64, f64) {
         let lengths: [f64; D] =
             std::array::from_fn(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
@@ -84,7 +80,8 @@ impl<const D: usize> Class<D> {
         (lengths.iter().map(|length| length / edge).product(), edge)
     }
 
-    /// Contact tests among its bodies, about: those in half of the cells around each.
+    /// Estimates the contact tests within the class: those in half of the cells around each
+    /// particle.
     fn work(&self) -> f64 {
         let (cells, _) = self.cells();
         let beside = if D == 2 { 4.5 } else { 13.5 };
@@ -92,12 +89,11 @@ impl<const D: usize> Class<D> {
         n * n * beside / cells
     }
 
-    /// What it takes to look for its bodies around those of a larger octave, in contact tests,
-    /// about.
+    /// Estimates the cost for an octave of larger particles to visit this class, in contact tests.
     fn visits(&self, octave: &Class<D>) -> f64 {
         let (cells, edge) = self.cells();
         let radius = octave.sum / octave.bodies as f64;
-        // A ball is a bit more than half of the cube around it.
+        // A ball fills a bit more than half of the cube around it.
         let width = 2.0 * (radius + self.largest) / edge + 1.0;
         let (rows, tests) =
             if D == 2 { (width, width * width) } else { (width * width, width * width * width) };
@@ -106,23 +102,22 @@ impl<const D: usize> Class<D> {
     }
 }
 
-/// The root of a volume.
 fn root<const D: usize>(volume: f64) -> f64 {
     if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
 }
 
-/// The classes of a scene, the largest bodies first.
+/// Classes of a scene, the largest particles first.
 #[derive(Clone, Debug)]
 pub(super) struct Classes<const D: usize> {
     largest: f64,
-    /// The class of each octave.
+    /// Class of each octave.
     numbers: [u8; MOST],
     classes: [Class<D>; MOST],
     count: usize,
 }
 
 impl<const D: usize> Classes<D> {
-    /// Those of a scene, if there is more than one octave of radii.
+    /// Returns the best classes, or `None` if all radii are in one octave.
     pub fn of<T: Real>(bodies: &impl Bodies<T, D>) -> Option<Classes<D>> {
         let n = bodies.len() as u32;
         if bodies.uniform().is_some() || bodies.len() < FEWEST {
@@ -140,11 +135,10 @@ impl<const D: usize> Classes<D> {
         Some(Classes::best(largest, &octaves))
     }
 
-    /// The partition of the octaves that takes least.
+    /// Returns the partition of the octaves with the least estimated work.
     fn best(largest: f64, octaves: &[Class<D>; MOST]) -> Classes<D> {
         let full = |octave: &usize| octaves[*octave].bodies > 0;
-        // For each octave the least work of all up to it, and where the class begins in which it is
-        // the last.
+        // For each octave: the least work up to it, and the first octave of the class that it ends.
         let mut least = [(0.0, 0); MOST + 1];
         for end in (0..MOST).filter(full) {
             let (mut class, mut best) = (Class::EMPTY, (f64::INFINITY, end));
@@ -161,7 +155,7 @@ impl<const D: usize> Classes<D> {
         }
         let mut classes =
             Classes { largest, numbers: [0; MOST], classes: [Class::EMPTY; MOST], count: 0 };
-        // From the last class back to the first, which is then turned round.
+        // Collect the classes from the last to the first, and reverse.
         let mut last = (0..MOST).rev().find(full);
         while let Some(end) = last {
             let begin = least[end].1;
@@ -177,23 +171,22 @@ impl<const D: usize> Classes<D> {
         classes
     }
 
-    /// The number of the class of a radius.
+    /// Returns the class of a radius.
     #[inline(always)]
     pub fn number(&self, radius: f64) -> usize {
         usize::from(self.numbers[octave(self.largest, radius)])
     }
 
-    /// All of them.
     pub fn all(&self) -> &[Class<D>] {
         &self.classes[..self.count]
     }
 }
 
-/// How many times the largest radius is halved, before it is less than this one or equal: the
-/// exponent of their quotient. Rounding is monotone, so smaller radii have no lower octave.
+/// Returns how often the largest radius is halved until it is at most `radius`: the exponent of the
+/// quotient. Rounding is monotone, so a smaller radius never has a lower octave.
 #[inline(always)]
 fn octave(largest: f64, radius: f64) -> usize {
     let exponent = (largest / radius).to_bits() >> 52 & 0x7ff;
-    // The quotient is at least 1; it is infinite for points, and no number if all are points.
+    // The quotient is at least 1, infinite for points, and NaN if all particles are points.
     (exponent as usize).saturating_sub(1023).min(MOST - 1)
 }

@@ -1,5 +1,5 @@
-//! The dense form, for most scenes: bundles of layers with an array over their cells, two at a time
-//! per thread.
+//! The dense form, for most scenes: an array over the cells of each bundle of layers, two bundles
+//! at a time per thread.
 
 use std::ops::Range;
 
@@ -21,7 +21,6 @@ use crate::wide::Level;
 type Fill<'a, R, const D: usize> = &'a (dyn Fn(&mut Lists<D, R>, Range<usize>, &Plan) + Sync);
 
 impl<P: Probe, const D: usize> Run<'_, P, D> {
-    /// Finds the contacts.
     pub fn dense<S: Sink, R: Size, const EACH: bool>(
         &mut self,
         lists: &mut Vec<Lists<D, R>>,
@@ -43,8 +42,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
                 + (threads * most * size_of::<Record<D, R>>()) as u64
                 + of_threads as u64
         };
-        // Bundles are about equal in most scenes; how long the longest is will be known when the
-        // lists are.
+        // Most scenes have bundles of about equal length; the longest is known once the lists are.
         within(self.options, NAME, needed(n.div_ceil(plan.slabs)), shape)?;
         grow(lists, threads);
         grow(self.workers, threads);
@@ -68,7 +66,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
             deliver.finish();
             return Ok(());
         }
-        // Shares of about equal numbers of particles, one per thread.
+        // Divide bundles into one share per thread, with about equal numbers of particles.
         let (mut shares, mut before, mut from) = (Vec::new(), 0, 0);
         for slab in 0..plan.slabs {
             before += length(slab);
@@ -83,7 +81,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         let mut tasks: Vec<_> = workers
             .iter_mut()
             .map(|worker| {
-                // Out of the worker while it works, so that both can be changed.
+                // Moved out of the worker while it runs, so that both can be borrowed mutably.
                 let mut pairs = std::mem::take(&mut worker.pairs);
                 pairs.clear();
                 (worker, PairList::behind(pairs, &allowance))
@@ -107,7 +105,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
     }
 }
 
-/// All bundles of layers of a scene, or of a class of sizes.
+/// All bundles of layers of a scene or of a size class.
 pub(super) struct Bundles<'a, R, const D: usize> {
     pub lists: &'a [Lists<D, R>],
     pub plan: Plan,
@@ -115,7 +113,7 @@ pub(super) struct Bundles<'a, R, const D: usize> {
     pub level: Level,
 }
 
-/// What else is done with a bundle of that number while it is in cache.
+/// Further work on the bundle with this number while it is in cache.
 pub(super) type Beside<'a, const D: usize> =
     &'a mut dyn FnMut(usize, &Slab<D>, &mut Scratch, &mut dyn PairSink);
 
@@ -139,7 +137,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
         fill(slab, Some(range.start), sink);
         for number in range {
             fill(next, Some(number + 1).filter(|&next| next < plan.slabs), sink);
-            // The next layer is in the same bundle for all layers but the last.
+            // The next layer is in the same bundle, except for the last layer.
             let last = ((1 << plan.layers) - 1) * plan.layer;
             let border = slab.begin[last] as usize;
             let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {
@@ -162,7 +160,6 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
     }
 }
 
-/// At least `count` of them.
 pub(super) fn grow<A: Default>(array: &mut Vec<A>, count: usize) {
     if count > array.len() {
         crate::refusal::must_reserve(array, count - array.len());

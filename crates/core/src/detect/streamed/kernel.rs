@@ -1,20 +1,23 @@
 //! The sweep: every particle of a slab against the few ranges of particles that can touch it
-//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: ranges 0
-//! and 1 are then tested in one go, and 2 and 3. Where one holds sixteen and more, each is gone
-//! through. Where vectors are made of narrow registers, candidates are looked at one by one
-//! ([`super::single`]).
+//! ([`super::ranges`]), sixteen at a time.
+//!
+//! Most ranges hold fewer than eight particles; ranges 0 and 1 are then tested together, and ranges
+//! 2 and 3. If any range holds sixteen or more, each is processed separately. On narrow registers
+//! candidates are tested one by one ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
-//! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
-//! rounded to 24 bits for either, the difference once; the rest (whole numbers below 2^22:
-//! fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
-//! but for a relative error below 2^-21 of the sum of squares, which fused or not has at most four
-//! roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative
-//! ones taken of the largest sum of radii, 2^-19 together, and of the test's slack: a pair with d >
-//! s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others,
-//! some in ten thousand contacts, are asked of the test itself.
+//! Coordinate differences are off by at most [`STEPS_OFF`] along each axis. Each x is rounded to 24
+//! bits, and their difference once more. The other numbers (integers below 2^22: fractions, plus or
+//! minus one cell) are exact. The sum of squares, fused or not, has at most four roundings, a
+//! relative error below 2^-21. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, apart from that
+//! relative error. Radii have relative errors of 2^-23.
 //!
-//! In the flat form the second axis is rounded as x is: its steps are added to those along x.
+//! `grow` is the sum of these bounds and of the test's slack, with relative errors (2^-19 together)
+//! taken of the largest sum of radii. A pair with d > s + grow is refused by the contact test, and
+//! one with d <= s - grow is accepted. The test itself decides the others, a few in ten thousand
+//! contacts.
+//!
+//! In the flat form the second axis is rounded like x: its steps are added to those along x.
 //!
 //! Arrays are read without bounds checks: see `unchecked.rs`.
 
@@ -32,27 +35,27 @@ use crate::wide::{HALF, Kernel, LANES, Level, Wide};
 /// Distances that decide, in steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    /// The sum of two radii, where all are the same.
+    /// Sum of two radii, if all are equal.
     pub sum: f32,
     pub grow: f32,
-    /// One cell.
+    /// Edge of a cell.
     one: f32,
 }
 
 impl Bounds {
-    /// For a scene in its grid. `turn`: the steps after which x begins again, if it does.
+    /// Computes the bounds for a scene in its grid; x wraps around after `turn` steps, if given.
     pub fn new<T: Real, const D: usize>(
         bodies: &impl Bodies<T, D>,
         grid: &Grid<D>,
         turn: Option<f32>,
     ) -> Bounds {
         let bounds = Bounds::of(bodies.slack(), reach_of(bodies), grid, turn);
-        // Twice the radius in steps: the diameter itself may overflow.
+        // Twice the radius in steps; the diameter itself could overflow.
         let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
         Bounds { sum: sum as f32, ..bounds }
     }
 
-    /// For bodies with a radius each, of which none farther apart than `reach` touch.
+    /// Computes the bounds for particles with individual radii that do not touch beyond `reach`.
     pub fn of<const D: usize>(
         slack: Slack,
         reach: f64,
@@ -83,9 +86,9 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub sink: &'a mut dyn PairSink,
 }
 
-/// Neighbours of a block of particles, and what they make: filled again for every block. The
-/// careful form uses the room for pairs before the block does.
-// Whole lines of the caches, wherever the stack begins.
+/// Neighbours of a block of particles and the resulting pairs, refilled for every block. The
+/// careful form uses the space for pairs before the block does.
+// Aligned to whole cache lines, wherever the stack begins.
 #[repr(align(64))]
 pub(super) struct Scratch {
     ids: [u32; ROOM],
@@ -100,9 +103,8 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Reports the pairs of `id` with those of sixteen that are near: what touches for sure is kept
-    /// until there are enough, `found` of them so far, and for the others the contact test is
-    /// asked.
+    /// Reports the pairs of `id` with sixteen candidates. Certain contacts are collected, `found`
+    /// of them so far; the contact test decides the uncertain ones.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,
@@ -116,7 +118,7 @@ impl Scratch {
         if near == sure && near.count_ones() <= KEPT as u32 {
             let mut packed = [0; KEPT];
             source.pack(w, near, &mut packed);
-            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below.
+            // SAFETY: there are at most `ROOM - 3 * KEPT` pairs before a vector, see below.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
             *found += near.count_ones() as usize;
@@ -128,8 +130,8 @@ impl Scratch {
         }
     }
 
-    /// As [`Scratch::take`], with more than are packed at once, or with pairs that only the contact
-    /// test can decide.
+    /// Works as [`Scratch::take`] for more contacts than are packed at once, or for pairs that only
+    /// the contact test can decide.
     #[cold]
     #[inline(always)]
     fn take_carefully<W: Wide, const D: usize>(
@@ -145,8 +147,8 @@ impl Scratch {
             let (sure, unsure) = (sure & half, (near ^ sure) & half);
             let mut packed = [0; KEPT];
             source.pack(w, sure, &mut packed);
-            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, and `KEPT` more after its first
-            // half.
+            // SAFETY: there are at most `ROOM - 3 * KEPT` pairs before a vector, and `KEPT` more
+            // after its first half.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
             *found += sure.count_ones() as usize;
@@ -157,42 +159,39 @@ impl Scratch {
         }
     }
 
-    /// Hands the pairs on that are kept.
+    /// Passes the collected pairs to the sink.
     pub fn hand_on(&self, found: &mut usize, sink: &mut dyn PairSink) {
         sink.sure(&self.pairs[..*found]);
         *found = 0;
     }
 }
 
-/// Particles whose neighbours are collected before they are paired, at most.
+/// Most particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Room for the contacts of a particle in one vector; as many or more are rare, and left to the
-/// careful form.
+/// Space for a particle's contacts in one vector; more are rare and left to the careful form.
 const KEPT: usize = 8;
-/// Vectors of candidates of a particle, at most; more are left to the careful form, too. In scenes
-/// where particles crowd, one of 4,000 has more.
+/// Most vectors of candidates per particle; more are left to the careful form. In crowded scenes
+/// one particle in 4,000 has more.
 const VECTORS: usize = 10;
-/// Neighbours of a block that end it.
+/// Number of neighbours that ends a block.
 const ENOUGH: usize = 512;
-/// Room for them, for all candidates of one particle more, and for what is written behind those.
+/// Space for these, for all candidates of one more particle, and for what is written past the last.
 pub(super) const ROOM: usize = ENOUGH + VECTORS * LANES + KEPT;
 
-/// So many vectors hold all candidates.
+/// Returns the number of vectors that hold all candidates.
 fn vectors(ranges: &[(u32, u32)]) -> usize {
     ranges.iter().map(|&(_, len)| len.div_ceil(LANES as u32) as usize).sum()
 }
 
-/// What has been found for one particle.
 struct Found {
-    /// Where the next id is to be kept.
+    /// Place for the next neighbour.
     at: usize,
-    /// Not zero if the contact test must be asked.
+    /// Not zero if the contact test must decide.
     odd: u32,
-    /// All numbers of ids, or-ed.
+    /// Bitwise or of the numbers of neighbours.
     counts: u32,
 }
 
-/// A particle and what is looked at around it.
 #[derive(Clone, Copy)]
 struct Around<'r, W: Wide, const D: usize> {
     place: usize,
@@ -226,7 +225,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     Around { place, ranges: &ranges, shifts: &shifts, couples: &couples, limits };
                 let mut odd = 0;
                 if longest < LANES as u32 {
-                    // Short ranges, as most are, two at a time.
+                    // Most ranges are short: test two at a time.
                     let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
                     let mut r = 0;
                     if longest < HALF as u32 {
@@ -251,7 +250,8 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 } else {
                     odd = 1;
                 }
-                // Eight or more in one go, perhaps: more than are kept.
+                // More than eight neighbours in one vector are possible here, but only eight are
+                // kept.
                 odd |= found.odd | found.counts & 0x18;
                 kept = if odd == 0 { found.at } else { kept };
                 if odd != 0 {
@@ -267,9 +267,9 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 let id = unsafe { element(&self.slab.ids, first + k) };
                 let mut at = begin;
                 loop {
-                    // SAFETY: `at` is at most `kept`, and there are `KEPT` places and more behind.
+                    // SAFETY: `at` is at most `kept`, and at least `KEPT` places follow.
                     let ids = unsafe { chunk(&self.scratch.ids, at) };
-                    // SAFETY: there is as much room for pairs as for ids.
+                    // SAFETY: there is as much space for pairs as for ids.
                     let pairs = unsafe { chunk_mut(&mut self.scratch.pairs, at) };
                     w.pair(id, ids, pairs);
                     at += KEPT;
@@ -286,7 +286,6 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
 }
 
 impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
-    /// Runs it.
     pub fn on(self, level: Level) {
         if self.sink.counts() {
             let used = ranges_used::<F, D>();
@@ -303,13 +302,13 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         level.run(self);
     }
 
-    /// The slab in which range `r` is.
+    /// Returns the slab that holds range `r`.
     pub fn other(&self, r: usize) -> &'a Slab<D> {
         if in_next::<F, D>(r) { self.next } else { self.slab }
     }
 
-    /// From the origin of a particle's cell to that of range `r`, along y and along the axis of
-    /// layers.
+    /// Returns the offset from the origin of a particle's cell to that of range `r`, along y and
+    /// across layers.
     pub fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
         let mut shift = [0.0; D];
@@ -320,7 +319,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         shift
     }
 
-    /// The same in all lanes, for every range.
+    /// Returns the offsets of every range, in all lanes.
     #[inline(always)]
     fn shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 5] {
         std::array::from_fn(|r| {
@@ -329,7 +328,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         })
     }
 
-    /// For the first range of a couple in the lower half of the lanes, for the second in the other.
+    /// Returns offsets for pairs of ranges: the first range in the lower half of the lanes, the
+    /// second in the upper half.
     #[inline(always)]
     fn shifts_of_couples<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
         let couple = |r: usize| {
@@ -340,18 +340,18 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         [couple(0), couple(2)]
     }
 
-    /// The particle at a place, as seen from other cells.
+    /// Returns the particle at a place relative to other cells.
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
         // SAFETY: `place` is one of `places`, and every lane has a number for each.
         let at = |k: usize| w.all(unsafe { element(&self.slab.lanes[k], place) });
         let radius = if EACH {
-            // SAFETY: where each particle has its own radius, so has each place.
+            // SAFETY: if particles have individual radii, `radii` has one for each place.
             unsafe { element(&self.slab.radii, place) }
         } else {
             0.0
         };
-        // x is counted from the origin of the grid.
+        // x is relative to the origin of the grid.
         let mut all = [at(0); D];
         for k in 1..D {
             all[k] = w.sub(at(k), shift[k]);
@@ -359,15 +359,14 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         Query { at: all, radius: w.all(radius + self.bounds.grow) }
     }
 
-    /// The particles of range `r`: the next sixteen, and which of these are in the range.
+    /// Returns the next sixteen particles of range `r`, and a mask of those inside the range.
     #[inline(always)]
     fn range(&self, (at, len): (u32, u32), r: usize) -> (Run16<'a, D>, u32) {
-        // SAFETY: a range begins at the slab's `len` at the latest, and its arrays are a vector
-        // longer.
+        // SAFETY: a range begins at the slab's `len` or before, and the arrays are a vector longer.
         (unsafe { Run16::new(self.other(r), at as usize) }, !(!0 << len))
     }
 
-    /// Tests a range and keeps the ids of those that are near.
+    /// Tests a range and keeps the ids of near particles.
     #[inline(always)]
     fn keep_one<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (source, valid) = self.range(a.ranges[r], r);
@@ -375,7 +374,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         self.keep(w, source, valid, &query, a.limits, found);
     }
 
-    /// The same for one of any length.
+    /// Works as `keep_one` for a range of any length.
     #[inline(always)]
     fn keep_all<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let query = self.query(w, a.place, &a.shifts[r]);
@@ -388,7 +387,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         }
     }
 
-    /// The same for two short ones.
+    /// Works as `keep_one` for two short ranges.
     #[inline(always)]
     fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (low, valid) = self.range(a.ranges[r], r);
@@ -397,7 +396,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         self.keep(w, TwoRuns8([low, high]), valid | valid_high << HALF, &query, a.limits, found);
     }
 
-    /// Tests sixteen particles and keeps the ids of those that are near.
+    /// Tests sixteen particles and keeps the ids of near ones.
     #[inline(always)]
     fn keep<W: Wide>(
         &mut self,
@@ -410,8 +409,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
-        // SAFETY: at most `ENOUGH` and the lanes of nine vectors are before `found.at`, and there
-        // is room for a vector more.
+        // SAFETY: at most `ENOUGH` ids and the lanes of nine vectors are before `found.at`, and
+        // there is space for one vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
         let count = near.count_ones();
         found.at += count as usize;
@@ -419,15 +418,15 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         found.counts |= count;
     }
 
-    /// The limits for all particles, where radii are the same.
+    /// Returns the limits for equal radii.
     #[inline(always)]
     fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
     }
 }
 
-/// The particle at a place, with any number of particles in a range and pairs that only the contact
-/// test can decide: a function of its own, so that its calls do not cost the sweep its registers.
+/// Handles a particle with ranges of any length and with pairs that only the contact test can
+/// decide. It is a separate function so that its calls do not cost the sweep its registers.
 pub(super) struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
     pub &'s mut Sweep<'a, F, D, EACH>,
     pub usize,
@@ -449,7 +448,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
                 let valid = !(!0 << (len - k).min(LANES as u32));
-                // SAFETY: `at` is in a range, so below the slab's `len`, and its arrays are a
+                // SAFETY: `at` is in a range, so below the slab's `len`, and the arrays are a
                 // vector longer.
                 let run = unsafe { Run16::new(slab, at) };
                 let (near, sure) =

@@ -1,8 +1,8 @@
-//! The particles of each bundle of layers, on a list of blocks.
+//! The particles of each bundle of layers, in a list of blocks.
 //!
-//! One pass over the scene, in the order in which it is stored, puts a compact record of each
-//! particle on the list of its bundle. A list is a chain of blocks of records: no histogram is
-//! needed beforehand, and memory is written and read in pieces that the hardware fetches ahead.
+//! One pass over the scene, in stored order, appends a compact record of each particle to the list
+//! of its bundle. A list is a chain of blocks of records. No histogram is needed beforehand, and
+//! memory is accessed in pieces that the hardware prefetches.
 
 use std::ops::Range;
 
@@ -13,15 +13,11 @@ use crate::radix::prefetch_to_write;
 use crate::scene::Real;
 use crate::wide::{Kernel, Level, Wide};
 
-/// The radius of a particle in a record: nothing where all are the same.
+/// Radius in a record; empty if all radii are equal.
 pub(super) trait Size: Copy + Default + Send + Sync + 'static {
-    /// One radius per particle?
     const EACH: bool;
-    /// Room for records of this kind.
     fn room<const D: usize>(room: &mut Room<D>) -> &mut Vec<Record<D, Self>>;
-    /// Of a number of steps.
     fn new(steps: f32) -> Self;
-    /// In steps.
     fn get(self) -> f32;
 }
 
@@ -51,7 +47,7 @@ impl Size for f32 {
     }
 }
 
-/// A particle: the lowest 32 bits of its coordinates in steps, its radius, its number.
+/// A particle: the lowest 32 bits of its coordinates in steps, its radius and its number.
 #[derive(Clone, Copy)]
 pub(super) struct Record<const D: usize, R> {
     pub at: [u32; D],
@@ -60,13 +56,12 @@ pub(super) struct Record<const D: usize, R> {
 }
 
 impl<const D: usize, R: Size> Record<D, R> {
-    /// Makes room for so many.
     pub fn prepare(room: &mut Room<D>, count: usize) {
         at_least(R::room(room), count, Record { at: [0; D], radius: R::default(), id: 0 });
     }
 }
 
-/// Room for the records of a bundle while they are sorted.
+/// Space for the records of a bundle while they are sorted.
 pub(super) struct Room<const D: usize> {
     uniform: Vec<Record<D, ()>>,
     each: Vec<Record<D, f32>>,
@@ -78,18 +73,18 @@ impl<const D: usize> Default for Room<D> {
     }
 }
 
-/// No block.
+/// Marks the first block of a list, which has no block before it.
 const NONE: u32 = u32::MAX;
 
-/// The lists that one worker has filled.
+/// Lists filled by one worker.
 pub(super) struct Lists<const D: usize, R> {
     records: Vec<Record<D, R>>,
     /// The block before each block in its list.
     before: Vec<u32>,
-    /// For each list the place of its next record. There is always room for it: a full block is
-    /// followed by a new one at once.
+    /// Place of the next record for each list. It always exists, because a full block is followed
+    /// by a new one at once.
     next: Vec<u32>,
-    /// Records in a block are two to the power of this.
+    /// Log2 of the records per block.
     block: u32,
 }
 
@@ -99,9 +94,9 @@ impl<const D: usize, R> Default for Lists<D, R> {
     }
 }
 
-/// Room for `n` records in so many lists.
+/// Space for `n` records in several lists.
 struct Blocks {
-    /// Log2 of the records in a block.
+    /// Log2 of the records per block.
     block: u32,
     blocks: usize,
     records: usize,
@@ -110,10 +105,10 @@ struct Blocks {
 impl Blocks {
     fn new(n: usize, lists: usize) -> Blocks {
         if lists == 1 {
-            // One block, which is never full.
+            // One block that is never full.
             return Blocks { block: u32::BITS - 1, blocks: 1, records: n + 1 };
         }
-        // Eight blocks per list in the mean waste a sixteenth.
+        // With eight blocks per list on average, a sixteenth of the space is wasted.
         let block = (n / lists.max(1) / 8).next_power_of_two().clamp(16, 1024).trailing_zeros();
         let blocks = (n >> block) + lists;
         Blocks { block, blocks, records: blocks << block }
@@ -121,13 +116,13 @@ impl Blocks {
 }
 
 impl<const D: usize, R: Size> Lists<D, R> {
-    /// Heap needed for `n` records in so many lists.
+    /// Returns the heap bytes for `n` records in this many lists.
     pub fn bytes(n: usize, lists: usize) -> u64 {
         let Blocks { blocks, records, .. } = Blocks::new(n, lists);
         (records * size_of::<Record<D, R>>() + 4 * blocks + 4 * lists) as u64
     }
 
-    /// Puts the particles of a range on the list of their slab.
+    /// Puts a range of particles on the lists of their slabs.
     pub fn fill<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -149,7 +144,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         filling.end(grid);
     }
 
-    /// Empty lists for at most `n` particles.
+    /// Makes the lists empty, with space for `n` particles.
     pub fn begin(&mut self, n: usize, plan: &Plan) -> Filling<D> {
         let lists = plan.slabs;
         let Blocks { block, blocks, records } = Blocks::new(n, lists);
@@ -182,7 +177,6 @@ impl<const D: usize, R: Size> Lists<D, R> {
         self.put(filling, list, Record { at: steps.map(|steps| steps as u32), radius, id });
     }
 
-    /// Puts a record on a list.
     #[inline(always)]
     fn put(&mut self, filling: &mut Filling<D>, list: usize, record: Record<D, R>) {
         let next = &mut self.next[list];
@@ -199,7 +193,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         }
     }
 
-    /// The blocks of a list, the last first.
+    /// Returns the blocks of a list, last block first.
     pub fn blocks(&self, list: usize) -> impl Iterator<Item = &[Record<D, R>]> {
         let next = self.next[list];
         let (mut block, mut end) = (next >> self.block, next);
@@ -210,22 +204,21 @@ impl<const D: usize, R: Size> Lists<D, R> {
             let begin = block << self.block;
             let records = &self.records[begin as usize..end as usize];
             block = self.before[block as usize];
-            // Not used after the last block; no block is as high as that.
+            // Not used after the first block; no block number is this large.
             end = block.wrapping_add(1) << self.block;
             Some(records)
         })
     }
 
-    /// Particles on a list.
+    /// Returns the number of particles on a list.
     pub fn len(&self, list: usize) -> usize {
         self.blocks(list).map(<[_]>::len).sum()
     }
 }
 
-/// Particles that are made steps of together.
+/// Particles whose steps are computed together.
 const TOGETHER: usize = 64;
 
-/// Puts particles on lists.
 struct Fill<'a, P, Q, R, const D: usize> {
     position: P,
     radius: Q,
@@ -286,22 +279,22 @@ where
     }
 }
 
-/// What is known of lists while they are filled: beside them, so that it can be in registers.
+/// State of lists while they are filled, kept apart so that it fits in registers.
 #[derive(Clone, Copy)]
 pub(super) struct Filling<const D: usize> {
     block: u32,
     layers: u32,
-    /// The first block that is on no list.
+    /// The first unused block.
     free: u32,
     /// The largest coordinates.
     most: [u64; D],
 }
 
 impl<const D: usize> Filling<D> {
-    /// To be called after the last particle.
+    /// Must be called after the last particle.
     pub fn end(self, grid: &Grid<D>) {
-        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose
-        // positions changed since the grid was made stops here.
+        // The kernel relies on this without further checks. An implementation of `Bodies` whose
+        // positions changed since the grid was made panics here.
         assert!(
             (0..D).all(|k| self.most[k] >> grid.bits < grid.count[k]),
             "positions changed during a detection"
@@ -309,7 +302,8 @@ impl<const D: usize> Filling<D> {
     }
 }
 
-/// Makes an array at least `count` long. What it held is lost if it must grow, and not held twice.
+/// Makes an array at least `count` long. If it must grow, its contents are dropped first, so that
+/// old and new array do not coexist.
 pub(super) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
     if count > array.len() {
         if count > array.capacity() {

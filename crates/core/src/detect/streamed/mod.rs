@@ -1,44 +1,45 @@
-//! `streamed-nbs`: the idea of Munjiza-NBS on the hardware of today.
+//! `streamed-nbs`: the idea of Munjiza-NBS for today's hardware.
 //!
-//! NBS goes through a scene layer by layer, looks at occupied cells only, and keeps two layers at a
-//! time (Munjiza 2004, sections 3.8 to 3.11). In 1998 that saved memory. Today it is what a
-//! processor wants: two layers stay in its cache, and cells in order make ranges that its vector
-//! registers test sixteen at a time.
+//! NBS processes a scene layer by layer, visits only occupied cells, and keeps two layers at a time
+//! (Munjiza 2004, sections 3.8 to 3.11). In 1998 that saved memory. Today two layers stay in the
+//! processor's cache, and sorted cells form ranges that vector registers test sixteen at a time.
 //!
-//! 1. One pass over the scene finds its box, one more puts a record of each particle (coordinates
-//!    in whole steps of a millionth of a cell, number: 16 bytes in 3D) on the list of its bundle of
-//!    layers. Both read and write memory in order.
-//! 2. Bundle after bundle is sorted by cell, by counting, into one array per coordinate.
+//! 1. One pass over the scene finds its bounding box. A second one appends a record of each
+//!    particle (coordinates in integer steps of a millionth of a cell, number: 16 bytes in 3D) to
+//!    the list of its bundle of layers. Both access memory in order.
+//! 2. Each bundle is sorted by cell, by counting, into one array per coordinate.
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
-//!    in front in the next row, and the nine in the next layer: five contiguous ranges (two in 2D),
-//!    sixteen particles in one go, in f32; one by one where registers are narrow (`single.rs`).
-//! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see
-//!    `kernel.rs` for the bounds.
+//!    in the next row, and the nine in the next layer. These are five contiguous ranges (two in
+//!    2D), tested sixteen particles at a time in f32, or one by one on narrow registers
+//!    (`single.rs`).
+//! 4. The contact test decides what f32 cannot, a few pairs in ten thousand contacts; `kernel.rs`
+//!    derives the bounds.
 //!
-//! Loose scenes get larger cells, about three cells per particle, scenes whose particles crowd in
-//! few of those cells the sparse form (`sparse.rs`). A few thousand particles that are far apart
-//! get columns instead of cells, one axis being left to the distances: two ranges, and one in 2D.
+//! Loose scenes get larger cells, about three cells per particle. Scenes whose particles crowd in
+//! few of those use the sparse form (`sparse.rs`). A few thousand particles that are far apart get
+//! columns instead of cells: one axis is not divided, which leaves two ranges, or one in 2D.
 //!
-//! Where sizes differ so much that one width of cells does not suit all, bodies are parted into
-//! classes of sizes (`classes.rs`), each with its own grid and sweep (`levels.rs`); while a bundle
-//! is in cache, larger bodies visit it (`visits.rs`), row by row of the cells within reach. A class
-//! that crowds is left to [`HGrid`], and all others with it.
+//! If no single cell width suits all sizes, particles are divided into size classes (`classes.rs`),
+//! each with its own grid and sweep (`levels`). While a bundle is in cache, larger particles visit
+//! it (`visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`] detects the
+//! whole scene.
 //!
-//! * Cost: proportional to N, independent of the packing density; in the sparse form to N and the
-//!   digits of its cells' numbers; with classes, to N in each class that they are visited by.
-//! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
-//!   instead of 16 in 2D, 4 more with a radius per particle; one list alone has room for one record
-//!   more than N. Two bundles of n particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the
-//!   records of one. A bundle has 2,000 to 4,000 particles, or one layer if that is more. With
-//!   classes of sizes: the lists of each, and two bundles that hold the largest of any. In the
-//!   sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of working space per thread. With
-//!   several threads: bundles for each, and the contacts, 8 bytes each in lists of twice the length
-//!   at most; then a warm call allocates what shares the work.
-//! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
-//!   that overflow, and more than 2^31 - 1 particles.
-//! * Threads: in the dense form, from 30,000 particles on; one where there are classes of sizes.
-//! * In `textbook` arithmetic its filters are as safe as in f64, but for classes that are left to
-//!   [`HGrid`]: the book prints none for it.
+//! * Cost: proportional to N, independent of the packing density. The sparse form multiplies this
+//!   by the digits of its cell numbers; classes add N for each class of larger particles that
+//!   visits.
+//! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, with
+//!   12 instead of 16 in 2D, and 4 more with a radius per particle; a single list has space for one
+//!   record more than N. Two bundles of n particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`,
+//!   and the records of one. A bundle has 2,000 to 4,000 particles, or one layer if that is more.
+//!   Classes need the lists of each and two bundles that hold the largest of any. The sparse form
+//!   needs 24N, or 32N with radii, and two layers. Each thread has about 9 KiB of working space.
+//!   Several threads have bundles each and collect contacts, 8 bytes each, in lists of at most
+//!   twice the length; a repeated call then allocates what distributes the work.
+//! * Refuses extents that overflow, more than 2^31 - 1 particles, and in the sparse form 2^31 or
+//!   more cells along an axis.
+//! * Threads: in the dense form, from 30,000 particles on; only one with size classes.
+//! * In `textbook` arithmetic its filters are as safe as in f64, except in scenes left to
+//!   [`HGrid`]: the book prints no filters for this detector.
 
 mod classes;
 mod dense;
@@ -75,7 +76,7 @@ use crate::sink::Sink;
 use crate::wide::Level;
 
 const NAME: &str = "streamed-nbs";
-/// Fewer particles are not worth a second thread.
+/// Scenes with fewer particles use one thread.
 pub const FEWEST_FOR_THREADS: usize = 30_000;
 
 /// The modern NBS, in `D` dimensions.
@@ -84,15 +85,15 @@ pub struct Streamed<const D: usize> {
     level: Level,
     form: Option<Form>,
     workers: Vec<Worker<D>>,
-    /// Buffers for scenes with one radius, and with one per particle.
+    /// Buffers for scenes with one radius and for scenes with one radius per particle.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
-    /// For classes of sizes that crowd.
+    /// Detector for scenes with a crowded size class.
     crowded: HGrid<D>,
     formula: u64,
 }
 
-/// What one thread works with: workers lie side by side, and no two share a line of the caches.
+/// State of one thread; adjacent workers share no cache line.
 #[derive(Default)]
 #[repr(align(128))]
 struct Worker<const D: usize> {
@@ -114,7 +115,7 @@ impl<const D: usize, R> Default for Buffers<D, R> {
 }
 
 impl<const D: usize> Streamed<D> {
-    /// A detector that uses these instructions.
+    /// Creates a detector that uses these vector instructions.
     pub fn on(level: Level, options: Options) -> Streamed<D> {
         Streamed {
             options,
@@ -128,8 +129,8 @@ impl<const D: usize> Streamed<D> {
         }
     }
 
-    /// In this form, whatever the scene; not by cells or columns where there are too many of them.
-    /// Where sizes differ so much that there are classes, columns are cells.
+    /// Sets the form for all scenes. Cells or columns are still not used if there are too many of
+    /// them. With size classes, columns become cells.
     pub fn in_form(self, form: Form) -> Streamed<D> {
         Streamed { form: Some(form), ..self }
     }
@@ -163,7 +164,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
 }
 
 impl<const D: usize> Streamed<D> {
-    /// Finds the contacts of bodies whose sizes do not differ too much.
+    /// Finds the contacts of particles that form one size class.
     fn sweep<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         bodies: B,
@@ -218,9 +219,8 @@ impl<const D: usize> Streamed<D> {
     }
 }
 
-/// One detection. What it needs of the bodies is behind references, which are called once per
-/// thread, or for pairs that the kernel cannot decide: so all is compiled once for all kinds of
-/// bodies.
+/// One detection. It uses the particles through references that are called once per thread, or for
+/// pairs that the kernel cannot decide, so the code is compiled once for all kinds of particles.
 struct Run<'a, P, const D: usize> {
     options: &'a Options,
     threads: usize,
@@ -231,6 +231,6 @@ struct Run<'a, P, const D: usize> {
     grid: Grid<D>,
     bounds: Bounds,
     touch: Touch<'a, P>,
-    /// For threads beside this one, which cannot share a probe.
+    /// For other threads, which cannot share a probe.
     touch_silent: Touch<'a, Silent>,
 }

@@ -1,21 +1,21 @@
-//! One particle against sixteen: which are near enough to ask, and which touch for sure.
+//! One particle against sixteen: which may touch, and which certainly do.
 
 use super::unchecked::Source;
 use crate::wide::Wide;
 
-/// 1.5·2^23: added to a small number and taken away again, it leaves the nearest whole number.
+/// 1.5·2^23: adding and subtracting it rounds a small number to the nearest integer.
 const WHOLE: f32 = 12_582_912.0;
-/// Half a step less, so that an inner bound of nothing holds nobody.
+/// Half a step less, so that an inner bound of zero accepts no pair.
 const SPARE: f32 = 0.5;
 
-/// What a particle is compared with in one range.
+/// A particle that is compared with the particles of a range.
 pub(super) struct Query<W: Wide, const D: usize> {
     pub at: [W::Floats; D],
-    /// With [`Bounds::grow`](super::kernel::Bounds), where each particle has its own.
+    /// Includes [`Bounds::grow`](super::kernel::Bounds) if particles have individual radii.
     pub radius: W::Floats,
 }
 
-/// Squares of distances up to which particles are near enough to ask, and touch for sure.
+/// Squared distances up to which particles may touch, and certainly touch.
 #[derive(Clone, Copy)]
 pub(super) struct Limits<W: Wide> {
     near: W::Floats,
@@ -23,7 +23,7 @@ pub(super) struct Limits<W: Wide> {
 }
 
 impl<W: Wide> Limits<W> {
-    /// For this sum of radii and [`Bounds::grow`](super::kernel::Bounds).
+    /// Computes the limits for this outer distance and [`Bounds::grow`](super::kernel::Bounds).
     #[inline(always)]
     pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
         let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
@@ -31,8 +31,8 @@ impl<W: Wide> Limits<W> {
     }
 }
 
-/// Masks of those of sixteen particles that are `valid`: those near enough to ask, and those that
-/// touch. Where each has its own radius, `limits` are made of the query's and theirs.
+/// Returns masks of the `valid` ones among sixteen particles that may touch, and that certainly
+/// touch. With individual radii, `limits` are replaced by those for each pair.
 #[inline(always)]
 pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     w: W,
@@ -62,14 +62,14 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     (near, w.at_most(square, limits.sure) & near)
 }
 
-/// [`Limits`] of one particle: near enough to ask, and sure to touch.
+/// Computes the scalar [`Limits`] for one pair.
 #[inline(always)]
 pub(super) fn limits(outer: f32, grow: f32) -> (f32, f32) {
     let inner = (outer - 2.0 * grow).max(0.0);
     (outer * outer, inner * inner - SPARE)
 }
 
-/// A difference along x where coordinates begin again after every turn: the nearest, as in
+/// Returns the difference along x nearest to zero if coordinates wrap around after `turn`, as in
 /// [`test`].
 #[inline(always)]
 pub(super) fn nearest(d: f32, turn: f32) -> f32 {
@@ -81,7 +81,8 @@ mod tests {
     use super::*;
     use crate::wide::{Kernel, Level};
 
-    /// The scalar limits are those of the vectors: what is at them is within, the next number not.
+    /// Scalar limits equal the vector limits: a distance at the limit is within, the next number is
+    /// not.
     #[test]
     fn one_and_sixteen_have_the_same_limits() {
         struct Same(f32, f32);
@@ -94,7 +95,7 @@ mod tests {
                 let all = Limits::new(w, w.all(outer), grow);
                 for (one, all) in [(near, all.near), (sure, all.sure)] {
                     let within = |x: f32| w.at_most(w.all(x), all);
-                    // A fused step may round otherwise.
+                    // A fused operation may round differently.
                     let (below, above) = (one - 1e-6 * one.abs(), one + 1e-6 * one.abs());
                     assert_eq!(
                         [within(below), within(above.next_up())],

@@ -1,28 +1,26 @@
-//! Where the kernel's pairs go: those that surely touch to the sink, the others to the contact
-//! test.
+//! Delivers the kernel's pairs: certain contacts to the sink, the others to the contact test.
 
 use crate::detect::modern::copies::Touch;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 
-/// Takes the pairs that a kernel finds, and counts for it.
 pub(super) trait PairSink {
-    /// Pairs that touch.
+    /// Receives pairs that touch.
     fn sure(&mut self, pairs: &[[u32; 2]]);
-    /// A pair that only the contact test can decide.
+    /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
-    /// Whether operations are to be counted.
+    /// Returns whether operations are counted.
     fn counts(&self) -> bool;
-    /// `n` operations; contact tests before those of them that are unsure are made.
+    /// Counts `n` operations; contact tests of uncertain pairs are counted before they are made.
     fn count(&mut self, op: Op, n: u64);
 }
 
-/// Hands pairs on to a sink, operations to a probe.
+/// Passes pairs to a sink and counts to a probe.
 pub(super) struct Deliver<'a, P, S> {
     touch: Touch<'a, P>,
     probe: &'a mut P,
     sink: &'a mut S,
-    /// Contact tests that the kernel has counted, and those that `touch` counts, too.
+    /// Contact tests counted by the kernel, and those among them that `touch` counts again.
     tests: u64,
     unsure: u64,
 }

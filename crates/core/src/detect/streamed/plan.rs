@@ -1,9 +1,9 @@
-//! How many layers are in a bundle, and how cells are numbered in its slab.
+//! Number of layers in a bundle, and numbering of the cells in its slab.
 
 use super::grid::Grid;
 
-/// How cells are numbered in a slab: cells of a row side by side, rows of a layer one after the
-/// other, layers likewise.
+/// Cell numbers in a slab: the cells of a row are adjacent, then the rows of a layer, then the
+/// layers.
 ///
 /// ```text
 ///   3D, a layer of 3 x 2 cells:    b b b b      b: borders, always empty;
@@ -13,30 +13,29 @@ use super::grid::Grid;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
-    /// Bits of the fraction of a coordinate.
+    /// Fraction bits of a coordinate.
     pub bits: u32,
-    /// From a cell to the one in the next row; 0 if a layer is one row.
+    /// Offset from a cell to the one in the next row; 0 if a layer is one row.
     pub row: usize,
-    /// From a cell to the one in the next layer.
+    /// Offset from a cell to the one in the next layer.
     pub layer: usize,
     /// Log2 of the layers in a slab.
     pub layers: u32,
-    /// Slabs.
     pub slabs: usize,
     /// See [`Grid::flat`].
     pub flat: bool,
 }
 
-/// Particles of a slab, in the mean and at the most, for which the arrays fit the caches.
+/// Particles per slab for which the arrays fit the caches.
 const PARTICLES: usize = 4096;
 
 impl Plan {
-    /// Cells of a slab, borders included.
+    /// Returns the cells of a slab, borders included.
     pub fn cells(&self) -> usize {
         (self.layer << self.layers) + 1
     }
 
-    /// For the cells of a grid and `n` particles.
+    /// Computes the plan for a grid and `n` particles.
     pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
         let count = grid.count.map(|count| count as usize);
         let one_row = D == 2 || grid.flat;
@@ -44,17 +43,17 @@ impl Plan {
         let layer = if one_row { row } else { row * (count[1] + 2) };
         let all = if D == 2 && grid.flat { 1 } else { count[D - 1] };
         let layers = (all * PARTICLES / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
-        // The layer in its bundle must be known from the 32 bits of a coordinate.
+        // The 32 bits of a coordinate must determine the layer within its bundle.
         let layers = layers.min(32 - grid.bits);
         let row = if one_row { 0 } else { row };
         let slabs = all.div_ceil(1 << layers);
         Plan { bits: grid.bits, row, layer, layers, slabs, flat: grid.flat }
     }
 
-    /// The number of the cell of a particle, from the lowest 32 bits of its coordinates.
+    /// Returns the cell number of a particle, from the lowest 32 bits of its coordinates.
     #[inline(always)]
     pub fn cell<const D: usize>(&self, at: [u32; D]) -> u32 {
-        // As many bits as coordinates have, so that vectors of both are of the same length.
+        // u32 like the coordinates, so that vectors of both have the same length.
         let (per_row, per_layer) = (self.row as u32, self.layer as u32);
         let x = (at[0] >> self.bits) + 1;
         let layer = (at[D - 1] >> self.bits) & ((1 << self.layers) - 1);

@@ -1,7 +1,7 @@
 //! The ranges of particles that can touch a particle.
 //!
-//! Half of the cells around a particle are enough, and they are few contiguous ranges, since the
-//! cells of a row are side by side:
+//! Half of the cells around a particle are enough. They form few contiguous ranges, because the
+//! cells of a row are adjacent:
 //!
 //! ```text
 //!   2D:  next row   1 1 1         3D:  next layer  2 2 2      this layer   . . .
@@ -9,55 +9,54 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the particle itself. In the flat form the second axis has no
-//! cells: ranges are as in 2D, and in 2D the first alone is left.
+//! Range 0 begins after the particle itself. A flat grid does not divide the second axis: its
+//! ranges are as in 2D, or in 2D the first one only.
 
 use super::plan::Plan;
 use super::slab::Slab;
 use super::unchecked::element;
 
-/// Where the particles are that are to be tested against a particle: beginning and length of each
-/// range, the first one or two in the slab of the particle, the others in the next.
+/// Begin and length of each range of candidates for a particle. The first one or two are in the
+/// particle's slab, the others in the next.
 pub(super) type Ranges = [(u32, u32); 5];
 
-/// The dimensions of the grid of cells in which `F` finds ranges.
+/// Number of axes that are divided into cells.
 const fn axes<F: Find, const D: usize>() -> usize {
     if F::FLAT { D - 1 } else { D }
 }
 
-/// So many ranges there are.
+/// Number of ranges in use.
 pub(super) const fn ranges_used<F: Find, const D: usize>() -> usize {
     [0, 1, 2, 5][axes::<F, D>()]
 }
 
-/// Whether range `r` is in the next layer.
+/// Returns whether range `r` is in the next layer.
 pub(super) const fn in_next<F: Find, const D: usize>(r: usize) -> bool {
     r + 1 >= axes::<F, D>() && axes::<F, D>() > 1
 }
 
 /// Finds the ranges of the particle at a place.
 pub(super) trait Find: Copy {
-    /// Coordinates along x begin again after this many steps.
+    /// Number of steps after which x wraps around, if it does.
     const TURN: Option<f32>;
-    /// Has the second axis no cells?
+    /// Whether the second axis is not divided into cells.
     const FLAT: bool;
-    /// The ranges.
     fn ranges<const D: usize>(&self, at: usize) -> Ranges;
 }
 
-/// By the cells of a grid.
+/// Finds ranges by the cells of a grid.
 #[derive(Clone, Copy)]
 pub(super) struct ByCells<'a, const FLAT: bool> {
     cells: &'a [u32],
     begin: &'a [u32],
     next: &'a [u32],
     row: usize,
-    /// From the number of a cell to that of the one in the next layer.
+    /// Offset from a cell to the one in the next layer.
     to_next: isize,
 }
 
 impl<'a, const FLAT: bool> ByCells<'a, FLAT> {
-    /// For particles of `slab` whose next layer is in `next`, `to_next` cells away.
+    /// Creates a finder for `slab`; its next layer is in `next`, `to_next` cells away.
     pub fn new<const D: usize>(
         plan: &Plan,
         slab: &'a Slab<D>,
@@ -82,16 +81,16 @@ impl<const FLAT: bool> Find for ByCells<'_, FLAT> {
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
         // SAFETY: `at` is the place of a particle, and `cells` has an entry for each.
         let cell = unsafe { element(self.cells, at) } as usize;
-        // Three cells side by side, around this one.
+        // Returns three adjacent cells, with this one in the middle.
         let three = |begin: &[u32], cell: usize| {
-            // SAFETY: `cell` is in a row beside a particle's, at the particle's x >= 1, and rows
-            // beside have numbers: borders surround all cells with particles.
+            // SAFETY: `cell` is the cell of a particle or next to it in another row, at the same x
+            // >= 1. These rows exist, because borders surround all cells with particles.
             let first = unsafe { element(begin, cell - 1) };
-            // SAFETY: likewise; after the last border `begin` has an entry more.
+            // SAFETY: as above; `begin` has one more entry after the last border.
             (first, unsafe { element(begin, cell + 2) } - first)
         };
         let next = cell.wrapping_add_signed(self.to_next);
-        // SAFETY: a border follows the particle's cell, and `begin` has an entry for where it ends.
+        // SAFETY: a border follows the particle's cell, and `begin` has an entry for its end.
         let own_end = unsafe { element(self.begin, cell + 2) };
         let own = (at as u32 + 1, own_end - (at as u32 + 1));
         match axes::<Self, D>() {

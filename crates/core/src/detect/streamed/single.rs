@@ -1,5 +1,5 @@
-//! The sweep where registers are narrow: one candidate after the other, none of them beyond its
-//! range. Bounds and results are those of [`super::kernel`].
+//! The sweep on narrow registers: candidates are tested one by one, none of them beyond its range.
+//! Bounds and results are those of [`super::kernel`].
 
 use super::kernel::{Careful, ROOM, Sweep};
 use super::near::{limits, nearest};
@@ -8,8 +8,8 @@ use super::unchecked::{element, element_mut};
 use crate::wide::Wide;
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
-    /// Runs it. A particle with a pair that only the contact test can decide, or with more
-    /// candidates than there is room for, is left to the careful form.
+    /// Sweeps all particles. A particle with a pair that only the contact test can decide, or with
+    /// too many candidates, is left to the careful form.
     #[inline(always)]
     pub(super) fn one_by_one<W: Wide>(mut self, w: W) {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
@@ -26,13 +26,13 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
             let mut odd = candidates > ROOM;
             if !odd {
                 // SAFETY: `place` is one of `places`, which are below the slab's `len`, and every
-                // array over particles has a number for each.
+                // array over particles has an entry for each.
                 let (id, from) = unsafe {
                     let at = |k: usize| element(&self.slab.lanes[k], place);
                     (element(&self.slab.ids, place), std::array::from_fn::<_, D, _>(at))
                 };
                 let radius = if EACH {
-                    // SAFETY: where each particle has its own radius, so has each place.
+                    // SAFETY: if particles have individual radii, `radii` has one for each place.
                     grow + unsafe { element(&self.slab.radii, place) }
                 } else {
                     0.0
@@ -41,7 +41,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                     let slab = self.other(r);
                     let at: [f32; D] = std::array::from_fn(|k| from[k] - shifts[r][k]);
                     for other in begin as usize..(begin + len) as usize {
-                        // SAFETY: ranges end at the slab's `len` at the latest.
+                        // SAFETY: ranges end at the slab's `len` or before.
                         let of = |lane: &[f32]| unsafe { element(lane, other) };
                         let mut square = 0.0;
                         for (k, &at) in at.iter().enumerate() {
@@ -53,7 +53,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                         }
                         let (near, sure) =
                             if EACH { limits(radius + of(&slab.radii), grow) } else { same };
-                        // SAFETY: likewise; and there is room for all candidates.
+                        // SAFETY: as above, and there is space for all candidates.
                         unsafe {
                             let partner = element(&slab.ids, other);
                             *element_mut(&mut self.scratch.pairs, kept) = [id, partner];
@@ -64,7 +64,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 }
             }
             if odd {
-                // It uses the room for pairs itself.
+                // The careful form uses the space for pairs itself.
                 kept = before;
                 self.scratch.hand_on(&mut kept, self.sink);
                 w.run(Careful(&mut self, place, &ranges[..used]));

@@ -8,15 +8,15 @@ use crate::wide::{Kernel, LANES, Level, Wide};
 
 /// The particles of a slab, in the order of their cells.
 pub(super) struct Slab<const D: usize> {
-    /// Coordinates in steps: along x, and the second axis of a flat grid, from the grid's origin,
-    /// along the others from the origin of the cell.
+    /// Coordinates in steps: from the grid's origin along x and along the second axis of a flat
+    /// grid, from the cell's origin along the other axes.
     pub lanes: [Vec<f32>; D],
-    /// Radii in steps, where each particle has its own.
+    /// Radii in steps, if particles have individual radii.
     pub radii: Vec<f32>,
     pub ids: Vec<u32>,
-    /// The cell of each.
+    /// Cell of each particle.
     pub cells: Vec<u32>,
-    /// For each cell the place of its first particle.
+    /// Place of the first particle of each cell.
     pub begin: Vec<u32>,
     pub len: usize,
 }
@@ -36,13 +36,13 @@ impl<const D: usize> Default for Slab<D> {
 }
 
 impl<const D: usize> Slab<D> {
-    /// Heap needed for so many particles and cells.
+    /// Returns the heap bytes for this many particles and cells.
     pub fn bytes(particles: usize, cells: usize, each: bool) -> u64 {
         (4 * (D + 2 + usize::from(each)) * (particles + LANES) + 4 * (cells + 2)) as u64
     }
 
-    /// Room for so many particles and cells. A vector may be loaded from any place up to the last
-    /// particle.
+    /// Makes space for this many particles and cells, and for a vector load from the place of the
+    /// last particle.
     pub fn prepare(&mut self, particles: usize, cells: usize, each: bool) {
         self.lanes.iter_mut().for_each(|lane| at_least(lane, particles + LANES, 0.0));
         at_least(&mut self.ids, particles + LANES, 0);
@@ -53,7 +53,7 @@ impl<const D: usize> Slab<D> {
         at_least(&mut self.begin, cells + 2, 0);
     }
 
-    /// Makes the slab hold a list, sorted by cell; `room` has one for each record.
+    /// Fills the slab from a list, sorted by cell; `room` has space for each record.
     pub fn fill<R: Size>(
         &mut self,
         lists: &[Lists<D, R>],
@@ -68,8 +68,8 @@ impl<const D: usize> Slab<D> {
     }
 }
 
-/// Sorts a list into a slab: counts, then places, then arrays. Whole records are moved, so that
-/// each goes to one place in memory and not to one in every array.
+/// Sorts a list into a slab by counting. Whole records are moved first, so that each is written to
+/// one place in memory instead of one per array.
 struct Fill<'a, R, const D: usize> {
     slab: &'a mut Slab<D>,
     lists: &'a [Lists<D, R>],
@@ -88,13 +88,13 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         let blocks = || {
             list.into_iter().flat_map(|list| lists.iter().flat_map(move |lists| lists.blocks(list)))
         };
-        // Of no list, only the first layer is looked at.
+        // If there is no list, only the first layer is read.
         let cells_used = if list.is_some() { plan.cells() } else { plan.layer + 1 };
         let begin = &mut begin[..cells_used + 2];
         begin.fill(0);
         *len = 0;
         for block in blocks() {
-            // In the order of the list, for now.
+            // For now in the order of the list.
             let cells = &mut cells[*len..][..block.len()];
             for (cell, record) in cells.iter_mut().zip(block) {
                 *cell = plan.cell(record.at);
@@ -121,7 +121,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
             }
             first += block.len();
         }
-        // One array at a time: each is a loop that the compiler makes of vectors.
+        // One array at a time: the compiler vectorises each of these loops.
         let sorted = &room[..*len];
         let fraction = (1 << plan.bits) - 1;
         for (k, lane) in lanes.iter_mut().enumerate() {

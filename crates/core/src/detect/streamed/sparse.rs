@@ -1,11 +1,11 @@
-//! The sparse form, for scenes whose particles crowd in a small part of a large domain: the
-//! particles sorted by layer, row and cell, with no array over cells.
+//! The sparse form, for scenes whose particles crowd in a small part of a large domain. Particles
+//! are sorted by layer, row and cell; there is no array over cells.
 //!
-//! Particles are sorted once. Then each layer is swept against itself and the next one as in the
-//! form by cells, but the ranges of an occupied cell are found by cursors that go through the
-//! sorted layers side by side with it: ranges begin no earlier for a later cell, so all cursors
-//! together pass over a layer a few times. One thread does all. Cost: N for each digit of the sort,
-//! N for the rest, whatever the number of cells.
+//! Particles are sorted once. Each layer is then swept against itself and the next one as in the
+//! dense form, but cursors that advance through the sorted layers find the ranges of each occupied
+//! cell. The ranges of a later cell never begin earlier, so all cursors together pass over a layer
+//! a few times. One thread does all work. Cost: N for each digit of the sort and N for the rest,
+//! whatever the number of cells.
 
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
@@ -22,31 +22,29 @@ use crate::scene::Real;
 use crate::sink::Sink;
 use crate::wide::Level;
 
-/// Steps after which x begins again in a slab: 256 cells, and no float is rounded.
+/// Number of steps after which x wraps around in a slab: 256 cells; smaller x are exact in f32.
 const STEPS: u64 = 1 << 24;
-/// As the kernel has it.
+/// The same number for the kernel.
 pub(super) const TURN: Option<f32> = Some(STEPS as f32);
 
-/// A particle and where it is.
 #[derive(Clone, Copy)]
 struct Place<R> {
-    /// Number of the layer, then that of the row.
+    /// Number of the layer in the upper 32 bits, of the row in the lower.
     row: u64,
-    /// In steps.
+    /// x in steps.
     x: u64,
-    /// Of the coordinates across rows and layers.
+    /// Fractions of the coordinates across rows and layers.
     fractions: [u16; 2],
     id: u32,
     radius: R,
 }
 
-/// A layer: its particles as in any slab, and the key of the cell of each.
+/// A layer: its particles as in any slab, and the cell key of each.
 struct Layer<const D: usize> {
     slab: Slab<D>,
     keys: Vec<u64>,
 }
 
-/// Buffers.
 pub(super) struct Sparse<const D: usize, R> {
     places: Vec<Place<R>>,
     layers: [Layer<D>; 2],
@@ -66,7 +64,7 @@ impl<const D: usize, R> Default for Sparse<D, R> {
     }
 }
 
-/// The ranges of the cell of each particle.
+/// The ranges of each occupied cell, with the cell of each particle.
 #[derive(Clone, Copy)]
 struct Listed<'a> {
     cells: &'a [u32],
@@ -80,7 +78,7 @@ impl Find for Listed<'_> {
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
         let mut ranges = self.ranges[self.cells[at] as usize];
-        // The first reaches from after the particle to where it ends for the cell.
+        // The first range begins after the particle and ends where that of its cell does.
         let own = at as u32 + 1;
         ranges[0] = (own, ranges[0].1 - own);
         ranges
@@ -113,18 +111,17 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
 }
 
 impl<const D: usize, R: Size> Sparse<D, R> {
-    /// Heap needed for `n` particles before they are sorted.
+    /// Returns the heap bytes for `n` particles before they are sorted.
     pub fn bytes(n: usize) -> u64 {
         (n * size_of::<Place<R>>()) as u64
     }
 
-    /// Heap needed beside that for layers of at most so many particles.
+    /// Returns the further heap bytes for layers of at most this many particles.
     pub fn bytes_of_layers(most: usize) -> u64 {
         2 * (Slab::<D>::bytes(most, 0, R::EACH) + 8 * most as u64)
             + (size_of::<Ranges>() * most) as u64
     }
 
-    /// Copies all particles.
     pub fn fill<T: Real>(&mut self, bodies: &impl Bodies<T, D>, grid: &Grid<D>) {
         let n = bodies.len();
         self.places.clear();
@@ -149,13 +146,13 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         }));
     }
 
-    /// Puts all particles in order; gives the number of particles in the fullest layer.
+    /// Sorts all particles and returns the number of particles in the fullest layer.
     pub fn sort(&mut self, grid: &Grid<D>, probe: &mut impl Probe) -> usize {
         probe.add(Op::Integerise, (D * self.places.len()) as u64);
         let bits = |k: usize| u64::BITS - grid.count[k].leading_zeros();
         let (rows, xs) = (if D == 2 { 0 } else { bits(1) }, bits(0));
         let all = bits(D - 1) + rows + xs;
-        // Where cells have longer numbers than that, they are compared.
+        // Longer cell numbers are compared.
         let all = if all <= u64::BITS { all } else { 0 };
         let cell = |place: &Place<R>| {
             let (layer, row) = (place.row >> 32, place.row & u64::from(u32::MAX));
@@ -165,7 +162,6 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         layers(&self.places).map(<[_]>::len).max().unwrap_or(0)
     }
 
-    /// Sweeps the sorted particles, in layers of at most `most`.
     pub fn sweep<const EACH: bool>(
         &mut self,
         level: Level,
@@ -210,8 +206,8 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 }
 
-/// Puts places in the order of their cells, whose numbers differ in the last `bits` bits at most,
-/// or in any if that is 0.
+/// Sorts places by their cells. Cell numbers differ in the last `bits` bits at most, or in any bits
+/// if `bits` is 0.
 fn sort<R>(
     places: &mut [Place<R>],
     bits: u32,
@@ -226,14 +222,14 @@ fn sort<R>(
             (a.row, a.x).cmp(&(b.row, b.x))
         });
     }
-    // A few in each part, in the mean.
+    // A few particles per part, on average.
     let digit = (places.len() / 4).ilog2().min(bits).min(DIGIT);
     let (shift, last) = (bits - digit, (1 << digit) - 1);
     probe.add(Op::Move, places.len() as u64);
     let ends = part(places, digit, |place| (cell(place) >> shift) as usize & last);
     let mut begin = 0;
     for &end in &ends[..1 << digit] {
-        // In a cell any order will do.
+        // The order within a cell does not matter.
         if end > begin && shift > 0 {
             sort(&mut places[begin..end], shift, cell, probe);
         }
@@ -241,7 +237,7 @@ fn sort<R>(
     }
 }
 
-/// The particles of each layer that has any.
+/// Returns the particles of each occupied layer.
 fn layers<R>(places: &[Place<R>]) -> impl Iterator<Item = &[Place<R>]> {
     places.chunk_by(|a, b| layer_of(a) == layer_of(b))
 }
@@ -250,7 +246,7 @@ fn layer_of<R>(place: &Place<R>) -> u64 {
     place.row >> 32
 }
 
-/// Makes a layer hold these particles, in their order.
+/// Fills a layer with these particles, in their order.
 fn fill<const D: usize, R: Size>(
     layer: &mut Layer<D>,
     places: &[Place<R>],
@@ -260,7 +256,7 @@ fn fill<const D: usize, R: Size>(
     layer.slab.len = places.len();
     let (mut cell, mut last) = (0, None);
     for (at, place) in places.iter().enumerate() {
-        // Cells count from 1: one less is a number, too.
+        // Cells count from 1, so that key - 1 does not underflow.
         let key = ((place.row & u64::from(u32::MAX)) + 1) << 32 | ((place.x >> FRACTION) + 1);
         cell += u32::from(last.is_some_and(|last| last != key));
         last = Some(key);
@@ -302,7 +298,7 @@ fn find<const D: usize>(
             continue;
         }
         last = Some(key);
-        // The first range ends after the next cell of the row; the others are three cells.
+        // The first range ends after the next cell of the row; the others span three cells.
         to(own, &mut cursors[0][1], key + 2);
         let others: &[(&[u64], u64)] = if D == 2 {
             &[(next, key)]

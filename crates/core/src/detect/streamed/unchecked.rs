@@ -1,28 +1,28 @@
 //! Unchecked access to the arrays of slabs and of the kernel's scratch.
 //!
-//! Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions have them, as
-//! tests are. Everything relies on three facts:
+//! Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions, such as
+//! tests, have them. The code relies on three facts:
 //!
-//! * places are at most the slab's `len`, and its arrays over particles are [`LANES`] longer
-//!   ([`Slab::prepare`]), so that a vector may begin at any place of a range;
-//! * borders surround the cells that can hold particles ([`super::plan::Plan`]), so that the cells
-//!   around a particle's own, in its layer and the next, have numbers;
-//! * a block of particles ends while there is still room for all candidates of one more, at most
-//!   ten vectors; the sweep of one candidate after the other leaves a particle that has more of
-//!   them than there is room for to the careful form.
+//! * Places are at most the slab's `len`, and its arrays over particles are [`LANES`] longer
+//!   ([`Slab::prepare`]). So a vector may begin at any place of a range.
+//! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So the cells
+//!   around a particle's own cell, in its layer and the next, have numbers.
+//! * A block of particles ends while there is still space for all candidates of one more, at most
+//!   ten vectors. The sweep of single candidates leaves a particle with too many of them to the
+//!   careful form.
 
 use super::slab::Slab;
 use crate::wide::{HALF, LANES, Wide};
 
-/// Sixteen particles of slabs.
+/// Sixteen particles from one or two slabs.
 pub(super) trait Source<const D: usize>: Copy {
-    /// One number of each.
+    /// Loads one number of each particle.
     fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats;
     /// See [`Wide::pack`].
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
 }
 
-/// The particles of a slab from a place on.
+/// Consecutive particles of a slab.
 #[derive(Clone, Copy)]
 pub(super) struct Run16<'a, const D: usize> {
     slab: &'a Slab<D>,
@@ -30,10 +30,10 @@ pub(super) struct Run16<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Run16<'a, D> {
-    /// From place `at` on.
+    /// Starts at place `at`.
     ///
     /// # Safety
-    /// The slab's arrays over particles must reach [`LANES`] beyond `at`.
+    /// The slab's arrays over particles must extend [`LANES`] beyond `at`.
     #[inline(always)]
     pub unsafe fn new(slab: &'a Slab<D>, at: usize) -> Run16<'a, D> {
         debug_assert!(at + LANES <= slab.ids.len());
@@ -44,18 +44,18 @@ impl<'a, const D: usize> Run16<'a, D> {
 impl<const D: usize> Source<D> for Run16<'_, D> {
     #[inline(always)]
     fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
-        // SAFETY: `new` asks that arrays over particles reach a vector beyond `at`.
+        // SAFETY: the caller of `new` ensures that the arrays extend a vector beyond `at`.
         w.load(unsafe { chunk(lane(self.slab), self.at) })
     }
 
     #[inline(always)]
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
-        // SAFETY: `new` asks that arrays over particles reach a vector beyond `at`.
+        // SAFETY: the caller of `new` ensures that the arrays extend a vector beyond `at`.
         w.pack(unsafe { chunk(&self.slab.ids, self.at) }, mask, to);
     }
 }
 
-/// The first eight of one run, then the first eight of another.
+/// The first eight particles of one run, then the first eight of another.
 #[derive(Clone, Copy)]
 pub(super) struct TwoRuns8<'a, const D: usize>(pub [Run16<'a, D>; 2]);
 
@@ -63,61 +63,61 @@ impl<const D: usize> Source<D> for TwoRuns8<'_, D> {
     #[inline(always)]
     fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
         let [low, high] = self.0;
-        // SAFETY: sixteen numbers from either place are in the arrays ([`Run16::new`]).
+        // SAFETY: sixteen numbers from either place on are in the arrays ([`Run16::new`]).
         unsafe { w.load_two(chunk(lane(low.slab), low.at), chunk(lane(high.slab), high.at)) }
     }
 
     #[inline(always)]
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
         let [low, high] = self.0;
-        // SAFETY: sixteen ids from either place are in the arrays ([`Run16::new`]).
+        // SAFETY: sixteen ids from either place on are in the arrays ([`Run16::new`]).
         unsafe {
             w.pack_two(chunk(&low.slab.ids, low.at), chunk(&high.slab.ids, high.at), mask, to)
         }
     }
 }
 
-/// `N` numbers from place `at` on.
+/// Returns `N` values from place `at` on.
 ///
 /// # Safety
-/// They must be in the array.
+/// `at + N` must be at most the length of the array.
 #[inline(always)]
 pub(super) unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
     debug_assert!(at + N <= array.len());
-    // SAFETY: the caller vouches for `N` initialised values from `at` on, and an array of `A` has
+    // SAFETY: the caller ensures that `N` initialised values follow `at`, and an array of `A` has
     // the alignment of `A`.
     unsafe { &*array.as_ptr().add(at).cast() }
 }
 
-/// As [`chunk`], to be written.
+/// Mutable form of [`chunk`].
 ///
 /// # Safety
-/// They must be in the array.
+/// `at + N` must be at most the length of the array.
 #[inline(always)]
 pub(super) unsafe fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
     debug_assert!(at + N <= array.len());
-    // SAFETY: as in `chunk`, and `array` is borrowed mutably for as long as the result.
+    // SAFETY: as in `chunk`, and `array` is borrowed mutably for the lifetime of the result.
     unsafe { &mut *array.as_mut_ptr().add(at).cast() }
 }
 
-/// The number at place `at`.
+/// Returns the value at place `at`.
 ///
 /// # Safety
-/// It must be in the array.
+/// `at` must be below the length of the array.
 #[inline(always)]
 pub(super) unsafe fn element<A: Copy>(array: &[A], at: usize) -> A {
     debug_assert!(at < array.len());
-    // SAFETY: the caller vouches for `at`.
+    // SAFETY: the caller ensures that `at` is in the array.
     unsafe { *array.get_unchecked(at) }
 }
 
-/// As [`element`], to be written.
+/// Mutable form of [`element`].
 ///
 /// # Safety
-/// It must be in the array.
+/// `at` must be below the length of the array.
 #[inline(always)]
 pub(super) unsafe fn element_mut<A>(array: &mut [A], at: usize) -> &mut A {
     debug_assert!(at < array.len());
-    // SAFETY: the caller vouches for `at`.
+    // SAFETY: the caller ensures that `at` is in the array.
     unsafe { array.get_unchecked_mut(at) }
 }

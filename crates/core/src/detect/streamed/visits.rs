@@ -1,8 +1,8 @@
-//! Larger bodies in the grid of a finer class.
+//! Larger particles in the grid of a finer size class.
 //!
-//! While a bundle of layers of a class is in cache ([`super::dense`]), the larger bodies that reach
-//! into it visit it: a ball through rows of cells. The cells of a row that are within reach are
-//! side by side in memory.
+//! While a bundle of layers of a class is in cache ([`super::dense`]), the larger particles that
+//! reach into it visit it: a ball that crosses rows of cells. The cells of a row within reach are
+//! adjacent in memory.
 //!
 //! ```text
 //!      . . o o o . .
@@ -11,26 +11,25 @@
 //!      . o o o o o .
 //! ```
 //!
-//! Nothing is kept for this. The larger bodies are on the lists of their own classes, bundle by
-//! bundle, and all grids cut their layers across the same axis, so those who may reach a bundle are
-//! in few bundles of each larger class.
+//! No further data are stored. The larger particles are on the lists of their own classes, bundle
+//! by bundle. All grids cut layers across the same axis, so the particles that may reach a bundle
+//! are in few bundles of each larger class.
 //!
-//! **Which cells.** Let Q be the true coordinates of a body in steps of the visited grid, q the
-//! whole numbers that its cell is made of: |q - Q| < 1.01 ([`super::grid`]). A visitor has whole
-//! numbers p of its own grid, within 1.01 of the true ones, too. From them v = m·p + c is computed,
-//! m and c with relative errors below 2^-49: v is within 1.01m + (m·p + |c|)2^-47 of the truth. A
+//! **Which cells.** Let Q be the true coordinates of a particle in steps of the visited grid and q
+//! the integers that determine its cell: |q - Q| < 1.01 ([`super::grid`]). A visitor has integers p
+//! of its own grid, also within 1.01 of the true ones. From them v = m·p + c is computed, with
+//! relative errors of m and c below 2^-49, so v is within 1.01m + (m·p + |c|)2^-47 of the truth. A
 //! pair that touches has |Qj - Qi| <= ρ, the reach in steps, computed with a relative error below
-//! 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p + |c|)2^-46, with the largest of m·p + |c| over
-//! all axes. Distances of v from the borders of cells are rounded by less than what R has to spare.
-//! Where m would be 2^40 or more, or c is not finite, classes do not visit each other
-//! ([`super::levels`]): so squares are at most 2^124, and fit f32 as well. A visitor so far away
-//! that its margin overflows is beyond the grid.
+//! 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p + |c|)2^-46, with the largest m·p + |c| over all
+//! axes. R has room for the rounding of distances of v from cell borders. Classes with m >= 2^40 or
+//! an infinite c do not visit each other ([`super::levels`]); so squares are at most 2^124 and fit
+//! in f32. A visitor so far away that its margin overflows is beyond the grid.
 //!
 //! **Distances** are decided as in [`super::kernel`]. Coordinates are off by at most 1.01 + 1.01m
-//! along each axis, and by (m·p + |c|)2^-47; along x both have 24 bits; along the others v minus
-//! the origin of the cell, at most R + one cell, is rounded to 24 bits, and so is the difference,
-//! where the kernel's are exact: below 2^-22 R per axis. The relative part of the bound is 2^-18
-//! for that, instead of 2^-19.
+//! and by (m·p + |c|)2^-47 along each axis. Along x both have 24 bits. Along the other axes, v
+//! minus the origin of the cell, at most R plus one cell, is rounded to 24 bits, and so is the
+//! difference, where the kernel's are exact: below 2^-22 R per axis. For this the relative part of
+//! the bound is 2^-18 instead of 2^-19.
 
 use super::grid::Grid;
 use super::kernel::Scratch;
@@ -44,52 +43,50 @@ use crate::contact::Slack;
 use crate::probe::Op;
 use crate::wide::{HALF, Kernel, LANES, Wide};
 
-/// So many cells from the middle of a ball its rows are cut to their chords.
+/// Rows at most this many cells from the middle of a ball are not shortened to chords.
 const CLIP: f64 = 4.0;
-/// More than all roundings of a reach together, those of radii in f32 among them.
+/// Larger than the sum of all relative roundings of a reach, including those of radii in f32.
 const EPSILON: f64 = 1.0 / (1u64 << 21) as f64;
 
-/// A class of sizes, as visitors and those who are visited need it.
+/// A size class, as a host of visitors or as their origin.
 #[derive(Clone, Copy)]
 pub(super) struct Host<'a, const D: usize> {
     pub grid: &'a Grid<D>,
     pub plan: &'a Plan,
-    /// The largest radius.
     pub largest: f64,
     pub lists: &'a Lists<D, f32>,
 }
 
-/// A body of one class against those of a bundle of another.
+/// A larger particle that is tested against the particles of a bundle.
 struct Visitor<const D: usize> {
-    /// In steps of the bundle's grid.
+    /// Coordinates in steps of the bundle's grid.
     at: [f64; D],
-    /// How far a body can be that touches it.
+    /// Largest distance at which a particle can touch the visitor.
     reach: f64,
-    /// As the kernel has it.
+    /// Bound on the errors of distances, as in the kernel.
     grow: f32,
     radius: f32,
     id: u32,
 }
 
-/// The bodies of larger classes against those of a bundle.
+/// The larger particles that visit a bundle.
 pub(super) struct Visit<'a, const D: usize> {
-    /// The classes, the largest first.
+    /// All larger classes, the largest particles first.
     pub larger: &'a [Option<Host<'a, D>>],
     pub host: Host<'a, D>,
     pub slack: Slack,
-    /// The number of the bundle.
     pub number: usize,
     pub slab: &'a Slab<D>,
     pub scratch: &'a mut Scratch,
     pub sink: &'a mut dyn PairSink,
 }
 
-/// The first and the last cell along an axis of `count` cells that are within a distance.
+/// Returns the first and the last of `count` cells along an axis that are within a distance of `x`.
 #[inline(always)]
 fn cells(count: u64, bits: u32, x: f64, distance: f64) -> (u64, u64) {
     let top = ((count << bits) - 1) as f64;
     let high = x + distance;
-    // What is no number becomes the end of the axis.
+    // NaN selects the end of the axis.
     let cell = |x: f64| x.max(0.0).min(top) as u64 >> bits;
     (cell(x - distance), cell(if high.is_nan() { top } else { high }))
 }
@@ -104,7 +101,6 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             return;
         }
         let one = (1u64 << grid.bits) as f64;
-        // The layers of the bundle, in steps.
         let layers = [self.number, self.number + 1].map(|k| (k << plan.layers) as f64 * one);
         let steps = (grid.count[0] << grid.bits) as f64;
         let (largest, absolute) =
@@ -114,9 +110,9 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             |radius: f64| (radius + largest) * (1.0 + slack.relative) * (1.0 + EPSILON) + absolute;
         let (mut found, mut counts) = (0, [0; 2]);
         for from in self.larger.iter().flatten() {
-            // From its steps to those of the bundle's grid.
+            // Conversion from the visitors' steps to those of the bundle's grid.
             let (scale, shift) = (grid.finer_than(from.grid), grid.origin_of(from.grid));
-            // The bundles of those who may reach this one.
+            // Find the bundles of visitors that may reach this bundle.
             let most = reach_of(scale * from.grid.length(from.largest));
             let spare = 8.0 + 8.0 * scale + (most + shift[D - 1].abs() + layers[1]) * EPSILON;
             let back = |z: f64| (z - shift[D - 1]) / scale;
@@ -124,15 +120,15 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             if high < 0.0 {
                 continue;
             }
-            // As whole numbers, before anything is computed of a body. Casts saturate; what is no
-            // number is the least for the one and the most for the other.
+            // Convert to integers before looking at particles. Casts saturate; NaN becomes the
+            // least lower and the greatest upper limit.
             let (low, high) = (low as u64, if high.is_nan() { u64::MAX } else { high as u64 });
             let bundle = from.grid.bits + from.plan.layers;
             let end = from.plan.slabs as u64 - 1;
             let (first, last) = ((low >> bundle).min(end), (high >> bundle).min(end));
             for number in first..=last {
                 for record in from.lists.blocks(number as usize).flatten() {
-                    // Along the last axis, the bundle has the highest bits.
+                    // Along the last axis the bundle has the highest bits.
                     let in_bundle = u64::from(record.at[D - 1]) & ((1 << bundle) - 1);
                     let z = number << bundle | in_bundle;
                     if !(low..=high).contains(&z) {
@@ -169,7 +165,7 @@ impl<const D: usize> Kernel for Visit<'_, D> {
 }
 
 impl<const D: usize> Visit<'_, D> {
-    /// A visitor against what is within reach of it.
+    /// Tests a visitor against the particles within its reach.
     #[inline(always)]
     fn ball<W: Wide>(
         &mut self,
@@ -190,7 +186,8 @@ impl<const D: usize> Visit<'_, D> {
         let (begin, end) =
             ((self.number << plan.layers) as u64, ((self.number + 1) << plan.layers) as u64 - 1);
         let square = reach * reach * (1.0 + 1.0 / (1u64 << 48) as f64);
-        // How far a coordinate is from a cell, squared, and from the cell's origin.
+        // Returns the squared distance of a coordinate from a cell, and its offset from the cell's
+        // origin.
         let from_cell = |axis: usize, cell: u64| {
             let origin = at[axis] - cell as f64 * one;
             let gap = (-origin).max(origin - one).max(0.0);
@@ -210,17 +207,18 @@ impl<const D: usize> Visit<'_, D> {
             if left < 0.0 {
                 continue;
             }
-            // The bodies of a row that are not too far, and where the visitor is from its origin.
+            // Returns the particles of a row that are near enough, and the visitor's offset from
+            // the row.
             let places = |row: u64| {
-                // In 2D a layer is a row.
+                // In 2D a layer is one row.
                 let (of_row, y) = if D == 2 { (0.0, 0.0) } else { from_cell(1, row) };
                 let (from, to) =
                     if wide { cells(0, (left - of_row).max(0.0).sqrt()) } else { whole };
                 let cell = in_slab + if D == 2 { 0 } else { (row as usize + 1) * plan.row };
-                // SAFETY: the cells are of the grid, in a layer of the slab, and `begin` has an
+                // SAFETY: the cells belong to the grid, in a layer of the slab, and `begin` has an
                 // entry for each cell of a slab.
                 let begin = unsafe { element(&self.slab.begin, cell + from as usize) };
-                // SAFETY: likewise, and for the border after the row.
+                // SAFETY: as above, and `begin` has an entry for the border after the row.
                 let end = unsafe { element(&self.slab.begin, cell + to as usize + 1) };
                 (begin, end - begin, y)
             };
@@ -232,8 +230,8 @@ impl<const D: usize> Visit<'_, D> {
                 counts[0] += 1 + u64::from(row < last);
                 counts[1] += u64::from(len + len_next);
                 row += 2;
-                // SAFETY: a range of places ends at the slab's `len` at the latest, and its arrays
-                // are a vector longer.
+                // SAFETY: a range of places ends at the slab's `len` or before, and the arrays are
+                // a vector longer.
                 let run = |at: u32| unsafe { Run16::new(self.slab, at as usize) };
                 if D == 3 && len | len_next < HALF as u32 {
                     query.at[1] = w.sub(w.all(y), second);

@@ -1,5 +1,5 @@
-//! The table of all detectors. An algorithm that has a line here is in the command line, every
-//! experiment and every test.
+//! The table of all detectors. Each entry is available on the command line and takes part in every
+//! experiment and test.
 
 use super::any::{AnyDetector, Both, Refuses};
 use super::book::nbs_levels::NbsLevels;
@@ -21,7 +21,6 @@ const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetec
     Entry { name, role, group, summary, cost, memory, limits, speed, constructor, ..PLAIN }
 }
 
-/// Fields that most entries share.
 const PLAIN: Entry = Entry {
     name: "",
     role: Role::Detector,
@@ -34,7 +33,7 @@ const PLAIN: Entry = Entry {
     speed: Speed::Usual,
     judge: Judge::NOT,
     parameters: &[],
-    // An entry that forgets its constructor finds nothing, which every test sees.
+    // An entry without a constructor finds no contacts, which every test notices.
     constructor: Both::<control::Nothing, control::Nothing>::boxed,
 };
 
@@ -292,27 +291,26 @@ pub static TABLE: &[Entry] = &[
     peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
 ];
 
-/// The name of the detector to take without a reason for another.
+/// Name of the detector to use without a reason for another.
 pub const DEFAULT: &str = "streamed-nbs";
 
-/// Makes the detector named [`DEFAULT`].
+/// Creates the detector named [`DEFAULT`].
 pub fn fast(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
 }
 
-/// Makes the detector that copes with sizes and places of every kind.
+/// Creates a detector that handles all size distributions and positions: `bvh`.
 pub fn robust(options: Options) -> Box<dyn AnyDetector> {
     Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed(&Params::new(), options)
 }
 
-/// The detectors that have a place among the judges, in the order of their places.
+/// Returns the detectors that may establish the truth, sorted by the given rank.
 pub fn judges(place: fn(&Judge) -> u8) -> Vec<&'static Entry> {
     let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| place(&it.judge) > 0).collect();
     judges.sort_by_key(|entry| place(&entry.judge));
     judges
 }
 
-/// `nbs` with its parameter.
 fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     if params.contains_key("levels") {
         Both::<NbsLevels<nbs::Nbs<2>, 2>, NbsLevels<nbs::Nbs<3>, 3>>::boxed(params, options)
@@ -321,7 +319,6 @@ fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     }
 }
 
-/// `streamed-nbs` with its parameters.
 fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let level = match params.get("level") {
         None => Level::best(),
@@ -346,17 +343,16 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     }
 }
 
-/// `hgrid` with its parameters.
 fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let ratio = match params.get("ratio").map(|text| text.parse()) {
         None => Some(2.0),
-        // No number: one level.
+        // Not a number: one level.
         Some(number) => number.ok(),
     };
     let parting = match params.get("levels").map(String::as_str) {
         None => hgrid::Parting::Ratio(ratio),
         Some("optimal") => hgrid::Parting::Optimal,
-        // The table lets nothing else pass.
+        // Parsing accepts no other values.
         Some(text) => match hgrid::Borders::parse(text) {
             Some(borders) => hgrid::Parting::Borders(borders),
             None => hgrid::Parting::Ratio(ratio),
@@ -369,25 +365,25 @@ fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     Both::join(plane, space, options)
 }
 
-/// The line of a detector; [`super::spec::parse`] takes parameters, too.
+/// Returns the entry with this name, if any; [`super::spec::parse`] also accepts parameters.
 pub fn find(name: &str) -> Option<&'static Entry> {
     TABLE.iter().find(|entry| entry.name == name)
 }
 
 impl Entry {
-    /// Returns whether it serves measurements only: `nothing`, and the twins.
+    /// Returns whether the entry serves measurements only: `nothing` and the twins.
     pub fn is_control(&self) -> bool {
         matches!(self.role, Role::Nothing | Role::Twin(_))
     }
 }
 
-/// The names of all detectors, without controls, for messages.
+/// Lists the names of all detectors, without controls, for messages.
 pub fn names() -> String {
     let detectors = TABLE.iter().filter(|entry| !entry.is_control());
     detectors.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
 }
 
-/// The names of all detectors and controls, libraries that were not compiled included.
+/// Returns the names of all detectors and controls, including libraries that were not compiled in.
 pub fn all_names() -> impl Iterator<Item = &'static str> {
     let peers = peers::PEERS.iter().map(|peer| peer.name).filter(|name| find(name).is_none());
     TABLE.iter().map(|entry| entry.name).chain(peers)

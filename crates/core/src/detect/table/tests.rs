@@ -1,4 +1,4 @@
-//! Parameters of detectors.
+//! Parameters of detectors, and their ranks for the truth.
 
 use nalgebra::Point;
 
@@ -13,7 +13,7 @@ fn lattice() -> AnyScene<'static> {
     Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
 }
 
-/// Every value of every parameter, where this processor has the instructions.
+/// Covers every value of every parameter for which this processor has the instructions.
 #[test]
 fn parameters_change_no_contact() {
     let scene = lattice();
@@ -50,7 +50,7 @@ fn instructions_that_are_not_there_are_refused_with_those_that_are() {
     assert!(pairs.is_empty());
 }
 
-/// No two detectors share a place among the judges, and no place is left out.
+/// Ranks are unique and without gaps.
 #[test]
 fn judges_have_places_of_their_own() {
     let places: [fn(&Judge) -> u8; 3] = [|it| it.alike, |it| it.differ, |it| it.boxed];

@@ -1,4 +1,4 @@
-//! Every detector finds the truth, in every arithmetic, whatever it searched before.
+//! Every detector finds the truth in every arithmetic, whatever it searched before.
 
 use super::super::frame::Frame;
 use super::super::images::Images;
@@ -9,13 +9,12 @@ use crate::probe::{Op, Silent};
 use crate::scene::array;
 use crate::with_scene;
 
-/// What has been compared.
 #[derive(Debug, Default)]
 struct Seen {
     answers: usize,
     contacts: usize,
     own_images: usize,
-    /// With an image beyond the next.
+    /// Contacts with an image beyond the nearest ones.
     far_images: usize,
     refused: usize,
 }
@@ -83,8 +82,8 @@ fn detectors_find_the_truth_in_space() {
     assert!(seen.own_images > 100 && seen.far_images > 500, "{seen:?}");
 }
 
-/// The truth of a rounded arithmetic rests on the images that are made. Here are all of a generous
-/// number around the box, and the test finds no more contacts with them.
+/// The truth of a rounded arithmetic depends on the images made. With many more images around the
+/// box the test finds no further contacts.
 #[test]
 fn no_further_image_touches_in_a_rounded_arithmetic() {
     fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize
@@ -146,7 +145,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         }
     }
     assert!(contacts > 5000, "{contacts}");
-    // Couples that only rounding decides, through a face, far from the origin.
+    // Pairs that only rounding decides, through a face, far from the origin.
     let random = &mut ChaCha8Rng::seed_from_u64(9);
     let mut touching = 0;
     for turn in 0..3000 {
@@ -170,7 +169,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
     assert!((1500..4500).contains(&touching), "{touching}");
 }
 
-/// A layer of 1 around the box holds a third of the box's volume; half of it is made.
+/// A layer of 1 around the box has a third of the box's volume; half of it is made.
 #[test]
 fn images_are_made_near_the_faces_only() {
     let random = &mut ChaCha8Rng::seed_from_u64(3);
@@ -186,7 +185,7 @@ fn images_are_made_near_the_faces_only() {
     assert!((120..220).contains(&ghosts), "{ghosts}");
 }
 
-/// Above so many particles detectors are the truth, held to a sample.
+/// In larger scenes the detectors are the truth, checked by a sample.
 #[test]
 fn the_truth_of_many_is_what_detectors_agree_on() {
     let n = crate::oracle::BRUTE_FORCE + 1;

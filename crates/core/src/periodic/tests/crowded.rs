@@ -1,9 +1,9 @@
-//! Boxes smaller than the reach: the work is linear in the answer, and too much is foreseen.
+//! Boxes smaller than the reach: work is linear in the number of contacts, and excess is predicted.
 
 use super::*;
 use crate::probe::Op;
 
-/// Two discs in a box so tilted or flat that rows of images stand `step` apart.
+/// Two discs in a box so tilted or flat that rows of images are `step` apart.
 fn two(step: f64) -> Bag<2> {
     Bag {
         centres: vec![[0.0, 0.0], [1.0, 1.0]],
@@ -14,8 +14,8 @@ fn two(step: f64) -> Bag<2> {
     }
 }
 
-/// A detector given all images tests pairs of two of them: 8 million here, and a hundred times as
-/// many for ten times the answer.
+/// A detector that gets all images would also test pairs of two images: 8 million here, and a
+/// hundred times as many for ten times the contacts.
 #[test]
 fn tests_are_linear_in_the_answer() {
     let mut each = Vec::new();
@@ -33,7 +33,7 @@ fn tests_are_linear_in_the_answer() {
 fn small_boxes_have_the_contacts_of_the_truth() {
     let bag = two(1.0 / 1024.0);
     all_find(&bag, &bag.truth());
-    // One sphere, of whose images thousands touch; and dust beside it.
+    // One sphere with thousands of touching images, and dust beside it.
     let cube = |centres: Vec<[f64; 3]>, radii| Bag {
         centres,
         radii,
@@ -59,7 +59,7 @@ fn small_boxes_have_the_contacts_of_the_truth() {
     }
 }
 
-/// Radii in another unit than a box: there is room for the images, and none for the contacts.
+/// Radii in another unit than the box: the images fit in memory, the contacts do not.
 #[test]
 fn too_many_contacts_are_foreseen_in_a_box() {
     let random = &mut ChaCha8Rng::seed_from_u64(3);
@@ -77,7 +77,7 @@ fn too_many_contacts_are_foreseen_in_a_box() {
     let (exact, counted) = (Arithmetic::Exact, Some(&mut tally));
     let refused = finder.find(&periodic, &mut *detector, exact, counted, &mut contacts);
     let Err(Refusal::Crowd { particles: 500, each, .. }) = refused else { panic!("{refused:?}") };
-    // A ball of radius 6 has some 905 of each particle.
+    // A ball of radius 6 contains about 905 images of each particle.
     assert!((700.0..1100.0).contains(&(each / 500.0)), "{each}");
     assert_eq!((tally.get(Op::ContactTest), contacts.len()), (0, 0));
 }

@@ -1,5 +1,4 @@
-//! Scenes and boxes that make no sense, or hardly any: an answer or one clear sentence, never
-//! anything else.
+//! Extreme scenes and boxes: each gets a correct result or a clear refusal.
 
 use super::*;
 
@@ -38,12 +37,12 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     assert!(matches!(said, Refusal::Away { particle: 1, vector: 1, .. }), "{said}");
     assert!(said.to_string().contains("particle 1 is 1e12 boxes away"), "{said}");
     assert!(matches!(refusal(&of(&[[0.0; 3]], f64::MAX, cube(1.0)), LIMIT), Refusal::Range));
-    // Hardly a box: what the shortest vectors tell apart is told apart.
+    // Hardly a box, but its shortest vectors separate the images.
     let skewed = [[1.0, 0.0, 0.0], [1.0, 2e-9, 0.0], [1.0, 1e-9, 2e-18]];
     let flat = Lattice::new(skewed.map(|[x, y, z]| [x, y, 0.0 * z]), [true; 3], [0.0; 3]);
     assert!(matches!(flat, Err(LatticeError::Flat { .. })), "{flat:?}");
     all_find(&of(&[[0.0; 3]], 1e-19, skewed), &[]);
-    // Images fit, the list does not.
+    // The images fit, the list does not.
     let crowd = of(&[[0.5; 3]; 40], 0.5, cube(1.0));
     let found = truth(&crowd.periodic(), Arithmetic::Exact, LIMIT).unwrap().pairs.len() as u64;
     let enough = found * IMAGE_PAIR_BYTES;
@@ -69,7 +68,7 @@ fn what_is_no_periodic_scene_is_none() {
     assert_eq!(flat.into_parts().1.periodic(), [true, true, false]);
 }
 
-/// Points touch where they coincide, also through images, and nowhere else; grids take them.
+/// Points touch only where they coincide, also through images; grids accept them.
 #[test]
 fn points_touch_where_they_coincide() {
     let points = of(&[[0.25; 3], [1.25, 0.25, -2.75], [0.25, 0.25, 0.5]], 0.0, cube(1.0));
@@ -95,8 +94,8 @@ fn depths_and_digests_are_those_of_images() {
     assert!(counted.0 == digest && counted.1 != Tally::default());
 }
 
-/// Boxes and scenes of any doubles: no detector finds what the truth does not have, nothing panics,
-/// and whoever answers agrees.
+/// Boxes and scenes of arbitrary doubles: no detector finds contacts beyond the truth, nothing
+/// panics, and all detectors that do not refuse agree.
 #[test]
 fn any_doubles_at_all() {
     let random = &mut ChaCha8Rng::seed_from_u64(5);

@@ -1,4 +1,4 @@
-//! The finder that keeps its buffers: lists and counts, errors, memory, boxes tilted far.
+//! The finder with kept buffers: lists and counts, errors, memory, boxes tilted far.
 
 use super::super::frame::Frame;
 use super::super::images::Images;
@@ -9,7 +9,7 @@ fn thousand(vectors: [[f64; 3]; 3]) -> Bag<3> {
     let random = &mut ChaCha8Rng::seed_from_u64(8);
     let centres = (0..1000).map(|_| std::array::from_fn(|_| 16.0 * random.random::<f64>()));
     Bag {
-        // On a grid, so that whole vectors can be added without error.
+        // On a grid, so that vectors can be added without error.
         centres: centres.map(|x: [f64; 3]| x.map(|x| (x * 1024.0).round() / 1024.0)).collect(),
         radii: Radii::Uniform(0.5),
         vectors,
@@ -26,7 +26,7 @@ fn find(bag: &Bag<3>, finder: &mut Finder) -> Contacts {
     contacts
 }
 
-/// What was found before stays, whatever comes; and where it is refused, nothing is added.
+/// Contacts found before stay in any case; a refused call adds none.
 #[test]
 fn contacts_are_appended_or_left_as_they_were() {
     let bag = thousand(CUBE);
@@ -81,7 +81,7 @@ fn contacts_are_appended_or_left_as_they_were() {
     assert!(contacts.sorted(1000, u64::MAX).unwrap() == truth);
 }
 
-/// What the formula gives is enough, and a byte less is not, in every storage.
+/// The bytes of the formula suffice, and one byte less does not, in every storage.
 #[test]
 fn images_fit_the_bytes_of_the_formula() {
     let mut away = thousand(CUBE);
@@ -118,15 +118,15 @@ fn images_fit_the_bytes_of_the_formula() {
     }
 }
 
-/// Adding large multiples of vectors to each other changes neither contacts nor, but by chance, the
-/// number of images.
+/// Adding large multiples of vectors to each other does not change the contacts, and hardly changes
+/// the number of images.
 #[test]
 fn boxes_tilted_far_have_as_many_images() {
     let mut finder = Finder::new(LIMIT);
     let straight = find(&thousand(CUBE), &mut finder).sorted(1000, u64::MAX).unwrap();
     let images = finder.images();
     assert!((150..250).contains(&images), "{images}");
-    // Rows: other vectors, in those of the cube; and the cube's vectors in them.
+    // Other vectors in terms of the cube's, and the cube's in terms of them.
     let shears: [(Rows, Rows); 4] = [
         ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [-1, 1, 0], [0, 0, 1]]),
         ([[1, 0, 0], [-1000, 1, 0], [0, 0, 1]], [[1, 0, 0], [1000, 1, 0], [0, 0, 1]]),
@@ -159,7 +159,7 @@ fn boxes_tilted_far_have_as_many_images() {
     }
 }
 
-/// The truth by the vectors as given, without a reduction: what is found by others is that.
+/// Detectors with reduced vectors find the truth computed with the given vectors.
 #[test]
 fn reduced_vectors_lose_nothing() {
     let (mut contacts, mut boxes) = (0, 0);
@@ -185,7 +185,7 @@ fn reduced_vectors_lose_nothing() {
     assert!(contacts > 3000 && boxes > 200, "{contacts} {boxes}");
 }
 
-/// A particle meets itself if and only if its diameter reaches the shortest vector.
+/// A particle touches itself if and only if its diameter reaches the shortest vector.
 #[test]
 fn the_shortest_vector_is_where_a_particle_meets_itself() {
     for (vectors, shortest) in [
@@ -203,8 +203,8 @@ fn the_shortest_vector_is_where_a_particle_meets_itself() {
     }
 }
 
-/// Particles that left the box by less than a reach are not moved, those far from it are, and
-/// wherever the box begins: images are few.
+/// Particles that left the box by less than a reach are not moved, distant ones are. Either way
+/// there are few images, wherever the box begins.
 #[test]
 fn images_are_few_wherever_particles_are() {
     let mut finder = Finder::new(LIMIT);
@@ -228,7 +228,7 @@ fn images_are_few_wherever_particles_are() {
         let mut buffers = Images::default();
         let made = buffers.make(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
         assert!((made.ghosts() as f64 / images - 1.0).abs() < 0.2, "{by:?}: {}", made.ghosts());
-        // Neither are those that are looked at, wherever the box begins.
+        // Few particles are examined, too, wherever the box begins.
         assert!(made.bytes() < 72 * 400 + if made.are_as_given() { 0 } else { 37_000 }, "{by:?}");
         copied += usize::from(!made.are_as_given());
         all_find_few(&moved);

@@ -1,5 +1,4 @@
-//! Scenes whose contacts are known: those that other codes are tested with, and those on which
-//! codes were wrong.
+//! Scenes with known contacts: test cases of other codes, and scenes that codes got wrong.
 
 use super::*;
 
@@ -18,7 +17,7 @@ fn along_axes(lengths: [f64; 3]) -> [[f64; 3]; 3] {
     [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]
 }
 
-/// Contacts of each particle, as all detectors find them; of one with its own image, two.
+/// Contacts of each particle, as all detectors find them; a contact with itself counts twice.
 fn neighbours<const D: usize>(bag: &Bag<D>) -> Vec<usize>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -33,7 +32,7 @@ where
     counts
 }
 
-/// matscipy, tests/test_neighbours.py; the last two are tangent through images.
+/// From matscipy, tests/test_neighbours.py; the last two are tangent through images.
 #[test]
 fn a_cube_has_the_neighbours_that_it_is_known_to_have() {
     let of = |cutoff: f64, periodic| {
@@ -50,7 +49,7 @@ fn a_cube_has_the_neighbours_that_it_is_known_to_have() {
     assert_eq!(of(1.1, [false; 3]), 0);
 }
 
-/// ASE and matscipy: face-centred cubic, by its primitive cell; graphite, by 1 to 9 cells.
+/// From ASE and matscipy: face-centred cubic by its primitive cell; graphite by 1 to 9 cells.
 #[test]
 fn crystals() {
     let h = 4.05 / 2.0;
@@ -77,7 +76,7 @@ fn crystals() {
 }
 
 /// matscipy's wild cell, on a grid of 2^-10 so that copies are exact: ten particles of ten radii,
-/// in and around the box. A particle has as many contacts in any supercell.
+/// in and around the box. A particle has the same number of contacts in any supercell.
 #[test]
 fn a_wild_cell_repeated_has_the_same_contacts() {
     let random = &mut ChaCha8Rng::seed_from_u64(1);
@@ -110,30 +109,31 @@ fn a_wild_cell_repeated_has_the_same_contacts() {
     assert!(all > 300, "{all}");
 }
 
-/// What others got wrong.
+/// Bug reports of other codes.
 #[test]
 fn scenes_that_codes_were_wrong_about() {
     let pair = |i, j, image| ImagePair { i, j, image };
     let cube = |edge: f64| along_axes([edge; 3]);
-    // NeighbourLists#28, #38: wrapped and rounded, this is on the upper face, which is the lower.
+    // NeighbourLists#28, #38: wrapped and rounded, this particle is on the upper face, which equals
+    // the lower.
     let scene = bag(&[[-5e-17, 0.5, 0.5], [0.9, 0.5, 0.5]], 0.05, cube(1.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
     all_find(&Bag { radii: Radii::Uniform(0.05 - 4e-17), ..scene }, &[]);
-    // NeighbourLists#6: outside of the box, on both sides.
+    // NeighbourLists#6: outside the box on both sides.
     let scene = bag(&[[-0.5, 1.0, 1.0], [8.5, 1.0, 1.0]], 0.5, cube(8.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
-    // Two bodies at the faces, 1 apart through both.
+    // Two particles near opposite faces, a distance of 1 apart through the faces.
     let scene = bag(&[[0.5, 4.0, 4.0], [7.5, 4.0, 4.0]], 0.5, cube(8.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
     all_find(&Bag { radii: Radii::Uniform(0.5f64.next_down()), ..scene }, &[]);
-    // The circumference is twice the distance, neither image is the one that is named: two
+    // The box is twice as long as the distance, and the given particles are two images apart: two
     // contacts.
     let scene = bag(&[[-4.0, 1.0, 1.0], [6.0, 1.0, 1.0]], 1.0, cube(4.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-3, 0, 0]), pair(0, 1, [-2, 0, 0])]);
-    // FreeBird.jl#150: the circumference is twice the distance, so two images touch.
+    // FreeBird.jl#150: the box is twice as long as the distance, so two images touch.
     let scene = bag(&[[0.0, 0.0], [2.0, 0.0]], 1.0, cube(4.0), [true, false, false]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0]), pair(0, 1, [0; 3])]);
-    // GPUMD#190: a box somewhat shorter than a whole number of cutoffs.
+    // GPUMD#190: a box slightly shorter than a whole number of cutoffs.
     let row: Vec<[f64; 3]> = (0..20).map(|k| [f64::from(k) * 0.149, 0.0, 0.0]).collect();
     let scene = bag(&row, 0.075, along_axes([2.9795, 9.0, 9.0]), [true; 3]);
     assert_eq!(neighbours(&scene), [2; 20]);

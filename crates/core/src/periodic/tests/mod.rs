@@ -1,4 +1,4 @@
-//! Detectors against the truth, the truth against what is known, and both against themselves.
+//! Detectors against the truth, the truth against known results, and both against themselves.
 
 mod agreement;
 mod crowded;
@@ -22,10 +22,9 @@ use crate::scene::{Radii, Scene, Stored};
 use crate::sink::Digest;
 
 const LIMIT: u64 = 1 << 28;
-/// Grids of more are not worth the time.
+/// Larger grids are not worth the time.
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
-/// A periodic scene in pieces.
 #[derive(Clone, Debug)]
 struct Bag<const D: usize> {
     centres: Vec<[f64; D]>,
@@ -52,7 +51,7 @@ where
         Periodic::new(self.scene().into(), self.lattice()).unwrap()
     }
 
-    /// S·H in full precision, where that is exact.
+    /// S·H in full precision; only used if exact.
     fn shift(&self, image: [i32; 3]) -> [f64; D] {
         std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * self.vectors[v][k]).sum())
     }
@@ -74,7 +73,6 @@ fn ask(
     contacts(periodic, detector, arithmetic, LIMIT)
 }
 
-/// The contacts and what it took to find them.
 fn count(
     detector: &mut dyn AnyDetector,
     periodic: &Periodic<'_>,
@@ -86,7 +84,7 @@ fn count(
     (contacts.digest(), tally)
 }
 
-/// Every detector finds these contacts, exactly.
+/// Asserts that every detector finds exactly these contacts.
 fn all_find<const D: usize>(bag: &Bag<D>, expected: &[ImagePair])
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -98,17 +96,17 @@ where
     }
 }
 
-/// How the numbers of a random box are made.
+/// How the numbers of a random box are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Numbers {
-    /// Any.
+    /// Any doubles.
     Real,
-    /// Multiples of 2^-8 and not large: sums and small multiples are exact.
+    /// Small multiples of 2^-8, so that sums and small multiples are exact.
     Dyadic,
 }
 
-/// A random scene of up to some twenty particles: boxes of all shapes, from much smaller than the
-/// reach to larger, along axes, tilted and wild; particles in it and far from it.
+/// A random scene of up to about twenty particles. Boxes have all shapes, from much smaller than
+/// the reach to larger: along axes, tilted, or arbitrary. Particles are inside or far outside.
 fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let tidy = |x: f64| if numbers == Numbers::Dyadic { (x * 256.0).round() / 256.0 } else { x };
@@ -120,7 +118,7 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     }
     match seed % 4 {
         0 => {}
-        // As simulation codes have it, and beyond.
+        // Tilted like the boxes of simulation codes, and more.
         1 => {
             let most = [1.0, 1.0, 4.0][random.random_range(0..3)];
             let diagonal = vectors[0][0];
@@ -130,7 +128,7 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
                 vectors[2][1] = tidy(most * vectors[1][1] * (random.random::<f64>() - 0.5));
             }
         }
-        // Any direction.
+        // Any directions.
         _ => {
             for vector in &mut vectors[..D] {
                 for x in &mut vector[..D] {
@@ -175,7 +173,7 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     Bag { centres, radii, vectors, periodic, origin }
 }
 
-/// Where the vectors were in a plane by chance.
+/// Used if the vectors were coplanar by chance.
 fn random_again<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1), numbers)
 }

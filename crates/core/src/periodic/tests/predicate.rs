@@ -1,5 +1,5 @@
-//! The exact test with images against integers of any length, on couples that touch, or miss each
-//! other, by one unit in the last place.
+//! The exact test with images against integers of unlimited length, for pairs within one unit in
+//! the last place of tangency.
 
 use std::cmp::Ordering;
 
@@ -21,7 +21,7 @@ fn integer(x: f64) -> BigInt {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// By a library that rounds nothing.
+/// Decides with big integers, without rounding.
 fn truth_of<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -41,7 +41,7 @@ fn truth_of<const D: usize>(
     distance.cmp(&(&sum * &sum))
 }
 
-/// A couple and the box of which an image is meant.
+/// A pair, and the box and image of the second particle.
 #[derive(Clone, Copy, Debug)]
 struct Couple {
     a: [f64; 3],
@@ -51,12 +51,12 @@ struct Couple {
     vectors: [[f64; 3]; 3],
 }
 
-/// Vectors whose lengths are whole numbers.
+/// Vectors of integer length.
 const WHOLE: [([i64; 3], i64); 5] =
     [([1, 2, 2], 3), ([2, 3, 6], 7), ([3, 4, 0], 5), ([0, 0, 1], 1), ([-4, 4, 7], 9)];
 
-/// Tangent through an image, by whole numbers that add up exactly, in units of a power of two; then
-/// one number is one step larger or smaller, or none is.
+/// Tangent through an image: integers that add up exactly, in units of a power of two. One number
+/// is then a step larger, a step smaller, or unchanged.
 fn couple(random: &mut ChaCha8Rng) -> Couple {
     let unit = [1.0, 2f64.powi(-20), 2f64.powi(-900), 2f64.powi(900)][random.random_range(0..4)];
     let bits = [3, 10, 20][random.random_range(0..3)];
@@ -107,12 +107,12 @@ fn couples_one_step_from_tangency_through_an_image() {
         let truth = truth_of(&c.a, &c.b, c.radii[0], c.radii[1], shift);
         let [ra, rb] = c.radii;
         assert_eq!(compare(&c.a, &c.b, ra, rb, shift), truth, "{c:?}");
-        // From the other side, and by any signs.
+        // From the other side, and with other signs.
         let back = Shift { image: c.image.map(|s| -s), vectors: &c.vectors };
         assert_eq!(compare(&c.b, &c.a, rb, ra, back), truth, "{c:?}");
         let depth = depth_of_image(&c.a, &c.b, ra, rb, shift);
         assert_eq!(depth.partial_cmp(&0.0), Some(truth.reverse()), "{c:?}: {depth}");
-        // The same in the plane, without z.
+        // The same without z.
         let flat = |x: [f64; 3]| [x[0], x[1]];
         let vectors = c.vectors.map(flat);
         let shift = Shift { image: c.image, vectors: &vectors };
@@ -123,7 +123,7 @@ fn couples_one_step_from_tangency_through_an_image() {
     assert!(seen.iter().all(|&count| count > 3000), "{seen:?}");
 }
 
-/// Any doubles at all, also subnormal and huge ones.
+/// Arbitrary doubles, including subnormal and huge ones.
 #[test]
 fn couples_of_any_numbers() {
     let random = &mut ChaCha8Rng::seed_from_u64(12);
@@ -132,7 +132,7 @@ fn couples_of_any_numbers() {
         let mut any = || loop {
             let x = f64::from_bits(random.random());
             if x.is_finite() {
-                // Every other time of one order of magnitude.
+                // In every other turn all numbers have one order of magnitude.
                 break if turn % 2 == 0 { x } else { x.signum() * (1.0 + x.abs().fract()) };
             }
         };

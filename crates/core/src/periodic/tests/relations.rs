@@ -1,20 +1,18 @@
-//! Metamorphic relations, exact on dyadic boxes: what a change of the box does to the set of
-//! contacts, without asking which contacts are right. Relations of the particles themselves are in
-//! `tests/detectors/metamorphic`.
+//! Metamorphic relations, exact on dyadic boxes: how a change of the box changes the set of
+//! contacts. `tests/detectors/metamorphic` tests changes of the particles.
 
 use super::*;
 
-/// What becomes of the contacts.
+/// How the contacts change.
 type Becomes = Box<dyn Fn(Vec<ImagePair>) -> Vec<ImagePair>>;
 
-/// A scene after a change; `None` where that does not apply.
+/// A scene after a change, or `None` if the change does not apply.
 type Change<const D: usize> = Option<(Bag<D>, Becomes)>;
 
-/// A change.
 type Relation<const D: usize> = fn(&Bag<D>, &mut ChaCha8Rng) -> Change<D>;
 
-/// Holds each detector to a relation, in two and in three dimensions, on a few scenes each, in
-/// every safe arithmetic: numbers have so few bits that none of them rounds.
+/// Checks a relation for each detector on a few scenes in 2D and 3D, in every safe arithmetic:
+/// numbers have so few bits that none of them rounds.
 fn hold(plane: Relation<2>, space: Relation<3>) {
     for arithmetic in Arithmetic::SAFE {
         let contacts = hold_in(plane, arithmetic) + hold_in(space, arithmetic);
@@ -36,7 +34,7 @@ where
             let detector = &mut *entry.make(OPTIONS);
             let mut find = |bag: &Bag<D>| {
                 match ask(detector, &bag.periodic(), arithmetic) {
-                    // Far away where the box is open.
+                    // Too far away along an open vector.
                     Err(Refusal::Memory { .. } | Refusal::Domain { .. }) => None,
                     found => Some(found.unwrap()),
                 }
@@ -52,7 +50,7 @@ where
     contacts
 }
 
-/// One contact for one.
+/// Each contact becomes one contact.
 fn one<const D: usize>(
     after: Bag<D>,
     becomes: impl Fn(ImagePair) -> ImagePair + 'static,
@@ -60,7 +58,7 @@ fn one<const D: usize>(
     some(after, move |pair| vec![becomes(pair)])
 }
 
-/// Some contacts for one, or none.
+/// Each contact becomes several or none.
 fn some<const D: usize>(
     after: Bag<D>,
     becomes: impl Fn(ImagePair) -> Vec<ImagePair> + 'static,
@@ -72,7 +70,7 @@ fn moved<const D: usize>(x: &[f64; D], by: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| x[k] + by[k])
 }
 
-/// Numbers of images, 0 where the box is open.
+/// Random image numbers, 0 if the box is open.
 fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> [i32; 3] {
     bag.periodic.map(|periodic| if periodic { random.random_range(-most..=most) } else { 0 })
 }
@@ -104,7 +102,7 @@ fn whole_vectors_change_the_images_alone() {
     hold(relation::<2>, relation::<3>);
 }
 
-/// Adding a multiple of one vector to another, or turning one around, leaves the lattice as it is.
+/// Adding a multiple of one vector to another, or reversing one, does not change the lattice.
 #[test]
 fn other_vectors_of_the_same_lattice_change_the_images_alone() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
@@ -131,7 +129,7 @@ fn other_vectors_of_the_same_lattice_change_the_images_alone() {
     hold(relation::<2>, relation::<3>);
 }
 
-/// `times` boxes side by side as one, along periodic vectors.
+/// Joins `times` copies of the box along periodic vectors into one box.
 pub fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -189,8 +187,8 @@ fn a_box_repeated_has_each_contact_once_in_every_copy() {
     hold(relation::<2>, relation::<3>);
 }
 
-/// The contacts without an image along a vector are those of the box that is open along it; those
-/// without any, those of the open scene.
+/// The contacts without an image along a vector are those of the box that is open along it; the
+/// contacts without any image are those of the open scene.
 #[test]
 fn a_box_has_the_contacts_of_boxes_that_are_more_open() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {

@@ -1,4 +1,4 @@
-//! A periodic box: which images a particle has.
+//! Periodic boxes: which images a particle has.
 
 mod reduced;
 
@@ -8,11 +8,11 @@ pub(crate) use reduced::{AS_GIVEN, shifted};
 /// The lattice of a periodic box: three vectors, and along which of them the scene repeats. Discs
 /// use the first two.
 ///
-/// The image of a point x by whole numbers S is x + S·H, the sum of S\[a\] times vector a over the
-/// periodic vectors. Vectors may have any direction; simulation codes write them in lower
-/// triangular form, the first along x, the second in the plane of x and y, whose off-diagonal
-/// numbers are the tilt. Particles may be outside the box: every image of them is in the scene, so
-/// it does not matter which one is named.
+/// The image of a point x by integers S is x + S·H, the sum of S\[a\] times vector a over the
+/// periodic vectors. Vectors may have any direction. Simulation codes write them in lower
+/// triangular form: the first along x, the second in the xy plane, with the tilt in the
+/// off-diagonal numbers. Particles may be outside the box: the scene contains all their images, so
+/// it does not matter which image is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     vectors: [[f64; 3]; 3],
@@ -20,28 +20,28 @@ pub struct Lattice {
     origin: [f64; 3],
 }
 
-/// What is wrong with a box.
+/// Why a box is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum LatticeError {
-    /// NaN or infinite.
+    /// A number of the box is NaN or infinite.
     #[error("the box has a number {value}; vectors and corner must be finite: mend the box")]
     Finite { value: f64 },
-    /// Zero, or in the span of the others, up to rounding.
+    /// A vector is zero or, up to rounding, in the span of the others.
     #[error(
         "the periodic vectors of the box enclose nothing: the distance of its faces along vector \
          {} is {}; mend the box, or make that axis open",
         vector + 1, shown(*height)
     )]
     Flat { vector: usize, height: f64 },
-    /// Squares of its numbers overflow or vanish.
+    /// The square of a vector's length overflows or underflows.
     #[error(
         "vector {} of the box is {} long, and squares of it leave the range of f64; take other \
          units",
         vector + 1, shown(*length)
     )]
     Range { vector: usize, length: f64 },
-    /// Discs in a box that leaves their plane.
+    /// The box of discs leaves their plane.
     #[error(
         "vector {} of the box leaves the plane of the discs: its z is {value}, and must be 0",
         vector + 1
@@ -49,8 +49,8 @@ pub enum LatticeError {
     Plane { vector: usize, value: f64 },
 }
 
-/// Faces nearer than this part of their vector's length are taken for one, once vectors are as
-/// short as can be: the dual vectors, from which filters are made, would have few digits left.
+/// Smallest distance of faces relative to their vector's length, after reduction to the shortest
+/// vectors. Below it the dual vectors, which filters need, would have few correct digits.
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
@@ -61,12 +61,12 @@ impl Lattice {
         origin: [0.0; 3],
     };
 
-    /// A box of these vectors, periodic along those that are marked, with its corner at `origin`.
-    /// Vectors along which it is open are looked at by no contact test.
+    /// Creates a box from three vectors, periodic along the marked ones, with its corner at
+    /// `origin`. Contact tests ignore the other vectors.
     ///
     /// # Errors
-    /// Numbers that are not finite, periodic vectors that do not span as many dimensions as they
-    /// are (the shortest of the same lattice, up to 2^-30).
+    /// Fails if a number is not finite, or if the periodic vectors are linearly dependent: the
+    /// shortest vectors of the same lattice are tested, with a tolerance of 2^-30.
     pub fn new(
         vectors: [[f64; 3]; 3],
         periodic: [bool; 3],
@@ -77,11 +77,11 @@ impl Lattice {
             return Err(LatticeError::Finite { value });
         }
         let lattice = Lattice { vectors, periodic, origin };
-        // However far it is tilted.
+        // Reduced first, so that the tilt does not matter.
         let (reduced, _) = lattice.reduced();
         for vector in (0..3).filter(|&vector| periodic[vector]) {
             let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));
-            // Also where a square overflows or vanishes, and there is no number.
+            // Also true if a square overflows or underflows, which makes it NaN.
             if !(height > FLATTEST * length && height.is_normal()) {
                 let most = |v: usize| vectors[v].into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
                 let mut lengths = (0..3).filter(|&v| periodic[v]).map(|v| (v, most(v)));
@@ -89,7 +89,7 @@ impl Lattice {
                 if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
                     return Err(LatticeError::Range { vector, length });
                 }
-                // Beside a vector of no length there is no direction, and it is the one to mend.
+                // A zero vector makes the others' heights undefined, and is the one to report.
                 let none = (0..3).find(|&v| periodic[v] && most(v) == 0.0);
                 let height = if height.is_nan() { 0.0 } else { height };
                 return Err(LatticeError::Flat { vector: none.unwrap_or(vector), height });
@@ -98,19 +98,17 @@ impl Lattice {
         Ok(lattice)
     }
 
-    /// A box with edges along the axes and its corner at the origin.
-    ///
-    /// # Errors
-    /// As [`Lattice::new`].
+    /// Creates a box with edges along the axes and its corner at the origin. Fails as
+    /// [`Lattice::new`].
     pub fn along_axes(lengths: [f64; 3], periodic: [bool; 3]) -> Result<Lattice, LatticeError> {
         let [x, y, z] = lengths;
         Lattice::new([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], periodic, [0.0; 3])
     }
 
-    /// The same box for discs: the third vector is left out.
+    /// Returns the same box for discs, without the third vector.
     ///
     /// # Errors
-    /// [`LatticeError::Plane`] if another periodic vector leaves the plane.
+    /// Returns [`LatticeError::Plane`] if another periodic vector leaves the plane.
     pub fn flat(self) -> Result<Lattice, LatticeError> {
         let periodic = [self.periodic[0], self.periodic[1], false];
         for vector in (0..2).filter(|&vector| periodic[vector]) {
@@ -122,48 +120,48 @@ impl Lattice {
         Ok(Lattice { periodic, ..self })
     }
 
-    /// The vectors, one per row.
+    /// Returns the vectors, one per row.
     pub fn vectors(&self) -> &[[f64; 3]; 3] {
         &self.vectors
     }
 
-    /// Along which vectors the scene repeats.
+    /// Returns along which vectors the scene repeats.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
 
-    /// Does it repeat along any?
+    /// Returns whether the scene repeats along any vector.
     pub fn repeats(&self) -> bool {
         self.periodic.contains(&true)
     }
 
-    /// The corner of the box from which the vectors start. It decides no contact.
+    /// Returns the corner of the box at which the vectors start. It does not affect contacts.
     pub fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
-    /// Is any periodic vector not along its axis?
+    /// Returns whether any periodic vector is not along its axis.
     pub fn is_tilted(&self) -> bool {
         (0..3).any(|a| self.periodic[a] && (0..3).any(|k| k != a && self.vectors[a][k] != 0.0))
     }
 
-    /// The distance between the two faces of the box that a periodic vector joins, in f64, with an
-    /// error of some last places (relative to the vector's length). A particle whose reach is less
-    /// does not meet its own image by that vector. Infinite where the box is open.
+    /// Returns the distance between the two faces that a periodic vector connects, with an error of
+    /// a few ulps relative to the vector's length, or infinity if the box is open. A particle with
+    /// a smaller reach does not touch its own image by that vector.
     pub fn height(&self, vector: usize) -> f64 {
         if self.periodic[vector] { norm(self.normal(vector)) } else { f64::INFINITY }
     }
 
-    /// The dual of a periodic vector: its product with the vector is 1, with the other periodic
-    /// ones 0, and along it a step of length 1 / [`Lattice::height`] changes the coordinate in
-    /// units of the vector the most. In f64, with an error as that of the height.
+    /// Returns the dual of a periodic vector: its product with the vector is 1, with the other
+    /// periodic vectors 0. Its length is 1 / [`Lattice::height`], and its error is that of the
+    /// height.
     pub fn dual(&self, vector: usize) -> [f64; 3] {
         let normal = self.normal(vector);
         let square = dot(normal, normal);
         normal.map(|x| x / square)
     }
 
-    /// What is left of a vector without its parts in the span of the other periodic ones.
+    /// Returns the part of a vector that is orthogonal to the other periodic vectors.
     fn normal(&self, vector: usize) -> [f64; 3] {
         let mut left = self.vectors[vector];
         let mut others = (0..3).filter(|&k| k != vector && self.periodic[k]);
@@ -175,7 +173,7 @@ impl Lattice {
         if let Some(second) = second {
             span[1] = unit(without(self.vectors[second], span[0]));
         }
-        // Twice, since the first time leaves what rounding makes of a long part.
+        // Twice, because rounding of a long part leaves a remainder the first time.
         for direction in [span[0], span[1], span[0], span[1]] {
             left = without(left, direction);
         }
@@ -183,7 +181,6 @@ impl Lattice {
     }
 }
 
-/// A length, for messages.
 fn shown(length: f64) -> String {
     if length == 0.0 { "0".into() } else { format!("{length:e}") }
 }
@@ -201,7 +198,7 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / length)
 }
 
-/// `a` without its part along a direction of length 1.
+/// Returns `a` without its part along a unit vector.
 fn without(a: [f64; 3], direction: [f64; 3]) -> [f64; 3] {
     let part = dot(a, direction);
     std::array::from_fn(|k| a[k] - part * direction[k])

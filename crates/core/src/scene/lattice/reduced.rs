@@ -1,38 +1,37 @@
-//! Short vectors of a lattice, made of long ones by whole numbers.
+//! Short vectors of a lattice, as integer combinations of long ones.
 //!
-//! A box whose tilt is many box lengths has the same images as one that is hardly tilted. From its
-//! vectors others are subtracted whole times while that makes them shorter: first two by two, as
-//! Gauss did, then one from the sum or difference of the other two. What cannot go on is reduced as
-//! Minkowski means it: in up to three dimensions no basis of the lattice is shorter, the shortest
-//! vector is the shortest of the lattice (Nguyen and Stehlé 2009, doi:10.1145/1597036.1597050,
-//! section 3).
+//! A box tilted by many box lengths has the same images as one with little tilt. The reduction
+//! subtracts integer multiples of other vectors while that makes a vector shorter: first in pairs,
+//! as Gauss did, then the sum or difference of the other two. The result is Minkowski-reduced: in
+//! up to three dimensions no basis of the lattice is shorter, and its shortest vector is the
+//! shortest of the lattice (Nguyen and Stehlé 2009, doi:10.1145/1597036.1597050, section 3).
 //!
-//! **What is exact.** The whole numbers, each of which is the sum of such steps: so the vectors
-//! span the same lattice, whatever was rounded. Lengths are of vectors computed anew from whole
-//! numbers and the vectors as given ([`shifted`]), so they have all their digits; rounding may only
-//! leave a vector that could be shorter by some last digits.
+//! **What is exact.** The integers are exact sums of such steps, so the vectors span the same
+//! lattice, whatever was rounded. Lengths are those of vectors recomputed from the integers and the
+//! given vectors ([`shifted`]), so they have full precision. Rounding may only leave a vector that
+//! could be shorter by a few ulps.
 
 use super::{Lattice, dot, norm};
 
-/// Whole numbers stay below this in magnitude.
+/// Limit for the magnitudes of the integers.
 const MOST: i64 = 1 << 29;
-/// A vector is replaced by one whose square is below this part of its own: rounding cannot go
-/// around in circles.
+/// A vector is only replaced if the square falls below this part of its own, so that rounding
+/// cannot cause a cycle.
 const SHORTER: f64 = 1.0 - 1.0 / (1u64 << 30) as f64;
 
-/// Whole numbers, one row for each vector.
+/// Integers, one row per vector.
 pub type Numbers = [[i32; 3]; 3];
 
-/// Every vector as it is.
+/// The integers of unchanged vectors.
 pub const AS_GIVEN: Numbers = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 impl Lattice {
-    /// The same lattice by vectors that are as short as can be, rounded, and the whole numbers of
-    /// the vectors as given that they are made of. Vectors along which the box is open are left as
-    /// they are, and so are some where numbers would be beyond 2^29.
+    /// Returns the same lattice with its shortest vectors, rounded, and the integers that combine
+    /// them from the given vectors. Vectors along which the box is open are unchanged, and so are
+    /// some whose integers would exceed 2^29.
     pub fn reduced(&self) -> (Lattice, Numbers) {
         let mut basis = Basis { given: self, numbers: AS_GIVEN, vectors: self.vectors };
-        // Each turn makes some square shorter; squares have less than 4096 halvings.
+        // Each turn makes some square shorter, and a square can be halved less than 4096 times.
         for _ in 0..10_000 {
             if !basis.shorten() {
                 break;
@@ -41,9 +40,9 @@ impl Lattice {
         (Lattice { vectors: basis.vectors, ..*self }, basis.numbers)
     }
 
-    /// The length of the shortest vector of the lattice that is not zero, in f64, with an error of
-    /// some last digits; infinite where no vector is periodic. A particle touches an image of
-    /// itself if and only if its diameter is at least as long.
+    /// Returns the length of the shortest nonzero vector of the lattice, with an error of a few
+    /// ulps, or infinity if no vector is periodic. A particle touches an image of itself if and
+    /// only if its diameter is at least this long.
     pub fn shortest(&self) -> f64 {
         let (reduced, _) = self.reduced();
         let lengths = (0..3).filter(|&a| self.periodic[a]).map(|a| norm(reduced.vectors[a]));
@@ -59,14 +58,14 @@ struct Basis<'a> {
 }
 
 impl Basis<'_> {
-    /// Makes one vector shorter, if that is possible.
+    /// Makes one vector shorter, if possible.
     fn shorten(&mut self) -> bool {
         let periodic = self.given.periodic;
         for a in (0..3).filter(|&a| periodic[a]) {
             for b in (0..3).filter(|&b| b != a && periodic[b]) {
                 let (a_b, b_b) = self.products(a, b);
                 let times = (a_b / b_b).round();
-                // Also where it is no number.
+                // NaN fails both tests.
                 if times.abs() < MOST as f64 && times != 0.0 {
                     let mut by = [0; 3];
                     by[b] = -(times as i64);
@@ -93,10 +92,10 @@ impl Basis<'_> {
         (dot(self.vectors[a], self.vectors[b]), dot(self.vectors[b], self.vectors[b]))
     }
 
-    /// Adds so many of the others to vector `a`, if that makes it shorter.
+    /// Adds multiples of the other vectors to vector `a`, if that makes it shorter.
     fn add(&mut self, a: usize, by: [i64; 3]) -> bool {
         let row = self.numbers.map(|row| row.map(i64::from));
-        // At most 2^29 times 2^29, three times.
+        // At most three times 2^29 · 2^29.
         let sum: [i64; 3] =
             std::array::from_fn(|k| row[a][k] + (0..3).map(|b| by[b] * row[b][k]).sum::<i64>());
         if sum.iter().any(|number| number.abs() >= MOST) {
@@ -112,8 +111,7 @@ impl Basis<'_> {
     }
 }
 
-/// x + S·H, rounded; not finite where that overflows. How far off it is says the page on frames of
-/// [`crate::periodic`].
+/// Returns x + S·H, rounded; not finite if it overflows. `periodic/frame.rs` bounds the error.
 pub(crate) fn shifted<const D: usize>(
     x: &[f64; D],
     image: [i32; 3],
@@ -174,7 +172,7 @@ mod tests {
         assert_eq!(lattice(fcc, [true; 3]).shortest(), 2.0f64.sqrt());
         let bcc = [[1.0, 1.0, 1.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         assert_eq!(lattice(bcc, [true; 3]).shortest(), 3.0f64.sqrt());
-        // Reduced two by two, and yet the sum of all is shorter than each.
+        // Reduced in pairs, but the sum of all three vectors is shorter than each.
         let star = [[2.0, 0.0, 0.0], [-1.0, 2.0, 0.0], [-0.9, -0.9, 2.0]];
         assert!((lattice(star, [true; 3]).shortest() - 2.0).abs() < 1e-15);
         let star = [[1.0, -0.5, -0.5], [-0.5, 1.0, -0.45], [-0.45, -0.5, 1.0]];
@@ -184,8 +182,8 @@ mod tests {
         assert_eq!(lattice(tilted, [true, false, true]).reduced().1[1], [0, 1, 0]);
     }
 
-    /// Against all small combinations; and the whole numbers have determinant 1 or -1, so that
-    /// nothing of the lattice is lost.
+    /// No small combination of vectors is shorter, and the integers have determinant 1 or -1, so
+    /// the lattice is unchanged.
     #[test]
     fn no_vector_of_a_lattice_is_shorter() {
         let random = &mut ChaCha8Rng::seed_from_u64(21);

@@ -1,5 +1,5 @@
-//! Scenes of very different sizes: class by class, each swept in cells of its own, and visited by
-//! the larger bodies.
+//! Scenes of very different sizes: each size class is swept in its own grid, and larger particles
+//! visit it.
 
 use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
@@ -18,11 +18,10 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Grids of two classes with as many steps of one in a step of the other, or more, are not
-/// compared: squares of distances, up to 2^124 then, must fit the floats of the kernel.
+/// Grids whose steps differ by this factor or more are not compared: squares of distances, up to
+/// 2^124 at this limit, must fit in f32.
 const FINEST: f64 = (1u64 << 40) as f64;
 
-/// A class with its grid.
 #[derive(Clone, Copy)]
 struct Level<const D: usize> {
     class: Class<D>,
@@ -32,11 +31,11 @@ struct Level<const D: usize> {
     may_crowd: bool,
 }
 
-/// As many as there are classes.
+/// One entry per class.
 type Levels<const D: usize> = [Option<Level<D>>; MOST];
 
 impl<const D: usize> Streamed<D> {
-    /// Finds the contacts of bodies of these classes.
+    /// Finds the contacts of particles in these classes.
     pub(super) fn by_class<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         classes: &Classes<D>,
@@ -110,8 +109,8 @@ impl<const D: usize> Streamed<D> {
         Ok(())
     }
 
-    /// The grid of each class; none if the cells of one cannot be numbered, or its bodies crowd in
-    /// them, or grids are so different that distances do not fit both.
+    /// Returns the grid of each class, or `None` if its cells cannot be numbered, its particles
+    /// crowd, or two grids are too different for common distances.
     fn levels<T: Real>(
         &self,
         classes: &Classes<D>,
@@ -125,7 +124,7 @@ impl<const D: usize> Streamed<D> {
             let reach = bodies.slack().reach(class.largest, class.largest);
             let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
             let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
-            // Cells as wide as the reach are not crowded, unless that is the reach of few.
+            // Cells as wide as the reach are crowded only if few particles have that reach.
             let crowd = crowd || class.octaves > 1 && class.bodies > FEW;
             may_crowd |= crowd;
             let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
@@ -137,7 +136,7 @@ impl<const D: usize> Streamed<D> {
             all().take(k).any(|larger| {
                 let shift = host.grid.origin_of(&larger.grid);
                 let finite = shift.iter().all(|x| x.is_finite());
-                // Also where the quotient is no number.
+                // Also true if the quotient is NaN.
                 !(finite && host.grid.finer_than(&larger.grid) < FINEST)
             })
         };
@@ -159,7 +158,7 @@ impl<const D: usize> Streamed<D> {
     }
 }
 
-/// Puts all bodies on the lists of their classes.
+/// Puts all particles on the lists of their classes.
 fn fill<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     classes: &Classes<D>,

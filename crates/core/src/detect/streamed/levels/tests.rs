@@ -10,14 +10,14 @@ use crate::probe::Tally;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
-/// These bodies at random in a box.
+/// Returns particles with these radii at random positions in a box.
 fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(radii.len() as u64);
     let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
     Scene::new((0..radii.len()).map(centre).collect::<Vec<_>>(), Radii::Each(radii.into())).unwrap()
 }
 
-/// Dust, and these giants among it.
+/// Returns radii of 2,000 dust particles with giants among them.
 fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(giants.len() as u64);
     let mut radii: Vec<f64> = (0..2000).map(dust).collect();
@@ -27,7 +27,7 @@ fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
     radii
 }
 
-/// The number of bodies in each class.
+/// Returns the number of particles in each class.
 fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
     let scene = scene::<3>(radii, edge);
     let bodies = any_bodies(&scene, Test::Exact).unwrap();
@@ -47,16 +47,16 @@ fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
 
 #[test]
 fn classes_are_those_that_save_work() {
-    // Of about one size, or too few to matter: no classes.
+    // About one size, or too few particles: no classes.
     assert_eq!(classes(vec![0.5; 2000], 12.0), []);
     assert_eq!(classes((0..2000).map(|k| 0.3 + 0.1 * f64::from(k % 3)).collect(), 12.0), []);
     assert_eq!(classes(dusty(&[9.0], |_| 0.5)[..60].to_vec(), 12.0), []);
     assert_eq!(classes(vec![0.0; 2000], 12.0), []);
-    // Twice as large is no class if there are few others, and far apart they all are one.
+    // Twice as large forms no class if there are few others, or if all are far apart.
     assert_eq!(classes((0..2000).map(|k| 1.0 - 0.8 * f64::from(k % 2)).collect(), 1e6), []);
     assert_eq!(classes(dusty(&[5.0, 7.0, 6.0], |_| 0.25), 20.0), [3, 2000]);
     assert_eq!(classes(dusty(&[3.0; 30], |_| 0.0), 20.0), [30, 2000]);
-    // One giant pays no class of its own beside twenty large ones.
+    // One giant does not justify a class beside twenty large particles.
     let three = |k| if k % 100 == 0 { 1.0 } else { 0.1 };
     assert_eq!(classes(dusty(&[8.0], three), 20.0), [21, 1980]);
 }
@@ -104,8 +104,8 @@ fn giants_lose_nothing() {
     assert!(contacts > 100_000, "{contacts}");
 }
 
-/// Balls of every size up to this ratio, each with dust on its surface: on it to the last bits, so
-/// that neither the floats of the kernel nor f64 can tell whether it touches.
+/// Balls of every size up to this ratio, with dust on their surfaces, exact to the last bits:
+/// neither f32 nor f64 arithmetic can decide whether the dust touches.
 fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut centres, mut radii) = (Vec::new(), Vec::new());
@@ -122,7 +122,7 @@ fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64
                 way[k / 3 % D] = 1.0;
             }
             let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // Between inside and outside by some last bits.
+            // Inside or outside by a few last bits.
             let far = (radius + dust) * (1.0 + f64::from(k as i32 % 7 - 3) * 1e-16) / length;
             centres.push(Point::from(std::array::from_fn(|k| centre[k] + way[k] * far)));
             radii.push(dust);
@@ -141,13 +141,13 @@ fn surfaces_are_met_to_the_last_bit() {
     assert!(contacts > 200_000, "{contacts}");
 }
 
-/// Bodies of the finer class are tested around the giant alone, in rows.
+/// Particles of the finer class are tested in rows around the giant only.
 #[test]
 fn a_giant_costs_what_is_around_it() {
     let count = |giants: &[f64], op| {
         let scene: AnyScene<'_> = scene::<3>(dusty(giants, |_| 0.25), 10.0).into();
         let mut tally = Tally::default();
-        // Without giants there would be columns, classes have cells.
+        // Without giants the grid would have columns; classes have cells.
         table::parse("streamed-nbs:form=dense")
             .unwrap()
             .make(Options::default())
@@ -159,7 +159,7 @@ fn a_giant_costs_what_is_around_it() {
     assert_eq!(count(&[], Op::LevelProbe), 0.0);
     for giant in [1.5, 2.5, 300.0] {
         let more = count(&[giant], Op::ContactTest) - without;
-        // As many as are in the box around it, two cells wider on each side.
+        // The particles in the box around the giant, two cells wider on each side.
         let around = (2.0 * (giant + 4.0 * 0.25) / 10.0).min(1.0).powi(3) * 2000.0;
         assert!(more.abs() <= 1.3 * around + 0.1 * without, "{giant}: {more} of {around}");
         assert!(count(&[giant], Op::LevelProbe) > 0.0);
@@ -167,7 +167,7 @@ fn a_giant_costs_what_is_around_it() {
 }
 
 /// Dust so much smaller than a ball, or numbers so large or small, that squares of distances
-/// overflow in f32, or in f64.
+/// overflow in f32 or f64.
 #[test]
 fn sizes_at_the_ends_of_doubles_lose_and_add_nothing() {
     for (dust, space, ball, x) in [
@@ -209,7 +209,7 @@ fn streamed(scene: &AnyScene<'_>) -> (Tally, Digest, u64) {
     (tally, digest, detector.formula_bytes())
 }
 
-/// A class that is flat along the longest axis of the scene has cells by its own lengths.
+/// A class that is flat along the longest axis of the scene gets cells for its own shape.
 #[test]
 fn dust_on_the_floor_of_a_tall_hall_takes_no_more_memory() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -224,8 +224,8 @@ fn dust_on_the_floor_of_a_tall_hall_takes_no_more_memory() {
     assert_eq!(digest, oracle::truth(&scene, Arithmetic::Exact).unwrap().digest);
 }
 
-/// A heap of dust among balls, which to the model is dust everywhere: it crowds, and is left to
-/// another grid.
+/// A heap of dust among balls, which the model takes for evenly spread dust. It crowds and is left
+/// to another grid.
 #[test]
 fn a_heap_of_dust_is_not_tested_against_itself() {
     let mut random = ChaCha8Rng::seed_from_u64(4);
