@@ -168,6 +168,11 @@ pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::
     with_scene!(&given.scene, scene => match format {
         SceneFormat::Csv => scene_csv(out, scene),
         SceneFormat::Xyz => scene_xyz(out, scene, lattice),
+        // Three columns without names would be read as x, y and z.
+        SceneFormat::Npy if given.scene.dim() == 2 => {
+            npy::write_fields(out, &["x", "y", "r"], scene.len())?;
+            npy_rows(out, scene, 3)
+        }
         SceneFormat::Npy => scene_npy(out, scene, true),
     })
 }
@@ -214,7 +219,7 @@ fn scene_xyz<T: Real, const D: usize>(
     })
 }
 
-/// A row of f64 for each particle, with its radius or without.
+/// Writes a row of f64 for each particle, with or without its radius.
 pub(crate) fn scene_npy<T: Real, const D: usize>(
     out: &mut dyn Write,
     scene: &Scene<'_, T, D>,
@@ -222,6 +227,14 @@ pub(crate) fn scene_npy<T: Real, const D: usize>(
 ) -> io::Result<()> {
     let columns = D + usize::from(has_radii);
     npy::write_header(out, "<f8", scene.len(), columns)?;
+    npy_rows(out, scene, columns)
+}
+
+fn npy_rows<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+    columns: usize,
+) -> io::Result<()> {
     (0..scene.len()).try_for_each(|k| {
         row(scene, k).take(columns).try_for_each(|x| out.write_all(&x.to_le_bytes()))
     })

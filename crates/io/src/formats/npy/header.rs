@@ -191,15 +191,24 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
 
-/// The header of an array of two dimensions in C order, version 1.
+/// Writes the header of an array of two dimensions in C order, version 1.
 pub(crate) fn write_header(
     out: &mut dyn Write,
     kind: &str,
     rows: usize,
     columns: usize,
 ) -> io::Result<()> {
-    let header =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    write_dictionary(out, &format!("'{kind}'"), &format!("{rows}, {columns}"))
+}
+
+/// Writes the header of an array of `rows` records whose fields are f64.
+pub(crate) fn write_fields(out: &mut dyn Write, names: &[&str], rows: usize) -> io::Result<()> {
+    let fields: Vec<String> = names.iter().map(|name| format!("('{name}', '<f8')")).collect();
+    write_dictionary(out, &format!("[{}]", fields.join(", ")), &format!("{rows},"))
+}
+
+fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<()> {
+    let header = format!("{{'descr': {kind}, 'fortran_order': False, 'shape': ({shape}), }}");
     // NumPy aligns the data to 64 bytes: magic, version, length and header, which blanks fill up
     // and a newline ends.
     let length = (10 + header.len() + 1).next_multiple_of(64) - 10;

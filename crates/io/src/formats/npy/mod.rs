@@ -18,7 +18,7 @@ use crate::{Options, RadiusSource};
 pub use fields::records;
 pub use frames::frames;
 pub use header::MAGIC;
-pub(crate) use header::{Header, any_header, header, shape, write_header};
+pub(crate) use header::{Header, any_header, header, shape, write_fields, write_header};
 
 /// The particles of an array of two dimensions.
 pub fn particles(
