@@ -37,8 +37,8 @@ fn the_example_in_cpp_passes() {
     let at = Place::new();
     // The command that the example gives, with paths of this checkout.
     let line = CPP.lines().find_map(|line| line.strip_prefix("//     g++ ")).unwrap();
-    let line = line.replace("runners ", &format!("{} ", root().join("runners").display()));
-    built(&at, &line.replace("examples/", &format!("{}/", root().join("examples").display())));
+    let line = line.replace("runners ", &format!("'{}' ", root().join("runners").display()));
+    built(&at, &line.replace("examples/", &format!("'{}'/", root().join("examples").display())));
     let head = "runner: my-grid 1.0, f64 arithmetic, without count and memory\n";
     let words = [head, " detections by my-grid: all agree"];
     check(&at, "./my_detector", "--seconds 0", 0, &words);
@@ -104,7 +104,7 @@ fn every_pass_begins_with_a_reset_and_every_scene_with_its_hook() {
     let at = Place::new();
     at.file("strict.cpp", STRICT);
     let header = root().join("runners").display().to_string();
-    built(&at, &format!("-std=c++17 -ffp-contract=off -I {header} strict.cpp -o strict"));
+    built(&at, &format!("-std=c++17 -ffp-contract=off -I '{header}' strict.cpp -o strict"));
     check(&at, "./strict", "--seconds 0", 0, &[" detections by strict: all agree"]);
 }
 

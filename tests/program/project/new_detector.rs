@@ -165,7 +165,7 @@ fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_printed() {
         let text = checkout.read(&name).replace(old, "pub(crate) thing ");
         let path = checkout.file(&name, text).display().to_string();
         let before = files(&checkout);
-        let line = format!("new-detector quick-tree --in {}", checkout.root().display());
+        let line = format!("new-detector quick-tree --in '{}'", checkout.root().display());
         at.ends(2, &line, &["nothing was changed", words, &path]);
         assert_eq!(files(&checkout), before, "{file}");
     }
