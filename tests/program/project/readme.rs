@@ -118,7 +118,16 @@ fn the_measured_table_is_that_of_the_record() {
     }
 }
 
-/// Files named in links of the pages, and of what is written about records, are there.
+/// Returns the anchors of the headings of a page, as GitHub makes them.
+fn anchors(page: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(page).unwrap();
+    let heads = text.lines().filter(|line| line.starts_with('#'));
+    let heads = heads.map(|line| line.trim_start_matches('#').trim().to_lowercase());
+    let kept = |c: &char| c.is_alphanumeric() || " -_".contains(*c);
+    heads.map(|head| head.chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
+}
+
+/// Files and headings that pages and write-ups link to exist.
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -134,9 +143,12 @@ fn links_lead_somewhere() {
         let text = std::fs::read_to_string(&page).unwrap();
         let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
         for target in links.filter(|target| !target.contains("://")) {
-            let file = page.parent().unwrap().join(target.split('#').next().unwrap());
-            let there = target.starts_with('#') || file.exists();
-            assert!(there, "{} links to {target}, which is not there", page.display());
+            let (name, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let file = if name.is_empty() { page.clone() } else { page.with_file_name(name) };
+            assert!(file.exists(), "{} links to {target}, which is not there", page.display());
+            let is_page = file.extension().is_some_and(|ending| ending == "md");
+            let there = !is_page || anchor.is_empty() || anchors(&file).contains(&anchor.into());
+            assert!(there, "{}: {target} has no such heading", page.display());
         }
     }
 }

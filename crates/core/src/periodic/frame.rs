@@ -50,6 +50,7 @@ const BETTER: f64 = 0.75;
 /// A box with its duals and error bounds; see the module.
 #[derive(Clone, Debug)]
 pub struct Frame<const D: usize> {
+    /// Whether the box is periodic along each of its vectors.
     pub periodic: [bool; 3],
     /// The given vectors; zeros if the box is open along them.
     pub vectors: [[f64; D]; 3],
