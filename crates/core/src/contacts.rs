@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_radius_is_for_all_and_buffers_hold_nothing_of_the_call_before() {
+    fn one_radius_holds_for_all_and_buffers_are_cleared() {
         let mut plane = Contacts::<2>::default();
         let row: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k), 0.0]).collect();
         let mut expected: Vec<[u32; 2]> = (0..4).map(|k| [k, k + 1]).collect();
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_scene_is_an_error() {
+    fn invalid_scenes_are_errors() {
         let scene = |centres: &[[f64; 2]], radii: &[f64]| contacts(centres, radii).unwrap_err();
         let two = [[0.0, 0.0], [1.0, f64::NAN]];
         assert!(matches!(scene(&two, &[1.0]), Error::Scene(SceneError::Coordinate { .. })));

@@ -137,7 +137,7 @@ mod tests {
     /// A packing with four neighbours is not sampled in full only because some pair touches by
     /// chance; one with 300 neighbours is, at a limit of 100.
     #[test]
-    fn couples_tell_packs_from_crowds() {
+    fn random_pairs_separate_packings_from_crowds() {
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];
         let compared = |r: f64| {
             let scenes = (4096..4136).map(|n| scene(n, lattice, r));
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_out_of_range_touch_nobody() {
+    fn distances_out_of_range_count_as_no_contact() {
         let far = |k: u32| [if k == 0 { 0.0 } else { f64::from(k) * 1e300 }, 0.0];
         assert_eq!(Crowd::new(&scene(50, far, 1e299)).mean, 0.0);
         let near = |k: u32| [f64::from(k) * 1e-200, 0.0];

@@ -1,4 +1,4 @@
-//! Which discs (2D) or spheres (3D) touch? Contact detectors, decided exactly, with counters.
+//! Contact detection for discs (2D) and spheres (3D): which pairs touch, decided exactly.
 //!
 //! ```
 //! use contactbench_core::{Contacts, contacts};
@@ -7,15 +7,15 @@
 //! let mut centres = vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]];
 //! assert_eq!(contacts(&centres, &[0.5])?, [[0, 1]]);
 //!
-//! // Again and again, as a simulation does: the buffers are kept.
+//! // For repeated calls, as in a simulation: the buffers are kept.
 //! let mut detector = Contacts::default();
 //! centres[2] = [2.0, 0.0];
 //! assert_eq!(detector.find(&centres, &[0.5])?.len(), 2);
 //! # Ok::<(), contactbench_core::Error>(())
 //! ```
 //!
-//! Where bodies move little from step to step, as in the discrete element method, a list of near
-//! pairs is kept and looked at, until it has to be built again ([`track`]):
+//! If particles move little from step to step, as in the discrete element method, a tracker keeps a
+//! list of near pairs and tests only those until the list must be rebuilt ([`track`]):
 //!
 //! ```
 //! use contactbench_core::contact::Test;
@@ -45,33 +45,30 @@
 //!         (0..2).for_each(|k| x[k] += v[k] * dt);
 //!     }
 //! }
-//! assert!(v[0][0] < 0.0 && v[1][0] > 0.0, "they have met");
-//! assert!(built < 20, "in most steps the list was looked at, and nothing else");
+//! assert!(v[0][0] < 0.0 && v[1][0] > 0.0, "the discs have bounced");
+//! assert!(built < 20, "most steps reuse the list");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`contacts()`] takes plain slices and finds the pairs by `streamed-nbs`.
-//! Behind it are all detectors of [`detect::table`], in every arithmetic, with counts of what they
-//! do:
+//! [`contacts()`] takes plain slices and uses the detector `streamed-nbs`. The modules below offer all detectors of [`detect::table`], in every arithmetic, with operation counts:
 //!
 //! 1. [`scene`]: centres and radii, always valid.
-//! 2. [`contact`]: radii and arithmetic become one contact test, shared by all detectors;
-//!    [`filter`] derives how none of them loses a pair to rounding.
-//! 3. [`detect`]: a detector finds the touching pairs; one file per algorithm, one line each in
-//!    [`detect::table`].
-//! 4. [`probe`] counts operations, or compiles to nothing; [`event`] reports them one by one;
-//!    [`sink`] makes the contacts a list, a count or a digest; a [`pair_list`] has a limit.
-//! 5. [`refusal`]: why a detector will not work on a scene; [`crowd`] knows it before it is tried;
-//!    [`memory`] says what limit fits the machine.
-//! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
-//! 7. [`periodic`]: scenes that repeat, found by the same detectors, and their truth.
-//! 8. [`searcher`]: any detector, in boxes or without.
-//! 9. [`track`]: frames of bodies that move, and lists that are kept between them.
-//! 10. [`wide`]: sixteen floats at a time.
+//! 2. [`contact`]: the contact test, shared by all detectors. [`filter`] proves that no detector
+//!    loses a pair to rounding.
+//! 3. [`detect`]: the detectors, one file per algorithm and one entry in [`detect::table`].
+//! 4. [`probe`] counts operations, or compiles to nothing; [`event`] reports single steps. [`sink`]
+//!    turns contacts into a list, a count or a digest; a [`pair_list`] has a limit.
+//! 5. [`refusal`]: why a detector does not work on a scene. [`crowd`] predicts too many pairs;
+//!    [`memory`] has default limits.
+//! 6. [`oracle`]: the true contacts, from tests of all pairs, and the errors of a detector.
+//! 7. [`periodic`]: periodic boxes, searched by the same detectors, and their truth.
+//! 8. [`searcher`]: any detector, in boxes or in open space.
+//! 9. [`track`]: frames of moving particles, and lists that are kept between them.
+//! 10. [`wide`]: vector instructions, sixteen floats at a time.
 //!
-//! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
-//! no file (but for the system's word on its memory), process, figure or command line here; those
-//! are in the crate `contactbench`, which measures these detectors.
+//! Each module imports only earlier ones (but detectors use [`wide`], and the oracle uses
+//! detectors). The crate reads no files except the system's memory size, starts no processes and
+//! draws no figures. The crate `contactbench` does, and measures these detectors.
 #![deny(missing_docs)]
 
 pub mod contact;

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_are_those_of_the_group_and_of_all_above() {
+    fn limits_include_the_group_and_its_ancestors() {
         let files = |text: &str| of_groups(text).skip(2).collect::<Vec<_>>();
         let root = "/sys/fs/cgroup";
         assert_eq!(
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_is_a_part_of_the_machine() {
+    fn the_limit_is_a_fraction_of_the_memory() {
         let text = "MemTotal:       16384000 kB\nMemFree:         100 kB\n";
         assert_eq!(of_machine(text), Some(16_384_000 * 1024));
         assert_eq!(of_machine("MemTotal: much"), None);

@@ -51,7 +51,7 @@ pub enum NoTruth {
     Stored(#[from] crate::scene::SceneError),
     /// Too few detectors accept the scene, and it is too large to test all pairs.
     #[error(
-        "fewer than two detectors take this scene, and {n} particles are too many to test all \
+        "fewer than two detectors accept this scene, and {n} particles are too many to test all \
          pairs (at most {LARGEST_BRUTE_FORCE})"
     )]
     TooLarge {
@@ -74,8 +74,8 @@ pub enum NoTruth {
     },
     /// The detectors disagree with a sample that was tested directly: a defect of this program.
     #[error(
-        "two detectors agree, but testing particle {particle} against all others gives other \
-         contacts than theirs"
+        "two detectors agree, but testing particle {particle} against all others finds different \
+         contacts"
     )]
     Sample {
         /// Index of the particle.

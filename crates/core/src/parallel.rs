@@ -114,7 +114,7 @@ mod tests {
 
     /// From 30,000 particles on, `streamed-nbs` uses several threads.
     #[test]
-    fn several_threads_find_what_one_finds() {
+    fn several_threads_find_the_contacts_of_one() {
         for entry in TABLE.iter().filter(|entry| entry.threads) {
             let n = if entry.name == "direct" { 1500 } else { 31_000 };
             let centre = |k: u32| {

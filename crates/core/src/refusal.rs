@@ -12,58 +12,57 @@ pub enum Refusal {
     /// The arrays would exceed the limit.
     #[error(
         "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit} bytes; \
-         raise the memory limit, or use another detector: sorting is the leanest, direct needs \
-         nothing"
+         raise the memory limit, or use another detector: sorting needs the least memory, direct \
+         needs none"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// There are more pairs than a list may hold; they were counted.
     #[error(
-        "{particles} particles have {found} touching pairs, {} each, and a list of them may not \
-         take more than {room} bytes; are the radii in another unit than the coordinates, or \
-         particles there twice? If not, raise the memory limit",
+        "{particles} particles have {found} touching pairs, {} each, more than a list of \
+         {room} bytes holds; are the radii in another unit than the coordinates, or are particles \
+         given twice? If not, raise the memory limit",
         count(2.0 * *found as f64 / *particles as f64)
     )]
     Pairs { found: u64, particles: u64, room: u64 },
     /// There will be more pairs than a list may hold, according to a sample of the particles.
     #[error(
-        "each of the {particles} particles touches about {} others, which makes some {:.1e} \
-         pairs, and a list of them may not take more than {limit} bytes; are the radii in another \
-         unit than the coordinates, or particles there twice? If not, raise the memory limit",
+        "each of the {particles} particles touches about {} others: about {:.1e} pairs, more than a \
+         list of {limit} bytes holds; are the radii in another unit than the coordinates, or are \
+         particles given twice? If not, raise the memory limit",
         count(*each), 0.5 * each * *particles as f64
     )]
     Crowd { particles: u64, each: f64, limit: u64 },
     /// Cells have too many numbers.
     #[error(
-        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), a \
-         grid can address 2^31; remove far-away particles, or use kd-tree"
+        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), and \
+         a grid can address 2^31; remove far-away particles, or use kd-tree"
     )]
     Domain { axis: &'static str, low: f64, high: f64, edge: f64, cells: f64 },
     /// The largest difference of two coordinates along an axis overflows.
     #[error(
-        "along {axis} the scene reaches from {low:e} to {high:e}, and the difference overflows; \
+        "along {axis} the scene extends from {low:e} to {high:e}, and this difference overflows; \
          scale the scene down, or use kd-tree"
     )]
     Extent { axis: &'static str, low: f64, high: f64 },
     /// More particles than the lists can number.
-    #[error("{detector} numbers at most {limit} particles, the scene has {n}; use direct")]
+    #[error("{detector} can number at most {limit} particles, the scene has {n}; use direct")]
     Particles { detector: &'static str, n: u64, limit: u64 },
     /// The square of a diameter overflows in the selected arithmetic.
     #[error(
         "the square of the largest diameter {diameter:e} overflows in {precision}; use \
-         exact arithmetic, or smaller units"
+         exact arithmetic, or scale the scene down"
     )]
     Overflow { diameter: f64, precision: &'static str },
     /// The processor lacks the selected vector instructions.
     #[error(
-        "this processor does not have the instructions level={level} asks for, only {}; leave \
-         out level to use the widest", has.join(" and ")
+        "this processor lacks the instructions for level={level} and has only {}; leave out level \
+         to use the widest", has.join(" and ")
     )]
     Instructions { level: String, has: Vec<&'static str> },
     /// A periodic box has more images within reach than the limit allows.
     #[error(
-        "the {particles} particles have some {images:.1e} images in and around the box that may \
-         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit} \
-         bytes; {}raise the memory limit",
+        "the {particles} particles have about {images:.1e} images within reach ({reach:e}) in and \
+         around the box, which take {needed:.1e} bytes, and the limit is {limit} bytes; {}raise the memory limit",
         if *images > MANY * *particles as f64 {
             "is the box in another unit than the radii? If not, "
         } else {
@@ -73,7 +72,8 @@ pub enum Refusal {
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
     /// The system refused to allocate memory that the limit allows.
     #[error(
-        "memory for {bytes} bytes could not be had; end other programs, or take fewer particles"
+        "{bytes} bytes of memory could not be allocated; close other programs, or use fewer \
+         particles"
     )]
     Exhausted { bytes: u64 },
     /// A particle is so far from its periodic box that its image has no number.
@@ -85,33 +85,37 @@ pub enum Refusal {
     Away { particle: u32, vector: usize, boxes: f64 },
     /// The vectors of a periodic box are nearly coplanar.
     #[error(
-        "the box is so skewed along vector {}, or its numbers so small, that its images cannot be \
-         told apart in f64; take shorter vectors of the same lattice, or larger units",
+        "the box is too skewed along vector {}, or its numbers are too small, to separate its \
+         images in f64; use shorter vectors of the same lattice, or scale the scene up",
         vector + 1
     )]
     Skewed { vector: usize },
     /// The images of a periodic box have coordinates beyond the largest double.
-    #[error("images of the periodic box are beyond the largest number of f64; use larger units")]
+    #[error(
+        "images of the periodic box are beyond the largest number of f64; scale the scene down"
+    )]
     Range,
     /// The images of a periodic box do not fit the storage of an arithmetic.
-    #[error("with its images the scene cannot be stored for {arithmetic}: {error}; use exact")]
+    #[error(
+        "with its images the scene cannot be stored for {arithmetic}: {error}; use exact arithmetic"
+    )]
     Stored { arithmetic: &'static str, error: SceneError },
     /// Particles enlarged by half of a skin overflow f64.
     #[error(
-        "with a skin of {skin:e} around them bodies of diameter {diameter:e} are too large for \
-         f64; take a smaller skin, or smaller units"
+        "with a skin of {skin:e}, particles of diameter {diameter:e} overflow f64; use a smaller \
+         skin, or scale the scene down"
     )]
     Skin { skin: f64, diameter: f64 },
     /// More pairs are within a skin of each other than a list may hold.
     #[error(
-        "{particles} particles have {found} pairs within a skin of {skin:e}, and a list of them \
-         may not take more than {room} bytes; take a smaller skin, or raise the memory limit"
+        "{particles} particles have {found} pairs within a skin of {skin:e}, more than a list of \
+         {room} bytes holds; use a smaller skin, or raise the memory limit"
     )]
     Listed { found: u64, particles: u64, room: u64, skin: f64 },
     /// A list kept in a periodic box requires exact arithmetic.
     #[error(
-        "in a periodic box a kept list decides in exact arithmetic, not in {arithmetic}, which \
-         depends on the images that are made in each frame; take exact, or every-step"
+        "in a periodic box a kept list works in exact arithmetic, not in {arithmetic}, whose \
+         contacts depend on the images of each frame; use exact, or the tracker every-step"
     )]
     Rounded { arithmetic: &'static str },
     /// The library behind a peer cannot handle the scene.
@@ -211,6 +215,6 @@ mod tests {
         let bytes = 1 << 63;
         assert_eq!(panics(1 << 60), Some(Refusal::Exhausted { bytes }));
         assert_eq!(panics(1), None);
-        assert_eq!(no_memory(&"memory for 8 bytes could not be had"), None);
+        assert_eq!(no_memory(&"8 bytes of memory could not be allocated"), None);
     }
 }

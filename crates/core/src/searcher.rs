@@ -204,7 +204,7 @@ mod tests {
 
     /// Images made for a box are freed when a scene in open space follows.
     #[test]
-    fn open_space_pays_nothing_for_the_box_before() {
+    fn open_space_keeps_no_images_of_an_earlier_box() {
         let scene = || -> AnyScene<'static> {
             let centres = [0.5, 4.0, 7.5].map(|x| nalgebra::Point::from([x, 1.0])).to_vec();
             Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()

@@ -66,7 +66,7 @@ fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static st
         ("gone", "sh", gone, [Unavailable; 3], "the library is missing"),
         ("old", "sh", old, [Unavailable; 3], "speaks protocol 0"),
         ("vague", "sh", fake(&[]).replace("f64", "about"), [Unavailable; 3], "'about'"),
-        ("greedy", "sh", greedy, [OutOfMemory; 3], "could not be had"),
+        ("greedy", "sh", greedy, [OutOfMemory; 3], "could not be allocated"),
     ]
 }
 

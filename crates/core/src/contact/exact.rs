@@ -282,7 +282,7 @@ mod tests {
     /// Tests each condition of the short form at its limit: inside it is right, outside it returns
     /// `None`.
     #[test]
-    fn the_short_form_refuses_what_it_cannot_hold() {
+    fn the_short_form_declines_numbers_too_large_for_it() {
         let power = |k: i32| f64::from_bits(((1023 + k) as u64) << 52);
         for (r, inside) in [(-902, false), (-901, true), (0, true), (58, true), (59, false)] {
             let r = power(r); // the sum is 2r

@@ -192,7 +192,7 @@ mod tests {
 
     /// Covers numbers from far inside the narrow form to beyond it, tangent and not.
     #[test]
-    fn the_narrow_form_refuses_what_it_cannot_hold() {
+    fn the_narrow_form_declines_numbers_too_large_for_it() {
         let mut narrow = 0;
         for places in 50..130 {
             let x = f64::from_bits((1023 + places) << 52);

@@ -69,7 +69,7 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Reach {
 /// Finds pairs that only rounding accepts, the farthest apart for each radius; the reach must cover
 /// them.
 #[test]
-fn the_reach_covers_what_rounding_accepts() {
+fn the_reach_covers_pairs_that_rounding_accepts() {
     let mut beyond = 0;
     let radii = (1..2000).map(|k| k as f32 * 0.00137).chain([
         1e-18,
@@ -115,7 +115,7 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ClassReach {
 /// classes covers the distance in every arithmetic, and is far below that of the larger class with
 /// itself.
 #[test]
-fn the_reach_of_two_classes_covers_what_is_accepted() {
+fn the_reach_of_two_classes_covers_accepted_pairs() {
     let mut beyond = 0;
     for k in 1..3000u32 {
         let (a, b) = (0.37 * f64::from(k), [1e-3, 0.1, 1.0 / 3.0, 1e-20][k as usize % 4]);
@@ -148,7 +148,7 @@ fn the_reach_of_two_classes_covers_what_is_accepted() {
 }
 
 #[test]
-fn rounded_arithmetic_refuses_what_it_cannot_square() {
+fn rounded_arithmetic_refuses_overflowing_squares() {
     let scene = Scene::<f64, 2>::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1e200)).unwrap();
     let refusal = with_bodies(&scene, Test::Rounded, &mut Touch(Tally::default()));
     assert!(matches!(refusal, Err(Refusal::Overflow { .. })));

@@ -115,7 +115,7 @@ pub enum SpecError {
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
     /// Two parameters that exclude each other.
-    #[error("'{spec}': {name}={value} takes the place of {other}; leave out one of the two")]
+    #[error("'{spec}': {name}={value} and {other} exclude each other; leave out one of them")]
     Together {
         /// The whole text.
         spec: String,
@@ -192,7 +192,7 @@ mod tests {
 
     /// Every word appears once, and every form with every level; numbers are not enumerated.
     #[test]
-    fn choices_are_every_form_of_the_code() {
+    fn choices_cover_every_form() {
         let of = |name| DetectorSpec::choices(table::find(name).unwrap());
         let texts = |name| of(name).iter().map(DetectorSpec::to_string).collect::<Vec<_>>();
         assert_eq!(texts("direct"), ["direct"]);
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_what_is_allowed() {
+    fn errors_list_the_valid_names_and_values() {
         for (given, parts) in [
             ("nsb", &["no detector 'nsb'; did you mean nbs?", "streamed-nbs", "direct"][..]),
             ("", &["no detector ''", "direct"]),
@@ -245,7 +245,7 @@ mod tests {
             ("hgrid:levels=1/inf", &["levels cannot be '1/inf'"]),
             (
                 "hgrid:levels=optimal,ratio=4",
-                &["levels=optimal takes the place of ratio; leave out one of the two"],
+                &["levels=optimal and ratio exclude each other; leave out one of them"],
             ),
         ] {
             let error = parse(given).unwrap_err().to_string();

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn couples_exactly_one_reach_apart_are_at_most_one_cell_apart() {
+    fn pairs_exactly_one_reach_apart_are_at_most_one_cell_apart() {
         // Three sweeps in which a textbook grid loses up to 10% of the pairs.
         let mut lost_by_the_book = 0;
         for (low, d) in [

@@ -181,7 +181,7 @@ mod tests {
     /// Around tangency, and at scales where squares vanish or overflow, the test confirms every
     /// decision made from a copy.
     #[test]
-    fn what_near_decides_the_test_decides_alike() {
+    fn decisions_from_copies_agree_with_the_test() {
         for arithmetic in Arithmetic::ALL {
             let mut decided = Agree(0);
             for scale in [1.0, 1e-3, 3e-19, 1e-22, 1e-38, 1e18] {
@@ -211,7 +211,7 @@ mod tests {
     /// Pairs exactly at reach and one unit in the last place around it, at offsets where every sum
     /// is rounded.
     #[test]
-    fn comparisons_lose_no_touching_couple() {
+    fn comparisons_lose_no_touching_pair() {
         let (mut touching, mut at_reach) = (0, 0);
         for offset in [0.0, -0.7, 1e3, -1e6 / 3.0, 1e15, 3e-9] {
             for k in 1..3000 {

@@ -69,7 +69,7 @@ pub struct Periodic<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodicError {
     /// The scene is not stored in f64, which is the precision of the box.
-    #[error("a periodic scene is made of numbers in f64; this one is stored otherwise: widen it")]
+    #[error("a periodic scene must be stored in f64; widen the scene first")]
     Storage,
     /// The box does not fit the scene.
     #[error(transparent)]

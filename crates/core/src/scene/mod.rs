@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cells_cannot_hold_is_refused_and_the_rest_is_not() {
+    fn scenes_too_large_for_cells_are_refused_and_others_are_not() {
         let stored = |points: &[[f64; 2]], r: f64| {
             Scene::new(
                 points.iter().copied().map(Point::from).collect::<Vec<_>>(),

@@ -191,7 +191,7 @@ fn safe_rules_miss_nothing_in_boxes_that_stay_or_move() {
 
 /// Which images are given does not affect how long a list serves.
 #[test]
-fn lists_serve_as_long_whatever_particles_are_called() {
+fn lists_serve_as_long_for_any_image_of_a_particle() {
     let of = |named| Course { named, seed: 9, ..TILTED };
     let built = [Named::Onwards, Named::Wrapped, Named::Anyhow].map(|named| {
         let [_, _, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &of(named).frames::<3>());
@@ -278,7 +278,7 @@ fn lists_serve_in_boxes_that_are_tilted_far() {
 /// the list is built. They then move just so far, on their own or with the box, that they touch or
 /// not.
 #[test]
-fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
+fn pairs_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
     let (mut draw, mut touching, mut unlisted) = (Draw(5), 0, 0);
     for round in 0..10_000u32 {
         let radius = 0.5 + 0.25 * draw.symmetric();
@@ -333,7 +333,7 @@ fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
 }
 
 #[test]
-fn what_is_not_for_boxes_says_so() {
+fn trackers_refuse_rounded_arithmetic_in_boxes() {
     let scene = Scene::new(vec![Point::from([0.25, 0.5])], Radii::Uniform(0.5)).unwrap();
     let lattice = Lattice::along_axes([1.0; 3], [true, true, false]).unwrap();
     let boxed = Periodic::new(scene.clone().into(), lattice).unwrap();

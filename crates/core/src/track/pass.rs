@@ -138,7 +138,7 @@ mod tests {
 
     /// Squares at, next to and far from limits of all sizes.
     #[test]
-    fn bounds_in_f32_say_what_those_in_f64_say() {
+    fn limits_in_f32_agree_with_limits_in_f64() {
         let scales = [
             -1e-60,
             f64::NEG_INFINITY,
@@ -194,7 +194,7 @@ mod tests {
 
     /// Lists of all lengths, including infinite coordinates with NaN distances.
     #[test]
-    fn every_level_says_what_one_pair_at_a_time_is() {
+    fn every_level_agrees_with_single_pairs() {
         let spots: Vec<Spot> = (0..97u32)
             .map(|k| Spot {
                 at: [k % 5, k / 5 % 5, k / 25].map(|x| match k {

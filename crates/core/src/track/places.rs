@@ -110,7 +110,7 @@ mod tests {
     /// Pairs at all scales, with other particles near and far, and sums of radii nearly or exactly
     /// equal to the distance: every decision from copies is true.
     #[test]
-    fn what_places_decide_is_true() {
+    fn decisions_from_copies_are_true() {
         let mut state = 7u64;
         let mut draw = move || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

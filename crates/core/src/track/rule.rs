@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rules_are_read_as_they_are_written() {
+    fn the_text_of_a_rule_parses_to_itself() {
         for text in
             ["half-skin", "top-two", "summed", "every-1", "lammps-10-5-yes", "lammps-0-1-no"]
         {

@@ -109,25 +109,25 @@ impl fmt::Display for TrackerSpec {
 
 /// The forms of a tracker specification, and what each does.
 pub const FORMS: [(&str, &str); 8] = [
-    ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
+    ("every-step(DETECTOR)", "calls the detector in every frame; DETECTOR alone is the same"),
     (
         "verlet(DETECTOR,rule=RULE,skin=S)",
-        "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
-         has the list built again; skin=0.1 and rule=top-two where none is given",
+        "keeps a list of all pairs at most S diameters apart and tests only those until the rule \
+         requires a rebuild; the defaults are skin=0.1 and rule=top-two",
     ),
     (
         "skin=auto",
-        "finds the skin that makes steps cheap, or asks where no list pays; with top-two, \
-         half-skin or summed",
+        "chooses the skin that minimises the cost of steps, or no list if that is cheaper; with \
+         top-two, half-skin or summed",
     ),
-    ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
-    ("rule=half-skin", "when one has gone half of the skin: safe"),
-    ("rule=summed", "when the longest ways of all frames, added up, are half of the skin: safe"),
+    ("rule=top-two", "when the sum of the two largest displacements exceeds the skin: safe"),
+    ("rule=half-skin", "when a displacement exceeds half the skin: safe"),
+    ("rule=summed", "when each frame's largest displacement, summed, exceeds half the skin: safe"),
     ("rule=every-K", "in every K-th frame, whatever moves: not safe"),
     (
         "rule=lammps-DELAY-EVERY-yes",
         "as LAMMPS's neigh_modify delay every check (yes or no); its default is lammps-0-1-yes: \
-         not safe where frames are not looked at",
+         not safe if frames are not checked",
     ),
 ];
 
@@ -135,10 +135,12 @@ pub const FORMS: [(&str, &str); 8] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackerError {
     /// The text has another form.
-    #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
+    #[error(
+        "'{0}' is not a tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)"
+    )]
     Form(String),
     /// `skin=auto` with a rule that does not use displacements.
-    #[error("'{0}': skin=auto goes with half-skin, top-two or summed, which look where bodies go")]
+    #[error("'{0}': skin=auto needs rule=half-skin, top-two or summed, which track displacements")]
     Auto(String),
     /// A parameter is given twice or has an invalid value.
     #[error(transparent)]
@@ -200,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trackers_are_read_as_they_are_written() {
+    fn the_normal_form_parses_to_itself() {
         for (text, normal) in [
             ("nbs", "every-step(nbs)"),
             ("every-step(streamed-nbs:form=dense)", "every-step(streamed-nbs:form=dense)"),
@@ -220,22 +222,22 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_in_a_sentence() {
+    fn invalid_text_is_an_error_with_a_remedy() {
         for (text, says) in [
-            ("verlet(nbs", "is no tracker"),
-            ("skin(nbs)", "is no tracker"),
-            ("verlet", "'verlet' is no tracker; write every-step(DETECTOR) or verlet("),
+            ("verlet(nbs", "is not a tracker"),
+            ("skin(nbs)", "is not a tracker"),
+            ("verlet", "'verlet' is not a tracker; write every-step(DETECTOR) or verlet("),
             ("verlet(nbx)", "there is no detector 'nbx'"),
             ("verlet()", "there is no detector ''"),
             ("verlet(nbs,skin=-1)", "skin cannot be '-1'"),
             ("verlet(nbs,skin=nan)", "skin cannot be 'nan'"),
             ("verlet(nbs,skin=inf)", "skin cannot be 'inf'"),
             ("verlet(nbs,rule=never)", "rule cannot be 'never'"),
-            ("verlet(nbs,skin=auto,rule=every-5)", "skin=auto goes with half-skin"),
-            ("verlet(nbs,skin=auto,rule=lammps-0-1-yes)", "skin=auto goes with half-skin"),
+            ("verlet(nbs,skin=auto,rule=every-5)", "skin=auto needs rule=half-skin"),
+            ("verlet(nbs,skin=auto,rule=lammps-0-1-yes)", "skin=auto needs rule=half-skin"),
             ("verlet(nbs,margin=0.1)", "there is no parameter 'margin'"),
             ("verlet(nbs,skin=1,skin=2)", "skin is given twice"),
-            ("incremental(nbs)", "is no tracker"),
+            ("incremental(nbs)", "is not a tracker"),
             ("verlet(nbs,rule=summed,rule=top-two)", "rule is given twice"),
         ] {
             let error = parse(text).unwrap_err().to_string();

@@ -122,7 +122,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
 /// A list contains what a rounded test accepts beyond the sum of the radii, from the first frame
 /// on, for any skin.
 #[test]
-fn a_fresh_list_has_what_rounding_accepts() {
+fn a_fresh_list_contains_pairs_that_rounding_accepts() {
     let couple = |x: [f64; 2], r: f64| -> AnyScene<'static> {
         let centres = x.map(|x| Point::from([x, 0.0])).to_vec();
         Scene::new(centres, Radii::Uniform(r)).unwrap().into()
@@ -232,7 +232,7 @@ pub(super) fn grid(apart: f64) -> AnyScene<'static> {
 }
 
 #[test]
-fn other_particles_and_other_radii_begin_anew() {
+fn changed_particles_or_radii_start_a_new_list() {
     let plane = frames::<2>(60, false, Motion::Few, 1);
     let space = frames::<3>(60, false, Motion::Few, 2);
     let sizes = frames::<2>(60, true, Motion::Few, 1);
@@ -259,7 +259,7 @@ fn other_particles_and_other_radii_begin_anew() {
 
 /// After a refusal the pairs are unchanged, and the next frame counts as the first.
 #[test]
-fn refusals_begin_anew() {
+fn a_refusal_starts_a_new_list() {
     let make =
         |text: &str, memory_limit| parse(text).unwrap().make(Options { memory_limit, threads: 1 });
     let mut pairs = vec![[7, 8]];

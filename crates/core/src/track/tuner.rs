@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn where_lists_are_of_no_use_there_is_none_for_a_while() {
+    fn lists_that_do_not_pay_are_dropped_for_a_while() {
         let mut tuner = Tuner::new(Costs::FAST);
         tuner.learn(&served(0.7, 0.1));
         assert_eq!((tuner.direct, tuner.skin), (DIRECT, FIRST));
@@ -200,7 +200,7 @@ mod tests {
 
     /// Expensive detections favour lists: many contacts with any detector, and few with a slow one.
     #[test]
-    fn the_longer_asking_takes_the_more_lists_pay() {
+    fn slow_detections_favour_lists() {
         let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };
         assert!(best(Costs::of(Speed::Fast), &many).is_some());
         let fast = served(0.2, 0.4);
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rests_has_the_thinnest_skin_soon() {
+    fn resting_particles_get_the_thinnest_skin_soon() {
         let rest = Served { age: 64, together: 0.0, ..served(1e-3, 0.1) };
         let tuner = Tuner::new(Costs::FAST);
         assert!(tuner.is_too_thick(&rest) && !tuner.is_too_thick(&Served { age: 63, ..rest }));

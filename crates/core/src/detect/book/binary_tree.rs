@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_ten_particles() {
+    fn the_mask_pairs_of_ten_particles() {
         let mut pairs = Vec::new();
         BinaryTree::with(Options::default())
             .detect(InCells(&TEN), &mut Silent, &mut pairs)

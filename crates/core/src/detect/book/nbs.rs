@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_ten_particles() {
+    fn the_mask_pairs_of_ten_particles() {
         // The book's twenty pairs, without particle 9, whose column the book does not print.
         let (tally, pairs) = found(InCells(&TEN));
         assert_eq!(

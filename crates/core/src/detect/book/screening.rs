@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_nine_particles() {
+    fn the_mask_pairs_of_nine_particles() {
         let mut screening = Screening::with(Options::default());
         let mut pairs = Vec::new();
         screening.detect(InCells(&NINE), &mut Silent, &mut pairs).unwrap();

@@ -1,21 +1,21 @@
-//! `bvh`: a hierarchy of boxes over bodies in Morton order (Lauterbach et al. 2009, "Fast BVH
+//! `bvh`: a hierarchy of boxes over particles in Morton order (Lauterbach et al. 2009, "Fast BVH
 //! Construction on GPUs"; Karras 2012, "Maximizing Parallelism in the Construction of BVHs,
 //! Octrees, and k-d Trees").
 //!
-//! 1. Every body has a key: its coordinates in 2^21 steps (2^32 in 2D) along the longest edge of
-//!    the scene, bits interleaved. Keys are sorted, and bodies copied in their order, which is that
-//!    of a quadtree's or octree's leaves.
-//! 2. [`super::tree`] makes boxes and finds the pairs.
+//! 1. Every particle has a key: its coordinates in 2^21 steps (2^32 in 2D) along the longest edge
+//!    of the scene, with bits interleaved. Keys are sorted and particles copied in their order,
+//!    which is the order of the leaves of a quadtree or octree.
+//! 2. [`super::tree`] builds boxes and finds the pairs.
 //!
-//! * Cost: N log N key comparisons for N particles; the search visits some nodes for every leaf of
-//!   at most 16, in a dense pack about as many for any N.
-//! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, L being the number of leaves: the power of
-//!   two from N/16 upwards.
-//! * Boxes are around bodies of any size: a giant among dust costs its own pairs, and some boxes.
-//!   Keys decide on speed only: where all bodies are in one step, in a clump far from the rest,
+//! * Cost: N log N key comparisons for N particles. The search visits some nodes for every leaf of
+//!   at most 16 particles; in a dense packing this number hardly depends on N.
+//! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, with L leaves: the smallest power of two
+//!   of at least N/16.
+//! * Boxes enclose particles of any size, so a giant among dust costs its own pairs and a few
+//!   boxes. Keys affect only speed: if all particles of a distant clump fall into one step, their
 //!   boxes overlap and the search is slow. Refuses scenes over the memory limit.
-//! * Deviations from the sources: the tree is balanced and implied by N, and does not follow the
-//!   bits of the keys; no tree is kept and refitted.
+//! * Deviations from the sources: the tree is balanced and determined by N, not by the bits of the
+//!   keys; no tree is kept and refitted.
 
 use super::copies::{Bounds, Each, Judge, One, Record, room};
 use super::tree::Tree;
@@ -28,7 +28,7 @@ use crate::sink::Sink;
 /// The hierarchy of boxes, in `D` dimensions.
 pub struct Bvh<const D: usize> {
     options: Options,
-    /// Keys and the numbers of their particles.
+    /// Keys with particle numbers.
     keys: Vec<(u64, u32)>,
     pub(crate) tree: Tree<D>,
 }
@@ -45,7 +45,6 @@ impl<const D: usize> Declare for Bvh<D> {
     }
 }
 
-/// The bytes of a key.
 const KEY: u64 = size_of::<(u64, u32)>() as u64;
 
 impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
@@ -66,7 +65,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
 }
 
 impl<const D: usize> Bvh<D> {
-    /// Copies the bodies into the tree, in the order of their keys. `name` is who refuses too many.
+    /// Copies the particles into the tree in the order of their keys; refusals carry `name`.
     pub(crate) fn order<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -94,7 +93,7 @@ impl<const D: usize> Bvh<D> {
     }
 }
 
-/// A function of its own, compiled once for all kinds of bodies.
+/// A separate function, compiled once for all kinds of bodies.
 fn sort(keys: &mut [(u64, u32)], probe: &mut impl Probe) {
     keys.sort_unstable_by(|a, b| {
         probe.count(Op::KeyCompare);
@@ -102,7 +101,7 @@ fn sort(keys: &mut [(u64, u32)], probe: &mut impl Probe) {
     });
 }
 
-/// Steps along the axes, from the low corner of the scene.
+/// Converts points to steps along the axes, from the lower corner of the scene.
 struct Steps<const D: usize> {
     low: [f64; D],
     /// Steps per unit of length.
@@ -112,8 +111,8 @@ struct Steps<const D: usize> {
 impl<const D: usize> Steps<D> {
     const BITS: u32 = if D == 2 { 32 } else { 21 };
 
-    /// Halved, so that edges do not overflow. Of a scene of one point the scale is infinite, and
-    /// all keys are 0.
+    /// Coordinates are halved, so that edges do not overflow. For a single point the scale is
+    /// infinite and all keys are 0.
     fn new(bounds: Bounds<D>) -> Steps<D> {
         let low = bounds.low.map(|x| 0.5 * x);
         let [longest, _] = bounds.longest();
@@ -123,7 +122,7 @@ impl<const D: usize> Steps<D> {
         }
     }
 
-    /// The steps of a point, one bit of each axis in turn, the highest first.
+    /// Returns the steps of a point, bits of all axes interleaved, the highest first.
     #[inline(always)]
     fn key(&self, position: [f64; D], probe: &mut impl Probe) -> u64 {
         probe.add(Op::Integerise, D as u64);
@@ -135,7 +134,7 @@ impl<const D: usize> Steps<D> {
     }
 }
 
-/// The bits of a number with D - 1 zeros between each two.
+/// Inserts D - 1 zeros between the bits of a number.
 #[inline(always)]
 fn spread<const D: usize>(x: u64) -> u64 {
     let masks: [(u32, u64); 5] = if D == 2 {
@@ -174,7 +173,7 @@ mod tests {
         assert_eq!(steps.key([1e300, 0.0, 0.0], &mut Silent), 0x1249_2492_4924_9249);
     }
 
-    /// Steps of halved coordinates, of scenes where nothing can be said, too.
+    /// Also for extreme scenes, whose steps are meaningless.
     #[test]
     fn keys_of_extreme_scenes_are_numbers() {
         for (low, high) in

@@ -1,24 +1,23 @@
-//! `cell-grid`: copies sorted by cell, rows of cells side by side (cell lists as in molecular
-//! dynamics: Allen and Tildesley 1987, section 5.3; counting sort by cell: Green 2008, "CUDA
-//! Particles").
+//! `cell-grid`: copies sorted by cell, with the cells of a row adjacent. Cell lists are described
+//! by Allen and Tildesley 1987, section 5.3; the counting sort by Green 2008, "CUDA Particles".
 //!
-//! 1. A counting sort: how many bodies each cell holds, where each cell begins, and every body
-//!    copied to its place. Cells are in rows along x, so that neighbouring cells of a row are one
-//!    range of copies.
-//! 2. Every cell that is not empty is tested against itself and the cell to the right (one range),
-//!    and against half of the neighbouring rows, three cells each: one range in 2D, four in 3D.
+//! 1. A counting sort: count the particles of each cell, compute where each cell begins, and copy
+//!    every particle to its place. Cells are stored row by row along x, so neighbouring cells of a
+//!    row are one range of copies.
+//! 2. Every non-empty cell is tested against itself and the cell to the right (one range), and
+//!    against half of the neighbouring rows, three cells each: one range in 2D, four in 3D.
 //!
-//! * Cost: proportional to N particles and to the cells of the domain, which are passed over in
-//!   order twice. Each particle is tested against about half of those in 9 cells in 2D, in 27 in
-//!   3D, exactly as in [`crate::detect::book::screening`]. Memory: `4(nx·ny[·nz] + 1) + 24N` bytes
-//!   in 2D, `+ 32N` in 3D, for nx, ny, nz cells per axis, two empty border cells per axis included.
-//! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit: loose
-//!   packs, far-away particles.
-//! * With several threads, rows are shared out for the second step and their contacts collected
-//!   (memory: 8 bytes for each, in lists of twice the length at most; under the limit like all).
+//! * Cost: proportional to N particles and to the cells of the domain, which are traversed in order
+//!   twice. Each particle is tested against about half of those in 9 cells in 2D and 27 in 3D,
+//!   exactly as in [`crate::detect::book::screening`].
+//! * Memory: `4(nx·ny[·nz] + 1) + 24N` bytes in 2D, `+ 32N` in 3D, for nx, ny, nz cells per axis,
+//!   two empty border cells included.
+//! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit: loose
+//!   packings, far-away particles.
+//! * Threads share the rows of the second step and collect contacts in lists: 8 bytes per contact,
+//!   in arrays of at most twice the length, under the same limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
-//!   ([`crate::filter::cells`]); the number of a body's cell is computed again in the second pass
-//!   of the sort, and not kept.
+//!   ([`crate::filter::cells`]); the second pass of the sort computes the cells of particles again.
 
 use std::ops::Range;
 
@@ -35,10 +34,10 @@ use crate::sink::Sink;
 /// The cell grid, in `D` dimensions.
 pub struct CellGrid<const D: usize> {
     options: Options,
-    /// Where the records of each cell begin, and those of the last one end.
+    /// Where the records of each cell begin, and where the last one ends.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
-    /// Bytes of the contacts that threads have found.
+    /// Bytes of the contacts that threads have collected.
     collected: u64,
 }
 
@@ -107,7 +106,7 @@ impl<const D: usize> CellGrid<D> {
             end += *start;
             *start = end;
         }
-        // From the end of each cell backwards: in a cell, bodies are in order.
+        // From the end of each cell backwards, so that particles of a cell stay in order.
         for id in (0..n).rev() {
             let record = Record::new(bodies, id);
             let start = &mut self.starts[cells.place(record.position, probe)];
@@ -117,12 +116,11 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Bytes.
     fn arrays(&self) -> u64 {
         4 * self.starts.len() as u64 + Record::<D>::BYTES * self.records.len() as u64
     }
 
-    /// Finds the contacts; the bytes of those that threads have collected.
+    /// Finds the contacts and returns the bytes of those that threads collected.
     fn search<T: Real, P: Probe>(
         &self,
         bodies: &impl Bodies<T, D>,
@@ -204,7 +202,7 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
-/// Cells along an axis without borders; 1 along one that there is not.
+/// Returns the cells along an axis without borders; 1 for the third axis in 2D.
 fn inner<const D: usize>(cells: &Cells<D>, axis: usize) -> usize {
     if axis < D { cells.count[axis] as usize - 2 } else { 1 }
 }

@@ -1,16 +1,16 @@
-//! Copies of the bodies in an order of the detector's own, and decisions from them.
+//! Copies of the particles in a detector's own order, and decisions from these copies.
 //!
-//! A detector that tests each body against those beside it in memory does not wait for a scene in
-//! random order. [`Record`] is what it keeps: the centre in f64, the number, and the radius in f32,
-//! together 24 bytes in 2D and 32 in 3D. [`Judge`] decides from records what [`Near`] decides,
-//! without a branch for each pair, and leaves to [`Bodies::touch`] what is nearly tangent.
+//! If candidates are adjacent in memory, a detector does not wait for a scene in random order.
+//! [`Record`] is the copy: the centre in f64, the number, and the radius in f32, together 24 bytes
+//! in 2D and 32 in 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for
+//! each pair, and leaves nearly tangent pairs to [`Bodies::touch`].
 //!
-//! **Radii in f32.** Equal radii are not read from records. Others are r' = r(1 + e) + t there, |e|
-//! <= 2^-24, |t| <= 2^-150. With s' the sum of two of them, s <= s'(1 + 2^-23) + 2^-148 and s >=
-//! s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so that
-//! s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise
-//! below: the widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is
-//! decided here; those below 2^-126 lose digits, and little is.
+//! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
+//! |e| <= 2^-24, |t| <= 2^-150. With s' the sum of two of them, s <= s'(1 + 2^-23) + 2^-148 and s
+//! >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so s(1 + relative) +
+//! absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise below: the
+//! widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is decided here.
+//! Radii below 2^-126 lose digits, so little is decided.
 
 use crate::contact::{Bodies, Slack};
 use crate::filter::Near;
@@ -18,24 +18,24 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// A copy of one body.
+/// A copy of one particle.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<const D: usize> {
-    /// The centre.
+    /// Centre.
     pub position: [f64; D],
-    /// The radius, rounded.
+    /// Radius, rounded to f32.
     pub radius: f32,
-    /// The number of the particle.
+    /// Number of the particle.
     pub id: u32,
 }
 
 impl<const D: usize> Record<D> {
-    /// What fills an array before its records are known.
+    /// Filling for an array before its records are known.
     pub const NONE: Record<D> = Record { position: [0.0; D], radius: 0.0, id: 0 };
-    /// The bytes of a record.
+    /// Size of a record in bytes.
     pub const BYTES: u64 = size_of::<Record<D>>() as u64;
 
-    /// The copy of particle `id`.
+    /// Copies particle `id`.
     #[inline(always)]
     pub fn new<T: Real>(bodies: &impl Bodies<T, D>, id: u32) -> Record<D> {
         Record { position: bodies.position(id), radius: bodies.radius(id) as f32, id }
@@ -52,15 +52,15 @@ impl<const D: usize> Record<D> {
     }
 }
 
-/// Copies the same bodies again, in the order that the records have.
+/// Copies the same particles again, in the order of the records.
 pub fn renew<T: Real, const D: usize>(records: &mut [Record<D>], bodies: &impl Bodies<T, D>) {
     for record in records {
         *record = Record::new(bodies, record.id);
     }
 }
 
-/// Makes room for exactly `count` values: all that are kept are overwritten by the caller. A buffer
-/// that must grow is not copied, nor are both held at once.
+/// Resizes a buffer to `count` values, which the caller overwrites. If it must grow, old and new
+/// buffer do not coexist and nothing is copied.
 pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
     if count > buffer.capacity() {
         *buffer = Vec::new();
@@ -69,18 +69,19 @@ pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
     buffer.resize(count, filling);
 }
 
-/// Which distances decide, for the radii of two records.
+/// The squared distances that decide, for the radii of two records.
 pub trait Nearness: Copy + Sync {
-    /// For records with these radii.
+    /// Returns the limits for records with these radii.
     fn near(&self, a: f32, b: f32) -> Near;
-    /// Two bodies that touch are not farther apart than the sum of their halves.
+    /// Returns a half-reach: two particles that touch are at most the sum of their half-reaches
+    /// apart.
     fn half(&self, radius: f32) -> f64;
-    /// The centres of this body and one that it touches, with a radius of at most `largest`, are at
-    /// most so far apart.
+    /// Returns an upper bound for the distance at which this particle touches one with a radius of
+    /// at most `largest`.
     fn reach(&self, radius: f32, largest: f64) -> f64;
 }
 
-/// One radius: computed once.
+/// Limits for one radius, computed once.
 #[derive(Clone, Copy, Debug)]
 pub struct One {
     near: Near,
@@ -88,7 +89,7 @@ pub struct One {
 }
 
 impl One {
-    /// For bodies of this radius.
+    /// Creates the limits for particles of this radius.
     pub fn new(radius: f64, slack: Slack) -> One {
         One { near: Near::new(2.0 * radius, slack), half: half(radius, slack) }
     }
@@ -111,12 +112,12 @@ impl Nearness for One {
     }
 }
 
-/// A radius for each.
+/// Limits for individual radii.
 #[derive(Clone, Copy, Debug)]
 pub struct Each(Slack);
 
 impl Each {
-    /// For a test with this slack, and radii in f32.
+    /// Creates the limits for a test with this slack, and radii in f32.
     pub fn new(slack: Slack) -> Each {
         const RELATIVE: f64 = 1.0 / (1u64 << 22) as f64;
         const ABSOLUTE: f64 = f64::from_bits((1023 - 147) << 52);
@@ -135,7 +136,7 @@ impl Nearness for Each {
         half(f64::from(radius), self.0)
     }
 
-    /// The widened slack holds for sums in which one radius is rounded, too.
+    /// The widened slack also covers sums in which only one radius is rounded.
     #[inline(always)]
     fn reach(&self, radius: f32, largest: f64) -> f64 {
         self.0.reach(f64::from(radius), largest)
@@ -143,53 +144,53 @@ impl Nearness for Each {
 }
 
 /// The roundings here, 3u relative, are covered: the reach is below s(1 + 5.5v) + 3√η, the slack is
-/// 8v and 4√η, and v >= u ([`crate::filter`], 1); without slack there are none.
+/// 8v and 4√η, and v >= u ([`crate::filter`], section 1). Without slack nothing is rounded.
 #[inline(always)]
 fn half(radius: f64, slack: Slack) -> f64 {
     radius * (1.0 + slack.relative) + 0.5 * slack.absolute
 }
 
-/// [`Bodies::touch`] of some bodies. It is called for nearly tangent pairs only, through a
-/// reference, so that what searches among records is compiled once for all kinds of bodies.
+/// The contact test [`Bodies::touch`] behind a reference. It is called for nearly tangent pairs
+/// only, so that the search among records is compiled once for all kinds of bodies.
 pub type Touch<'a, P> = &'a (dyn Fn(u32, u32, &mut P) -> bool + Sync);
 
 /// Decides contacts of records.
 pub struct Judge<'a, P, N> {
     touch: Touch<'a, P>,
-    /// How near is near.
+    /// The squared distances that decide.
     pub nearness: N,
 }
 
-/// Pairs found and not yet handed on.
+/// Buffer of pairs found and not yet passed on.
 pub struct Found {
     pairs: [[u32; 2]; Found::ROOM],
     count: usize,
 }
 
-/// Tested at a time, with one look whether there is room, and one whether all pairs are decided.
+/// Records tested per check for free space and for undecided pairs.
 pub const STRIDE: usize = 64;
 
 impl Found {
     const ROOM: usize = 256;
 
-    /// None.
+    /// Creates an empty buffer.
     pub fn none() -> Found {
         Found { pairs: [[0; 2]; Found::ROOM], count: 0 }
     }
 
-    /// How many there are.
+    /// Returns the number of pairs.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Is there room for [`STRIDE`] more?
+    /// Returns whether there is space for [`STRIDE`] more pairs.
     #[inline(always)]
     pub fn has_room(&self) -> bool {
         self.count <= Found::ROOM - STRIDE
     }
 
-    /// Replaces the marks from number `start` on by what `pair` makes of them, in place.
+    /// Replaces the marks from number `start` on by the results of `pair`, in place.
     #[inline(always)]
     pub fn settle(&mut self, start: usize, mut pair: impl FnMut([u32; 2]) -> Option<[u32; 2]>) {
         let marks = start..self.count;
@@ -202,7 +203,7 @@ impl Found {
         }
     }
 
-    /// Hands all on.
+    /// Passes all pairs on and empties the buffer.
     pub fn flush(&mut self, sink: &mut impl Sink) {
         sink.contacts(&self.pairs[..self.count]);
         self.count = 0;
@@ -210,7 +211,7 @@ impl Found {
 }
 
 impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
-    /// For the bodies that `touch` is about.
+    /// Creates a judge with the contact test of the same particles.
     pub fn new(touch: Touch<'a, P>, nearness: N) -> Judge<'a, P, N> {
         Judge { touch, nearness }
     }
@@ -233,9 +234,8 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         }
     }
 
-    /// Tests `a` against at most [`STRIDE`] others, for which there is room, and keeps a mark for
-    /// each contact instead of the pair. One that is nearly tangent and not `wanted` need not be
-    /// marked.
+    /// Tests `a` against at most [`STRIDE`] others, for which there must be space, and stores a
+    /// mark for each contact. Nearly tangent pairs that are not `wanted` may be skipped.
     #[inline(always)]
     pub fn stride<const D: usize>(
         &self,
@@ -249,7 +249,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         let (mut end, mut unsure) = (found.count, false);
         for (place, b) in others.iter().enumerate() {
             let (near, square) = (self.nearness.near(a.radius, b.radius), a.square(b));
-            // Written where the next near one will be; kept by counting it.
+            // Written in any case, and kept by incrementing the count.
             found.pairs[end % Found::ROOM] = mark(place, b);
             end += usize::from(square <= near.outer);
             unsure |= (square > near.inner) & (square <= near.outer);
@@ -261,7 +261,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         found.count = end;
     }
 
-    /// The same where some pair is nearly tangent.
+    /// Works as `stride` if some pair is nearly tangent.
     #[inline(never)]
     fn carefully<const D: usize>(
         &self,
@@ -288,27 +288,27 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
     }
 }
 
-/// A box.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<const D: usize> {
-    /// The lower corner.
+    /// Lower corner.
     pub low: [f64; D],
-    /// The upper corner.
+    /// Upper corner.
     pub high: [f64; D],
 }
 
 impl<const D: usize> Bounds<D> {
-    /// Of nothing.
+    /// The empty box.
     pub const NONE: Bounds<D> = Bounds { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
 
-    /// Of the centres.
+    /// Returns the box around the centres.
     pub fn around(records: &[Record<D>]) -> Bounds<D> {
         let mut bounds = Bounds::NONE;
         records.iter().for_each(|record| bounds.widen(record.position, record.position));
         bounds
     }
 
-    /// Makes the box hold another.
+    /// Enlarges the box to contain another.
     #[inline(always)]
     pub fn widen(&mut self, low: [f64; D], high: [f64; D]) {
         for k in 0..D {
@@ -317,7 +317,7 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
-    /// Do two boxes overlap, or touch?
+    /// Returns whether two boxes overlap or touch.
     #[inline(always)]
     pub fn meets(&self, other: &Bounds<D>) -> bool {
         (0..D).fold(true, |meet, k| {
@@ -325,14 +325,14 @@ impl<const D: usize> Bounds<D> {
         })
     }
 
-    /// The two longest edges, the longest first.
+    /// Returns the axes of the two longest edges, the longest first.
     pub fn longest(&self) -> [usize; 2] {
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
         axes.sort_unstable_by(|&a, &b| self.half_edge(b).total_cmp(&self.half_edge(a)));
         [axes[0], axes[1]]
     }
 
-    /// Half of an edge, which does not overflow.
+    /// Returns half of an edge, which does not overflow.
     pub fn half_edge(&self, axis: usize) -> f64 {
         0.5 * self.high[axis] - 0.5 * self.low[axis]
     }
@@ -347,7 +347,7 @@ mod tests {
     use crate::probe::Tally;
     use crate::scene::{AnyScene, Radii, Scene};
 
-    /// All pairs of a scene by records, against the contact test; and the boxes of those that
+    /// Checks all pairs of a scene by records against the contact test, and the boxes of pairs that
     /// touch.
     struct Pairs(u64);
     impl<T: Real, const D: usize> WithBodies<T, D> for &mut Pairs {
@@ -377,7 +377,7 @@ mod tests {
                     }
                 }
                 assert_eq!(pairs, expected);
-                // Each pair is one contact test from copies, and was one above.
+                // Each pair counts as one contact test from copies, and as one above.
                 assert_eq!(probe.get(Op::ContactTest), 2 * (records.len() - i - 1) as u64);
                 self.0 += pairs.len() as u64;
             }
@@ -385,8 +385,8 @@ mod tests {
         }
     }
 
-    /// Bodies on a line, each within some last bits of touching the one before, of radii that an
-    /// f32 does not hold, at scales where it overflows and underflows.
+    /// Particles on a line, each within a few ulps of touching the previous one, with radii that
+    /// f32 cannot represent, at scales where f32 overflows or underflows.
     #[test]
     fn records_decide_as_the_test_does() {
         for arithmetic in Arithmetic::ALL {

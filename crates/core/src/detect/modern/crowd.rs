@@ -1,29 +1,30 @@
-//! Do bodies crowd in few of the cells of a grid that is coarser than it need be? A sample tells.
+//! Estimates from a sample whether particles crowd in few cells of a grid that is coarser than
+//! necessary.
 
 use crate::sink::splitmix64;
 
-/// Other bodies in the cell of a body, in the mean, from which such cells are not used: some
+/// Mean number of other particles in a particle's cell from which such cells are not used: a few
 /// hundred candidates.
 pub const CROWD: f64 = 24.0;
-/// Classes of sizes, at most.
+/// Largest number of size classes.
 pub const CLASSES: usize = 32;
-/// Bodies looked at: one in 32, but at most so many.
+/// Largest sample; smaller scenes sample one particle in 32.
 const SAMPLE: usize = 4096;
-/// Enough for 4096 bodies.
+/// Sample size for up to 4096 particles.
 const FEW: usize = 128;
-/// So few couples of bodies in one cell may be chance.
+/// This many pairs in one cell may occur by chance.
 const CHANCE: usize = 8;
 
-/// For each class of sizes the number of other bodies in the cell of a body, in the mean: of `n`
-/// bodies, whose class and cell (as a number that other cells hardly have) `place` tells, and of
-/// which `bodies` are in a class. 0 where the sample has too few to know.
+/// Estimates, for each size class, the mean number of other particles in a particle's cell. `place`
+/// returns a particle's class and a number for its cell that few other cells share; `bodies`
+/// returns the size of a class. The estimate is 0 if the sample is too small.
 pub fn company(
     n: usize,
     place: impl Fn(u32) -> (usize, u64),
     bodies: impl Fn(usize) -> usize,
 ) -> [f64; CLASSES] {
     let mut company = [0.0; CLASSES];
-    // Clearing room for many takes longer than finding the contacts of a few hundred bodies.
+    // Clearing the large buffer would take longer than detecting a few hundred particles.
     let (mut few, mut many);
     let sample = match (n / 32).clamp(1, SAMPLE) {
         count @ ..=FEW => {
@@ -39,8 +40,7 @@ pub fn company(
         return company;
     }
     for (k, place_of) in (0..).zip(&mut *sample) {
-        // By chance: a sample at equal strides would miss clusters whose bodies are stored side by
-        // side.
+        // At random, because equal strides could miss clusters whose particles are stored together.
         *place_of = place((splitmix64(k) % n as u64) as u32);
     }
     sample.sort_unstable();
@@ -48,7 +48,7 @@ pub fn company(
         let couples: usize =
             class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
         if couples > CHANCE {
-            // Each of those looked at sees so many of the class, but for one drawn twice.
+            // Scales the pairs in the sample to the whole class.
             let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
             company[class[0].0] = couples as f64 / asked * (all / asked);
         }

@@ -2,24 +2,25 @@
 //! Hashing for Collision Detection of Deformable Objects"; compact, as in Ihmsen et al. 2011, "A
 //! Parallel SPH Implementation on Multi-Core CPUs").
 //!
-//! 1. Cells are parted into bricks: 32 by 16 in 2D, 16 by 8 by 8 in 3D. A brick hashes to a first
-//!    bucket, and its cells, row by row along x, have that bucket and those after it: neighbouring
-//!    cells of a row are one range of buckets, hence of copies, and neighbouring rows are near.
-//!    Bricks may overlap in any way.
-//! 2. A counting sort by bucket: how many bodies each holds, where each begins, and every body
-//!    copied to its place.
-//! 3. Every body is tested against the rest of its cell, the cell to the right, and three cells in
-//!    each of half of the neighbouring rows: a range for each brick that these are in. Of a body
-//!    that is near, the cell itself is looked at, since other cells may share the buckets.
+//! 1. Cells are grouped in bricks: 32 by 16 in 2D, 16 by 8 by 8 in 3D. A brick hashes to a first
+//!    bucket; its cells, row by row along x, use that bucket and the following ones. So
+//!    neighbouring cells of a row are one range of buckets and of copies, and neighbouring rows are
+//!    near. Bricks may overlap in any way.
+//! 2. A counting sort by bucket: count the particles of each, compute where each begins, and copy
+//!    every particle to its place.
+//! 3. Every particle is tested against the rest of its cell, the cell to the right, and three cells
+//!    in each of half of the neighbouring rows: one range per brick. For a near particle the cell
+//!    itself is compared, because several cells may share a bucket.
 //!
 //! * Cost: proportional to N particles, whatever the domain. Particles of other cells in the same
-//!   buckets are tested in vain: at most one for every cell looked at, on average. Memory: `4(B +
-//!   513) + 24N` bytes in 2D, `4(B + 1025) + 32N` in 3D, B being the power of two from N upwards.
-//! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
+//!   buckets are tested in vain: on average at most one for every cell visited.
+//! * Memory: `4(B + 513) + 24N` bytes in 2D, `4(B + 1025) + 32N` in 3D, where B is the smallest
+//!   power of two of at least N.
+//! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
-//!   ([`crate::filter::cells`]); bricks and not cells are hashed, so that bodies near in space are
-//!   mostly near in memory, which the others get from a sort along a space-filling curve; no pair
-//!   is found twice, so none is looked for.
+//!   ([`crate::filter::cells`]); bricks instead of cells are hashed, so that neighbours in space
+//!   are mostly adjacent in memory, which the sources achieve by a sort along a space-filling
+//!   curve; no pair is found twice, so duplicates need no removal.
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, STRIDE, room};
 use super::rows::{mixed, rows_after};
@@ -33,12 +34,12 @@ use crate::sink::Sink;
 /// The hash grid, in `D` dimensions.
 pub struct HashGrid<const D: usize> {
     options: Options,
-    /// Where the records of each bucket begin, and those of the last one end.
+    /// Where the records of each bucket begin, and where the last one ends.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
 }
 
-/// The edges of a brick, in cells: powers of two, the first for x.
+/// Returns the edges of a brick in cells: powers of two, x first.
 const fn brick<const D: usize>() -> [u32; D] {
     let mut edges = [0; D];
     let of = if D == 2 { [32, 16, 1] } else { [16, 8, 8] };
@@ -89,10 +90,9 @@ impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
     }
 }
 
-/// The buckets for a number of particles.
 #[derive(Clone, Copy)]
 struct Buckets {
-    /// First buckets are below 2^bits.
+    /// First buckets of bricks are below 2^bits.
     bits: u32,
 }
 
@@ -105,7 +105,7 @@ impl Buckets {
         (1 << self.bits) + u64::from(brick::<D>().iter().product::<u32>())
     }
 
-    /// The bucket of a cell.
+    /// Returns the bucket of a cell.
     #[inline(always)]
     fn bucket<const D: usize>(self, cell: [u32; D]) -> usize {
         let edges = const { brick::<D>() };
@@ -114,12 +114,12 @@ impl Buckets {
             brick[k] /= edges[k];
             within = within * edges[k] + cell[k] % edges[k];
         }
-        // The highest bits; twice, since there may be none of them.
+        // The highest bits; shifted twice, because `bits` may be 0.
         (mixed(brick) >> 1 >> (63 - self.bits)) as usize + within as usize
     }
 }
 
-/// Neighbouring cells of a row of a brick, and a range of records that holds all of theirs.
+/// Neighbouring cells in a row of a brick, and a range of records that contains all of theirs.
 #[derive(Clone, Copy)]
 struct Range<const D: usize> {
     records: [u32; 2],
@@ -134,7 +134,7 @@ impl<const D: usize> Range<D> {
     }
 }
 
-/// Of at most two bricks for each of the rows and the row itself.
+/// At most two bricks for each neighbouring row and for the row itself.
 struct Ranges<const D: usize> {
     ranges: [Range<D>; 10],
     count: usize,
@@ -157,7 +157,7 @@ impl<const D: usize> HashGrid<D> {
             end += *start;
             *start = end;
         }
-        // From the end of each bucket backwards: in a bucket, bodies are in order.
+        // From the end of each bucket backwards, so that particles of a bucket stay in order.
         for id in (0..n).rev() {
             let record = Record::new(bodies, id);
             let start = &mut self.starts[buckets.bucket(cell(record.position, cells, probe))];
@@ -197,7 +197,7 @@ impl<const D: usize> HashGrid<D> {
             };
             let mut start = found.count();
             for (k, range) in (0..).zip(&ranges.ranges[..ranges.count]) {
-                // In the first range those after `a` are left.
+                // In the first range, only records after `a` remain.
                 let mut place = if k == 0 { i as u32 + 1 } else { range.records[0] };
                 for others in self.records[place as usize..range.records[1] as usize].chunks(STRIDE)
                 {
@@ -222,7 +222,7 @@ impl<const D: usize> HashGrid<D> {
         found.flush(sink);
     }
 
-    /// Where the bodies are that those in cell `central` are tested against.
+    /// Returns the ranges that particles in cell `central` are tested against.
     #[inline(always)]
     fn around(
         &self,
@@ -244,7 +244,7 @@ impl<const D: usize> HashGrid<D> {
         }
     }
 
-    /// The ranges of the cells of a row from `first` to the one with number `last` along x.
+    /// Adds the ranges of the cells of a row from `first` to number `last` along x.
     #[inline(always)]
     fn bricks(
         &self,

@@ -1,20 +1,20 @@
 //! `kd-tree`: a balanced tree by medians (Bentley 1975, "Multidimensional Binary Search Trees Used
 //! for Associative Searching"; with buckets and boxes as in Friedman, Bentley and Finkel 1977, and
-//! walked two nodes at a time as in Gray and Moore 2000).
+//! traversed by pairs of nodes as in Gray and Moore 2000).
 //!
-//! 1. Copies are parted at the median along the longest axis, and each half likewise, down to
+//! 1. Copies are divided at the median along the longest axis, and each half likewise, down to
 //!    buckets of at most 16.
-//! 2. [`super::tree`] makes boxes and finds the pairs.
+//! 2. [`super::tree`] builds boxes and finds the pairs.
 //!
-//! * Cost: N log N key comparisons for N particles; the search visits some nodes for every bucket,
-//!   in a dense pack about as many for any N.
-//! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, L being the number of buckets: the power
-//!   of two from N/16 upwards.
-//! * No cells: far-away particles, particles at one place and particles of very different sizes are
-//!   no worse than others. Refuses scenes over the memory limit.
+//! * Cost: N log N key comparisons for N particles. The search visits some nodes for every bucket;
+//!   in a dense packing this number hardly depends on N.
+//! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, with L buckets: the smallest power of two
+//!   of at least N/16.
+//! * There are no cells: far-away particles, coincident particles and very different sizes cost
+//!   nothing extra. Refuses scenes over the memory limit.
 //! * Deviations from the sources: the axis is the longest of the space between the cuts, not of the
-//!   bodies' own box, so that no pass is needed for it; the median is moved so that the tree is
-//!   implied by N; boxes are around bodies, not around centres.
+//!   particles' own box, which would need another pass; the median is shifted so that the tree is
+//!   determined by N; boxes enclose particles, not centres.
 
 use super::copies::{Bounds, Each, Judge, One, Record};
 use super::tree::{Leaves, Tree};
@@ -66,7 +66,7 @@ impl<T: Real, const D: usize> Detector<T, D> for KdTree<D> {
     }
 }
 
-/// Parts the records of leaves `from` to `to` - 1, which lie in `space`, until each is in its leaf.
+/// Divides the records of leaves `from..to`, which lie in `space`, until each is in its leaf.
 fn part<const D: usize>(
     records: &mut [Record<D>],
     leaves: Leaves,
@@ -78,7 +78,7 @@ fn part<const D: usize>(
         return;
     }
     let (middle, [axis, _]) = (from + (to - from) / 2, space.longest());
-    // Where there are several leaves, none is empty, so this is the place of a record.
+    // If there are several leaves, none is empty, so this is the place of a record.
     let place = leaves.place(middle) - leaves.place(from);
     let (before, median, _) = records.select_nth_unstable_by(place, |a, b| {
         probe.count(Op::KeyCompare);

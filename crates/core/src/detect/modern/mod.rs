@@ -1,4 +1,4 @@
-//! What codes use today: grids, sweep and trees over copies of the bodies in an order of their own.
+//! Detectors that codes use today: grids, a sweep and trees, over copies of the particles.
 
 pub mod bvh;
 pub mod cell_grid;

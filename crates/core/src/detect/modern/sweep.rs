@@ -1,21 +1,22 @@
 //! `sweep`: sort and sweep along one axis (Baraff 1992, "Dynamic Simulation of Non-Penetrating
 //! Rigid Bodies", section 3.4; Ericson 2005, section 7.5).
 //!
-//! 1. Every body has an interval on each axis. Copies are sorted by the lower end on the axis along
-//!    which the scene is longest.
-//! 2. Each body is compared with those after it whose intervals begin before its own ends; where
-//!    they overlap along a second axis too, the pair is tested.
+//! 1. Every particle has an interval on each axis. Copies are sorted by the lower end on the axis
+//!    along which the scene is longest.
+//! 2. Each particle is compared with those after it whose intervals begin before its own ends. If
+//!    they overlap along a second axis, too, the pair is tested.
 //!
-//! * Cost: N log N key comparisons for N particles, and a comparison on the second axis for every
-//!   pair that overlaps on the first: N^(2 - 1/D) in a box of equal bodies, in 3D far too many for
-//!   large N. No cells: far-away particles cost nothing, a giant only its own comparisons.
+//! * Cost: N log N key comparisons for N particles, and one comparison on the second axis for every
+//!   pair that overlaps on the first: N^(2 - 1/D) in a box of equal particles, too many in 3D for
+//!   large N. There are no cells: far-away particles cost nothing, a giant only its own
+//!   comparisons.
 //! * Memory: `32N` bytes in 2D, `40N` in 3D.
 //! * Refuses scenes over the memory limit.
 //! * Deviations from the sources: the sort is the standard library's (pattern-defeating), which
-//!   does less where input is nearly sorted, and nothing is kept from one detection to the next;
-//!   the axis is that of the longest extent, not of the largest variance. The intervals along the
-//!   second axis are kept from the low end of the scene and in f32: rounding is monotone, so those
-//!   that overlap still do ([`crate::filter`], 2).
+//!   does less on nearly sorted input, and nothing is kept between detections. The axis has the
+//!   longest extent, not the largest variance. Intervals along the second axis are stored in f32
+//!   relative to the lower end of the scene: rounding is monotone, so overlapping intervals still
+//!   overlap ([`crate::filter`], section 2).
 
 use super::copies::{Bounds, Each, Found, Judge, Nearness, One, Record, room};
 use crate::contact::Bodies;
@@ -28,7 +29,7 @@ use crate::sink::Sink;
 /// Sort and sweep, in `D` dimensions.
 pub struct Sweep<const D: usize> {
     options: Options,
-    /// By the lower end of their intervals.
+    /// Sorted by the lower end of their intervals.
     pub(crate) records: Vec<Record<D>>,
     /// Lower ends along the second axis.
     lows: Vec<f32>,
@@ -70,7 +71,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep<D> {
     }
 }
 
-/// What a body covers of an axis.
+/// Returns the interval of a particle on an axis.
 #[inline(always)]
 pub(crate) fn interval<const D: usize>(
     record: &Record<D>,
@@ -80,7 +81,7 @@ pub(crate) fn interval<const D: usize>(
     filter::interval(record.position[axis], nearness.half(record.radius))
 }
 
-/// Compared on the second axis at a time.
+/// Intervals compared on the second axis at a time.
 const STRIDE: usize = 16;
 
 impl<const D: usize> Sweep<D> {
@@ -96,7 +97,7 @@ impl<const D: usize> Sweep<D> {
         self.search(judge, axes, bounds, probe, sink);
     }
 
-    /// Copies the bodies, in the order of their numbers. `name` is who refuses too many.
+    /// Copies the particles in the order of their numbers; refusals carry `name`.
     pub(crate) fn take<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -111,7 +112,6 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    /// Sorts the copies along an axis.
     pub(crate) fn sort<P: Probe>(&mut self, axis: usize, nearness: impl Nearness, probe: &mut P) {
         self.records.sort_unstable_by(|a, b| {
             probe.count(Op::KeyCompare);
@@ -154,7 +154,7 @@ impl<const D: usize> Sweep<D> {
             let ((lows, last_lows), (highs, last_highs)) =
                 (lows.as_chunks::<STRIDE>(), highs.as_chunks::<STRIDE>());
             for (k, (lows, highs)) in lows.iter().zip(highs).enumerate() {
-                // Most have none, which takes a few instructions.
+                // Most groups have no overlap, which takes a few instructions to detect.
                 if (0..STRIDE).fold(false, |any, j| any | overlaps(lows[j], highs[j])) {
                     (0..STRIDE)
                         .filter(|&j| overlaps(lows[j], highs[j]))

@@ -1,14 +1,14 @@
-//! A balanced tree of boxes over records in order: what [`super::kd_tree`] and [`super::bvh`]
-//! share. They differ in the order.
+//! A balanced tree of boxes over sorted records, shared by [`super::kd_tree`] and [`super::bvh`],
+//! which sort differently.
 //!
-//! The tree is implied by the number of records: 2^levels leaves, leaf k holding records
-//! k·N/2^levels to (k + 1)·N/2^levels, [`LEAF`] of them at most. Nodes are numbered as in a heap:
-//! the root is 1, the children of i are 2i and 2i + 1. Nothing is kept of a node but its box, which
-//! holds the intervals of its bodies on every axis ([`crate::filter`], 2): bodies of any size.
+//! The number of records determines the tree: it has 2^levels leaves, and leaf k holds records
+//! k·N/2^levels to (k + 1)·N/2^levels, at most [`LEAF`] of them. Nodes are numbered as in a heap:
+//! the root is 1, the children of i are 2i and 2i + 1. Each node stores only a box that encloses
+//! the intervals of its particles on every axis ([`crate::filter`], section 2).
 //!
-//! Pairs are found by walking down two nodes at a time: a node with itself is each half with itself
-//! and the halves with each other; two nodes whose boxes overlap are their four couples of halves;
-//! so each couple of leaves comes up once.
+//! Pairs are found by descending two nodes at a time. A node with itself becomes each half with
+//! itself and the halves with each other; two nodes with overlapping boxes become four pairs of
+//! halves. So each pair of leaves occurs once.
 
 use super::copies::{Bounds, Found, Judge, Nearness, Record, room};
 use crate::filter;
@@ -18,15 +18,15 @@ use crate::sink::Sink;
 /// Most records of a leaf.
 pub const LEAF: usize = 16;
 
-/// Records in order, and boxes around them.
+/// Sorted records, and boxes around them.
 pub struct Tree<const D: usize> {
-    /// In the order of the leaves.
+    /// Records in the order of the leaves.
     pub records: Vec<Record<D>>,
-    /// By the number of the node; number 0 is not used.
+    /// Boxes by node number; number 0 is unused.
     boxes: Vec<Bounds<D>>,
 }
 
-/// How records are shared out among leaves.
+/// Distribution of records to leaves.
 #[derive(Clone, Copy)]
 pub struct Leaves {
     n: usize,
@@ -34,17 +34,17 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// For a number of records.
+    /// Creates the distribution for a number of records.
     pub fn new(n: usize) -> Leaves {
         Leaves { n, levels: n.div_ceil(LEAF).max(1).next_power_of_two().trailing_zeros() }
     }
 
-    /// The number of leaves.
+    /// Returns the number of leaves.
     pub fn count(self) -> usize {
         1 << self.levels
     }
 
-    /// The first record of a leaf. Below 2^32 records and leaves, so that the product does not
+    /// Returns the first record of a leaf. Both factors are below 2^32, so the product does not
     /// overflow.
     #[inline(always)]
     pub fn place(self, leaf: usize) -> usize {
@@ -53,30 +53,30 @@ impl Leaves {
 }
 
 impl<const D: usize> Tree<D> {
-    /// Without records.
+    /// Creates a tree without records.
     pub fn empty() -> Tree<D> {
         Tree { records: Vec::new(), boxes: Vec::new() }
     }
 
-    /// The bytes of a tree for a number of records.
+    /// Returns the bytes of a tree for a number of records.
     pub fn bytes(n: usize) -> u64 {
         Record::<D>::BYTES * n as u64
             + 2 * size_of::<Bounds<D>>() as u64 * Leaves::new(n).count() as u64
     }
 
-    /// The bytes for the records it has.
+    /// Returns the bytes for the current records.
     pub fn formula_bytes(&self) -> u64 {
         Record::<D>::BYTES * self.records.len() as u64
             + size_of::<Bounds<D>>() as u64 * self.boxes.len() as u64
     }
 
-    /// Room for a number of records, which are those of an earlier detection, or none.
+    /// Resizes the tree; the records have no meaning until they are filled.
     pub fn prepare(&mut self, n: usize) {
         room(&mut self.records, n, Record::NONE);
         room(&mut self.boxes, 2 * Leaves::new(n).count(), Bounds::NONE);
     }
 
-    /// Makes the boxes and finds the contacts.
+    /// Builds the boxes and finds the contacts.
     pub fn search<P: Probe, S: Sink>(
         &mut self,
         judge: Judge<'_, P, impl Nearness>,
@@ -87,7 +87,7 @@ impl<const D: usize> Tree<D> {
         self.walk(judge, probe, sink);
     }
 
-    /// Makes the boxes, around bodies of these halves.
+    /// Builds the boxes around particles with these half-reaches.
     pub(crate) fn enclose(&mut self, halves: impl Nearness) {
         let leaves = Leaves::new(self.records.len());
         let first = leaves.count();
@@ -114,7 +114,7 @@ impl<const D: usize> Tree<D> {
         bounds
     }
 
-    /// Finds the contacts, with the boxes as they are.
+    /// Finds the contacts with the current boxes.
     pub(crate) fn walk<P: Probe, S: Sink>(
         &self,
         judge: Judge<'_, P, impl Nearness>,
@@ -136,7 +136,6 @@ impl<const D: usize> Tree<D> {
     }
 }
 
-/// The box of one body.
 #[inline(always)]
 fn around<const D: usize>(record: &Record<D>, nearness: impl Nearness) -> Bounds<D> {
     let half = nearness.half(record.radius);
@@ -148,7 +147,7 @@ struct Walk<'a, N, P, S, const D: usize> {
     tree: &'a Tree<D>,
     leaves: Leaves,
     judge: Judge<'a, P, N>,
-    /// Of a leaf, those that may touch one of the other.
+    /// Records of one leaf that may touch a particle of the other.
     near: [Record<D>; LEAF],
     found: Found,
     probe: &'a mut P,
@@ -156,7 +155,7 @@ struct Walk<'a, N, P, S, const D: usize> {
 }
 
 impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
-    /// The pairs within a node.
+    /// Finds the pairs within a node.
     fn inside(&mut self, node: usize) {
         self.probe.count(Op::NodeVisit);
         if node < self.leaves.count() {
@@ -171,7 +170,7 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// The pairs between two nodes of the same level.
+    /// Finds the pairs between two nodes of the same level.
     fn between(&mut self, a: usize, b: usize) {
         self.probe.count(Op::BoundTest);
         if !self.tree.boxes[a].meets(&self.tree.boxes[b]) {
@@ -188,14 +187,14 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// The pairs between two leaves.
+    /// Finds the pairs between two leaves.
     #[inline(never)]
     fn leaves(&mut self, a: usize, b: usize) {
         let [box_a, box_b] = [a, b].map(|node| self.tree.boxes[node]);
         let mut count = 0;
         for b in self.records(b) {
             self.probe.count(Op::BoundTest);
-            // Written where the next near one will be; kept by counting it.
+            // Written in any case, and kept by incrementing the count.
             self.near[count % LEAF] = *b;
             count += usize::from(self.is_near(b, &box_a));
         }
@@ -211,7 +210,7 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// May a body touch one of those in a box?
+    /// Returns whether a particle may touch one of those in a box.
     #[inline(always)]
     fn is_near(&self, body: &Record<D>, bounds: &Bounds<D>) -> bool {
         around(body, self.judge.nearness).meets(bounds)

@@ -39,7 +39,7 @@ fn parameters_change_no_contact() {
 }
 
 #[test]
-fn instructions_that_are_not_there_are_refused_with_those_that_are() {
+fn missing_instructions_are_refused_and_available_ones_listed() {
     let params = Params::from([("level".to_string(), "neon".to_string())]);
     let mut pairs = Vec::new();
     let refusal = streamed(&params, Options::default())
@@ -52,7 +52,7 @@ fn instructions_that_are_not_there_are_refused_with_those_that_are() {
 
 /// Ranks are unique and without gaps.
 #[test]
-fn judges_have_places_of_their_own() {
+fn ranks_of_judges_are_distinct() {
     let places: [fn(&Judge) -> u8; 3] = [|it| it.alike, |it| it.differ, |it| it.boxed];
     for place in places {
         let judges = judges(place);

@@ -187,7 +187,7 @@ fn images_are_made_near_the_faces_only() {
 
 /// In larger scenes the detectors are the truth, checked by a sample.
 #[test]
-fn the_truth_of_many_is_what_detectors_agree_on() {
+fn detectors_agree_on_the_truth_of_large_scenes() {
     let n = crate::oracle::BRUTE_FORCE + 1;
     let random = &mut ChaCha8Rng::seed_from_u64(4);
     let bag = Bag {

@@ -30,7 +30,7 @@ fn tests_are_linear_in_the_answer() {
 }
 
 #[test]
-fn small_boxes_have_the_contacts_of_the_truth() {
+fn small_boxes_have_the_true_contacts() {
     let bag = two(1.0 / 1024.0);
     all_find(&bag, &bag.truth());
     // One sphere with thousands of touching images, and dust beside it.

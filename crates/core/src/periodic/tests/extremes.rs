@@ -18,7 +18,7 @@ fn refusal(bag: &Bag<3>, limit: u64) -> Refusal {
 }
 
 #[test]
-fn what_cannot_be_done_is_said_in_a_sentence() {
+fn impossible_boxes_are_refused() {
     let radii_in_another_unit = of(&[[0.5; 3]; 10], 300.0, cube(1.0));
     let said = refusal(&radii_in_another_unit, LIMIT);
     assert!(matches!(said, Refusal::Images { .. }) && said.is_of_scene(), "{said}");
@@ -54,7 +54,7 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
 }
 
 #[test]
-fn what_is_no_periodic_scene_is_none() {
+fn invalid_periodic_scenes_are_errors() {
     let bag = of(&[[0.5; 3]], 0.25, cube(1.0));
     let scene = bag.periodic().scene().stored(Arithmetic::F32).unwrap();
     assert_eq!(Periodic::new(scene, bag.lattice()), Err(PeriodicError::Storage));
@@ -97,7 +97,7 @@ fn depths_and_digests_are_those_of_images() {
 /// Boxes and scenes of arbitrary doubles: no detector finds contacts beyond the truth, nothing
 /// panics, and all detectors that do not refuse agree.
 #[test]
-fn any_doubles_at_all() {
+fn arbitrary_doubles_never_panic() {
     let random = &mut ChaCha8Rng::seed_from_u64(5);
     let (mut answers, mut refusals, mut boxes) = (0, 0, 0);
     for turn in 0..8_000 {

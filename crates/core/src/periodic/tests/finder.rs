@@ -83,7 +83,7 @@ fn contacts_are_appended_or_left_as_they_were() {
 
 /// The bytes of the formula suffice, and one byte less does not, in every storage.
 #[test]
-fn images_fit_the_bytes_of_the_formula() {
+fn images_fit_in_the_formula_bytes() {
     let mut away = thousand(CUBE);
     away.centres[7][1] += 48.0;
     let mut each = thousand(CUBE);
@@ -243,7 +243,7 @@ fn all_find_few(bag: &Bag<3>) {
 
 /// Enough particles for a second thread of any detector.
 #[test]
-fn several_threads_find_what_one_finds() {
+fn several_threads_find_the_contacts_of_one() {
     let random = &mut ChaCha8Rng::seed_from_u64(9);
     let mut bag = thousand(CUBE);
     bag.vectors = CUBE.map(|vector| vector.map(|x| 3.0 * x));

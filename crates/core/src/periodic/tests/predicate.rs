@@ -98,7 +98,7 @@ fn couple(random: &mut ChaCha8Rng) -> Couple {
 }
 
 #[test]
-fn couples_one_step_from_tangency_through_an_image() {
+fn pairs_one_step_from_tangency_through_an_image() {
     let random = &mut ChaCha8Rng::seed_from_u64(11);
     let mut seen = [0; 3];
     for _ in 0..20_000 {
@@ -125,7 +125,7 @@ fn couples_one_step_from_tangency_through_an_image() {
 
 /// Arbitrary doubles, including subnormal and huge ones.
 #[test]
-fn couples_of_any_numbers() {
+fn pairs_of_arbitrary_doubles() {
     let random = &mut ChaCha8Rng::seed_from_u64(12);
     let mut seen = [0; 3];
     for turn in 0..4000 {

@@ -76,7 +76,7 @@ fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> 
 }
 
 #[test]
-fn the_corner_of_the_box_decides_nothing() {
+fn the_corner_of_the_box_changes_no_contact() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let origin = [(); 3].map(|()| f64::from(random.random_range(-5000..5000)) / 256.0);
         one(Bag { origin, ..bag.clone() }, |pair| pair)
@@ -85,7 +85,7 @@ fn the_corner_of_the_box_decides_nothing() {
 }
 
 #[test]
-fn whole_vectors_change_the_images_alone() {
+fn shifts_by_box_vectors_change_only_the_images() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -104,7 +104,7 @@ fn whole_vectors_change_the_images_alone() {
 
 /// Adding a multiple of one vector to another, or reversing one, does not change the lattice.
 #[test]
-fn other_vectors_of_the_same_lattice_change_the_images_alone() {
+fn other_vectors_of_a_lattice_change_only_the_images() {
     fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let open: Vec<usize> = (0..3).filter(|&v| bag.periodic[v]).collect();
         let mut after = bag.clone();

@@ -333,7 +333,7 @@ impl Client {
         // The words of Rust's allocation failure, ours, C++'s and Python's. A backtrace may follow
         // them.
         let starved = |line: &&str| {
-            ["memory allocation of", "could not be had", "bad_alloc", "MemoryError"]
+            ["memory allocation of", "could not be allocated", "bad_alloc", "MemoryError"]
                 .iter()
                 .any(|words| line.contains(words))
         };

@@ -1,4 +1,4 @@
-//! Classes of sizes: which radii belong together, and the grid of each.
+//! Size classes: which radii belong together, and the grid of each class.
 
 use std::ops::Range;
 
@@ -15,29 +15,28 @@ use crate::probe::{Probe, Silent};
 use crate::scene::Real;
 use crate::sink::splitmix64;
 
-/// Levels; radii below the last border are all in the last one.
+/// Largest number of levels; the last one holds all radii below the last border.
 pub const MOST_LEVELS: usize = CLASSES;
 
-/// The classes of sizes, the largest first.
+/// Size classes, largest first.
 #[derive(Clone)]
 pub(super) struct Levels<const D: usize> {
-    /// The largest radius that each class could have.
+    /// Largest possible radius of each class.
     borders: [f64; MOST_LEVELS],
     levels: [Level<D>; MOST_LEVELS],
     count: usize,
 }
 
-/// A class of sizes and its grid.
 #[derive(Clone)]
 pub(super) struct Level<const D: usize> {
     pub class: Class<D>,
-    /// None if it has no bodies.
+    /// None if the class has no particles.
     pub cells: Option<Cells<D>>,
-    /// Its part of the slots, a power of two.
+    /// Range of its slots, a power of two.
     pub slots: Range<usize>,
-    /// Its part of the strips.
+    /// Range of its strips.
     pub strips: Range<usize>,
-    /// Its part of the records.
+    /// Range of its records.
     pub records: Range<usize>,
 }
 
@@ -45,23 +44,24 @@ impl<const D: usize> Level<D> {
     const NONE: Level<D> =
         Level { class: Class::NONE, cells: None, slots: 0..0, strips: 0..0, records: 0..0 };
 
-    /// Its grid: with cells that hold about a body each, if that is asked for, or as the reach is.
+    /// Returns the grid of the class: about one particle per cell if `filled` is set, else cells as
+    /// wide as the reach.
     fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
         let Class { low, high, largest, bodies: count, .. } = self.class;
         let points = bodies.class_reach(largest, largest) <= T::UNDERFLOW;
-        // The book knows cells as wide as the reach only.
+        // The book's cells are always as wide as the reach.
         let filled = filled && bodies.margin() == Margin::Safe;
         let least = if filled || points { spacing(low, high, count) } else { 0.0 };
         Cells::of_class(bodies, (low, high), largest, least)
     }
 
-    /// Would most cells as wide as the reach be empty?
+    /// Returns whether most cells as wide as the reach would be empty.
     fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
         let Class { low, high, largest, bodies: count, .. } = self.class;
         spacing(low, high, count) > bodies.class_reach(largest, largest)
     }
 
-    /// The first cell of the strip that holds a point.
+    /// Returns the first cell of the strip that contains a point.
     #[inline(always)]
     pub fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> [u32; D] {
         let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
@@ -69,7 +69,7 @@ impl<const D: usize> Level<D> {
         cell
     }
 
-    /// Where the search for a strip begins, in the level's part of the slots.
+    /// Returns the slot, within the level's part, where the search for a strip begins.
     #[inline(always)]
     pub fn slot(&self, first: [u32; D]) -> usize {
         (mixed(first) >> 32) as usize & (self.slots.len() - 1)
@@ -83,7 +83,7 @@ impl<const D: usize> Levels<D> {
         count: 0,
     };
 
-    /// Counts and measures the classes, and gives each that has bodies its grid.
+    /// Counts and measures the classes, and creates a grid for each class with particles.
     pub fn new<T: Real>(
         bodies: &impl Bodies<T, D>,
         parting: &Parting,
@@ -108,7 +108,7 @@ impl<const D: usize> Levels<D> {
         for level in &mut levels.levels[..levels.count] {
             if level.class.bodies > 0 {
                 level.cells = Some(level.grid(bodies, true)?);
-                // One slot stays free, since there are fewer than 2^32 particles.
+                // One slot always stays free, since there are fewer than 2^32 particles.
                 let wanted =
                     (2 * level.class.bodies as u64).next_power_of_two().min(1 << 32) as usize;
                 level.slots = slots..slots + wanted;
@@ -125,7 +125,7 @@ impl<const D: usize> Levels<D> {
         Ok(levels)
     }
 
-    /// Where the levels begin, for radii from `least` to `largest`.
+    /// Computes the borders of levels, for radii from `least` to `largest`.
     fn part<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -135,7 +135,7 @@ impl<const D: usize> Levels<D> {
     ) {
         self.borders[0] = largest;
         self.count = 1;
-        // One size has one level, and so have points.
+        // Particles of one size, and points, form one level.
         if least >= largest {
             return;
         }
@@ -160,8 +160,8 @@ impl<const D: usize> Levels<D> {
         }
     }
 
-    /// Which levels have many bodies in the cells of most, judged by a sample. A small level may
-    /// crowd: all its pairs are few.
+    /// Returns which levels have many particles per cell, estimated from a sample. Small levels may
+    /// crowd, because all their pairs are few.
     fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
         let place = |id| {
             let class = self.class(bodies.radius(id));
@@ -175,7 +175,7 @@ impl<const D: usize> Levels<D> {
             .map(|company| company > CROWD)
     }
 
-    /// The number of the class that a radius belongs to.
+    /// Returns the class of a radius.
     #[inline(always)]
     pub fn class(&self, radius: f64) -> usize {
         if self.count == 1 {
@@ -184,17 +184,15 @@ impl<const D: usize> Levels<D> {
         self.borders[1..self.count].partition_point(|&border| radius <= border)
     }
 
-    /// All of them, the largest first.
     pub fn all_mut(&mut self) -> &mut [Level<D>] {
         &mut self.levels[..self.count]
     }
 
-    /// All of them, the largest first.
     pub fn all(&self) -> &[Level<D>] {
         &self.levels[..self.count]
     }
 
-    /// A level with bodies, and its grid.
+    /// Returns a level with particles, and its grid.
     #[inline(always)]
     pub fn at(&self, class: usize) -> (&Level<D>, &Cells<D>) {
         let level = &self.levels[class];
@@ -202,7 +200,7 @@ impl<const D: usize> Levels<D> {
         (level, cells)
     }
 
-    /// The level that a radius of a body belongs to, and its grid.
+    /// Returns the level of a particle's radius, and its grid.
     #[inline(always)]
     pub fn of(&self, radius: f64) -> (&Level<D>, &Cells<D>) {
         self.at(self.class(radius))

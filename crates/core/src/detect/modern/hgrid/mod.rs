@@ -1,7 +1,7 @@
-//! `hgrid`: a grid for every class of sizes, large bodies searched in the fine grids (hierarchical
-//! grid: Ogarko and Luding 2012, doi:10.1016/j.cpc.2011.12.019; Krijgsman, Ogarko and Luding 2014,
-//! doi:10.1007/s40571-014-0020-9; hashed levels, as in Ericson 2005, "Real-Time Collision
-//! Detection", section 7.2).
+//! `hgrid`: a grid for every size class, with large particles searched in the grids of smaller ones
+//! (hierarchical grid: Ogarko and Luding 2012, doi:10.1016/j.cpc.2011.12.019; Krijgsman, Ogarko and
+//! Luding 2014, doi:10.1007/s40571-014-0020-9; hashed levels as in Ericson 2005, "Real-Time
+//! Collision Detection", section 7.2).
 //!
 //! ```text
 //!   coarse |       A       |               A is tested against those beside it here,
@@ -10,35 +10,36 @@
 //!                                          c against those beside it only
 //! ```
 //!
-//! 1. The largest radius divided by the ratio, again and again, parts the radii into levels; or
-//!    they are given (`levels=0.1/0.3`: radii up to 0.1, up to 0.3, and the rest); or those are
-//!    taken in which a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius
-//!    at a border is below it. A level has cells as wide as the reach of its own largest
-//!    radius ([`crate::contact::Bodies::class_reach`]), over the box of its own bodies; in a sparse
-//!    level as wide as its bodies are apart, unless a sample shows that they crowd.
-//! 2. Rows of cells along x are cut into strips of 8. Strips with bodies are found by a hash (open
-//!    addressing, a table for every level), sorted by row and place in it, and hold where the
-//!    bodies of each of their cells begin. Every body is copied to its place. So cells side by side
-//!    in a row are side by side in memory, and what is empty takes no room.
-//! 3. Within a level every body is tested against the rest of its cell, the cell to the right, and
-//!    three cells in each of half of the neighbouring rows.
-//! 4. Every body is tested against those of each finer level in the cells around it, as far as the
-//!    reach of its own radius and the level's largest one; where that is more strips than half of
-//!    the level's bodies, against all of them. So each pair of two levels is looked at once, from
-//!    the larger.
+//! 1. Radii are divided into levels in one of three ways: the largest radius divided by a ratio,
+//!    again and again; at given radii (`levels=0.1/0.3`: up to 0.1, up to 0.3, and the rest); or
+//!    such that a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius at a
+//!    border belongs to the smaller level. The cells of a level are as wide as the reach of its
+//!    largest radius ([`crate::contact::Bodies::class_reach`]), over the box of its particles. In a
+//!    sparse level they are as wide as the spacing of particles, unless a sample shows that these
+//!    crowd.
+//! 2. Rows of cells along x are cut into strips of 8. Strips with particles are found by a hash
+//!    (open addressing, one table per level) and sorted by row and position. They store where the
+//!    particles of each of their cells begin. Every particle is copied to its place. So adjacent
+//!    cells of a row are adjacent in memory, and empty cells take no space.
+//! 3. Within a level every particle is tested against the rest of its cell, the cell to the right,
+//!    and three cells in each of half of the neighbouring rows.
+//! 4. Every particle is tested against those of each finer level in the cells within the reach of
+//!    its own radius and the level's largest one. If that covers more strips than half of the
+//!    level's particles, it is tested against all of them. So each pair of two levels is found
+//!    once, from the larger particle.
 //!
-//! * Cost: proportional to N particles in each level that they are searched in, whatever the ratio
-//!   of sizes and the domain; quadratic where a crowd is smaller than 2^-30 of the domain. Memory:
-//!   `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for S strips with bodies (at most N);
-//!   C sums, over levels, the power of two from twice the level's bodies upwards.
-//! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd
-//!   in wider ones, and scenes over the memory limit.
-//! * Deviations from the sources: levels are at most 32, by default from the largest radius
-//!   downwards, and only those with bodies exist; the optimum is found by trying, not in closed
-//!   form; level cells are as wide as the largest radius in them asks for,
-//!   not as the border does, and wider where most of them would be empty; strips and not cells are
-//!   hashed, so that up to 8 cells cost one look; cells are wider by 4 parts in a million
-//!   ([`crate::filter::cells`]).
+//! * Cost: proportional to N particles for each level in which they are searched, whatever the
+//!   ratio of sizes and the domain; quadratic if a crowd is smaller than 2^-30 of the domain.
+//! * Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for S strips with particles
+//!   (at most N). C sums, over levels, the smallest power of two of at least twice the level's
+//!   particles.
+//! * Refuses scenes over the memory limit, and domains of 2^31 or more cells of the largest reach
+//!   along an axis if particles crowd in wider cells.
+//! * Deviations from the sources: there are at most 32 levels, by default from the largest radius
+//!   downwards, and only those with particles exist. The optimum is found by search, not in closed
+//!   form. Cells are as wide as the largest radius in a level requires, not as its border does, and
+//!   wider if most would be empty. Strips instead of cells are hashed, so that one lookup finds up
+//!   to 8 cells. Cells are wider by 4 parts in a million ([`crate::filter::cells`]).
 
 mod levels;
 mod parting;
@@ -55,9 +56,9 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Cells of a strip.
+/// Cells per strip.
 const STRIP: u32 = 8;
-/// A slot without a strip: the number of no particle.
+/// Marks a slot without a strip; not a valid particle number.
 const FREE: u32 = u32::MAX;
 
 /// The hierarchical grid, in `D` dimensions.
@@ -65,16 +66,16 @@ pub struct HGrid<const D: usize> {
     options: Options,
     parting: Parting,
     levels: Levels<D>,
-    /// The hash tables of all levels: first the particle that was first in a strip, then the strip.
+    /// Hash tables of all levels: first the particle that came first in a strip, then the strip.
     slots: Vec<u32>,
-    /// Of each particle: first the slot of its strip within its level, then the strip.
+    /// For each particle: first the slot of its strip within its level, then the strip.
     places: Vec<u32>,
     strips: Vec<Strip<D>>,
     records: Vec<Record<D>>,
 }
 
 impl<const D: usize> HGrid<D> {
-    /// With radii parted like this.
+    /// Creates a detector that divides radii into levels in this way.
     pub fn with_levels(parting: Parting, options: Options) -> HGrid<D> {
         HGrid {
             options,
@@ -100,7 +101,6 @@ impl<const D: usize> Declare for HGrid<D> {
     }
 }
 
-/// The memory for so many slots, particles and strips.
 fn bytes<const D: usize>(slots: u64, particles: u64, strips: u64) -> u64 {
     4 * (slots + particles) + size_of::<Strip<D>>() as u64 * strips + Record::<D>::BYTES * particles
 }
@@ -128,12 +128,12 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
     }
 }
 
-/// Cells side by side along x, at least one of them not empty.
+/// Adjacent cells along x, at least one of them not empty.
 #[derive(Clone, Copy)]
 struct Strip<const D: usize> {
-    /// The first of them.
+    /// The first cell.
     first: [u32; D],
-    /// Where the records of each begin, and those of the last end.
+    /// Where the records of each cell begin, and where the last one ends.
     starts: [u32; STRIP as usize + 1],
 }
 
@@ -141,11 +141,11 @@ impl<const D: usize> Strip<D> {
     const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
 }
 
-/// Where the records begin and end of the cells of a strip, of the one before and the one after.
+/// Borders of the records of a strip's cells, of the cell before them and the cell after them.
 type Edges = [u32; STRIP as usize + 3];
 
 impl<const D: usize> HGrid<D> {
-    /// Compares with the limit what so many particles and strips need.
+    /// Compares the memory for this many particles and strips with the limit.
     fn fits(&self, particles: usize, strips: usize) -> Result<(), Refusal> {
         let slots: usize = self.levels.all().iter().map(|level| level.slots.len()).sum();
         let needed = bytes::<D>(slots as u64, particles as u64, strips as u64);
@@ -178,12 +178,12 @@ impl<const D: usize> HGrid<D> {
                 slot = (slot + 1) & (slots.len() - 1);
             };
             self.places[id as usize] = slot as u32;
-            // Counted now; where they begin is known later.
+            // Only counted now; the begin is known later.
             self.levels.all_mut()[class].strips.end += usize::from(is_new);
         }
     }
 
-    /// Puts the strips of each level in order of rows, and of x in a row.
+    /// Sorts the strips of each level by row, and by x within a row.
     fn sort_strips<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -202,7 +202,7 @@ impl<const D: usize> HGrid<D> {
             let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
             for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
                 strip.first = Level::strip(cells, bodies.position(id), probe);
-                // Until it is sorted, it has no records.
+                // Holds the slot until the strips are sorted; there are no records yet.
                 strip.starts[0] = slot;
             }
             strips.sort_unstable_by(|a, b| {
@@ -216,7 +216,6 @@ impl<const D: usize> HGrid<D> {
         }
     }
 
-    /// A counting sort by cell.
     fn sort_bodies<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
         let n = bodies.len() as u32;
         room(&mut self.records, bodies.len(), Record::NONE);
@@ -240,7 +239,7 @@ impl<const D: usize> HGrid<D> {
             }
             level.records = first as usize..end as usize;
         }
-        // From the end of each cell backwards: in a cell, bodies are in order.
+        // From the end of each cell backwards, so that particles of a cell stay in order.
         for id in (0..n).rev() {
             let (_, cells) = self.levels.of(bodies.radius(id));
             let record = Record::new(bodies, id);
@@ -272,7 +271,7 @@ impl<const D: usize> HGrid<D> {
         found.flush(sink);
     }
 
-    /// Tests the bodies of a strip against the rest of their level.
+    /// Tests the particles of a strip against the rest of their level.
     #[inline(always)]
     fn beside<P: Probe>(
         &self,
@@ -315,8 +314,8 @@ impl<const D: usize> HGrid<D> {
         }
     }
 
-    /// The records of the cells of a strip, of the cell before it and the one after: what is in a
-    /// row is in order, so where strips are missing nothing is between the others.
+    /// Returns the records of a strip's cells, of the cell before it and the one after. Records of
+    /// a row are in order, so missing strips leave no gap between the others.
     #[inline(always)]
     fn edges(
         &self,
@@ -339,7 +338,7 @@ impl<const D: usize> HGrid<D> {
             self.find(level, first)
         };
         let middle = known.or_else(|| find(first));
-        // Beside one that is there, the others are beside it in memory, or nowhere.
+        // If the middle strip exists, its neighbours are adjacent in memory or do not exist.
         let (before, after) = match middle {
             Some(middle) => {
                 let before = first[0].checked_sub(STRIP).and_then(|x| {
@@ -374,7 +373,7 @@ impl<const D: usize> HGrid<D> {
         edges
     }
 
-    /// The strip that begins with a cell, if it has bodies.
+    /// Returns the strip that begins with a cell, if it has particles.
     #[inline(always)]
     fn find(&self, level: &Level<D>, first: [u32; D]) -> Option<usize> {
         let slots = &self.slots[level.slots.clone()];
@@ -389,7 +388,7 @@ impl<const D: usize> HGrid<D> {
         None
     }
 
-    /// Tests a body against those of a finer level.
+    /// Tests a particle against those of a finer level.
     #[inline(always)]
     fn below<P: Probe>(
         &self,
@@ -404,8 +403,9 @@ impl<const D: usize> HGrid<D> {
         let reach = judge.nearness.reach(a.radius, level.class.largest);
         let (mut first, mut last) = ([0; D], [0; D]);
         for k in 0..D {
-            // Comparisons and cells are monotone, so no margin is needed: of a pair within reach,
-            // the other is not below the rounded x - reach, and its cell not below the cell there.
+            // Comparisons and cells are monotone, so no margin is needed: in a pair within reach
+            // the other particle is not below the rounded x - reach, and its cell not below the
+            // cell of that.
             let low = (a.position[k] - reach).max(level.class.low[k]);
             let high = (a.position[k] + reach).min(level.class.high[k]);
             if low > high {
@@ -434,7 +434,7 @@ impl<const D: usize> HGrid<D> {
                 let others = starts[from as usize] as usize..starts[to as usize + 1] as usize;
                 judge.against(a, &self.records[others], found, probe, sink);
             }
-            // The next row, as a number whose digits are y and z.
+            // Advance to the next row, like a number with the digits y and z.
             let Some(k) = (1..D).find(|&k| row[k] < last[k]) else { return };
             row[k] += 1;
             row[1..k].copy_from_slice(&first[1..k]);

@@ -1,26 +1,27 @@
-//! How radii are parted into levels.
+//! How radii are divided into levels.
 
 use std::fmt;
 
 use super::levels::MOST_LEVELS;
 
-/// Where the borders of levels are.
+/// Where the borders between levels are.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
-    /// The largest radius divided by a ratio, again and again; none: all sizes in one level.
+    /// The largest radius divided by a ratio, again and again; `None` puts all sizes in one level.
     Ratio(Option<f64>),
-    /// As given.
+    /// At the given radii.
     Borders(Borders),
     /// Where a model of the work is least.
     Optimal,
 }
 
-/// The largest radii of all levels but the coarsest, the smallest first.
+/// The largest radii of all levels except the coarsest, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Borders(Vec<f64>);
 
 impl Borders {
-    /// From radii as in `0.1/0.3/1`: finite, over 0 and rising; none if they are not, or too many.
+    /// Parses radii as in `0.1/0.3/1`. Returns `None` unless they are finite, positive, ascending
+    /// and few enough.
     pub fn parse(text: &str) -> Option<Borders> {
         let mut radii = Vec::new();
         let mut last = 0.0;
@@ -35,7 +36,7 @@ impl Borders {
         Some(Borders(radii))
     }
 
-    /// The smallest first.
+    /// Returns the radii in ascending order.
     pub fn radii(&self) -> &[f64] {
         &self.0
     }

@@ -13,10 +13,10 @@ fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
     tally
 }
 
-/// One size is one level, with the cells and the half of the neighbours of `cell-grid`; and all
-/// sizes in one level have the same cells.
+/// One size forms one level, with the cells of `cell-grid` and half of the neighbours. All sizes in
+/// one level have the same cells.
 #[test]
-fn one_level_tests_what_the_cell_grid_tests() {
+fn one_level_makes_the_tests_of_the_cell_grid() {
     let equal = scene::<3>(vec![0.5; 3000], 12.0, 1);
     let mixed = scene::<2>((0..3000).map(|k| 0.1 + 0.4 * f64::from(k % 7)).collect(), 90.0, 2);
     for (scene, detector) in
@@ -33,10 +33,10 @@ fn one_level_tests_what_the_cell_grid_tests() {
     );
 }
 
-/// A giant is tested against the dust around it, and against all dust where that is less than to
-/// look at the cells; the dust never against the giant's cells.
+/// A giant is tested against the dust around it, or against all dust if that is cheaper than
+/// visiting cells. Dust is never tested against the giant's cells.
 #[test]
-fn a_giant_costs_what_is_around_it() {
+fn a_giant_costs_only_its_neighbourhood() {
     let dust = 4000;
     let edge = 10.0;
     let with = |giant: Option<f64>| {
@@ -46,16 +46,15 @@ fn a_giant_costs_what_is_around_it() {
     let without = with(None);
     for giant in [1.5, 2.5, 10.0, 250.0] {
         let more = with(Some(giant)) - without;
-        // As many as are in the box around it, a cell wider on each side.
+        // The particles in the box around the giant, a cell wider on each side.
         let around = (2.0 * (giant + 4.0 * 0.25) / edge).min(1.0).powi(3) * f64::from(dust);
         assert!(more as f64 <= 1.3 * around + 30.0, "{giant}: {more}, of {around}");
     }
 }
 
-/// Two parts of the dust as far apart as can be: the strips that are there take room, the domain
-/// does not.
+/// Two halves of the dust very far apart: occupied strips take memory, the domain does not.
 #[test]
-fn memory_is_of_bodies_not_of_cells() {
+fn memory_depends_on_particles_not_on_cells() {
     let mut radii = vec![0.25; 1000];
     radii.push(250.0);
     let near = scene::<3>(radii.clone(), 60.0, 3);
@@ -65,7 +64,7 @@ fn memory_is_of_bodies_not_of_cells() {
         detector.visit(scene, Test::Exact, &mut Digest::default()).unwrap();
         detector.formula_bytes()
     };
-    // 2048 slots and 2, a place and a record each; a strip each at most.
+    // 2048 slots and 2 more, one place and one record per particle, at most one strip per particle.
     let least = 4 * (2050 + 1001) + 32 * 1001;
     for scene in [near, far] {
         let found = bytes(&scene);

@@ -143,7 +143,7 @@ fn surfaces_are_met_to_the_last_bit() {
 
 /// Particles of the finer class are tested in rows around the giant only.
 #[test]
-fn a_giant_costs_what_is_around_it() {
+fn a_giant_costs_only_its_neighbourhood() {
     let count = |giants: &[f64], op| {
         let scene: AnyScene<'_> = scene::<3>(dusty(giants, |_| 0.25), 10.0).into();
         let mut tally = Tally::default();
@@ -169,7 +169,7 @@ fn a_giant_costs_what_is_around_it() {
 /// Dust so much smaller than a ball, or numbers so large or small, that squares of distances
 /// overflow in f32 or f64.
 #[test]
-fn sizes_at_the_ends_of_doubles_lose_and_add_nothing() {
+fn extreme_sizes_lose_and_add_nothing() {
     for (dust, space, ball, x) in [
         (1e80, 1e82, 1e110, 1e110),
         (1e98, 1e100, 1e125, 1e125),

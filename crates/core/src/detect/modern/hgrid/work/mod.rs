@@ -1,19 +1,20 @@
-//! The work of levels, as a model says, and the levels where it is least.
+//! A model of the work that levels cause, and the levels for which it is least.
 //!
 //! The model is that of Krijgsman, Ogarko and Luding 2014 (doi:10.1007/s40571-014-0020-9; in
-//! MercuryDPM `HGridOptimiser`): bodies lie anywhere in a box, independently. A body is tested
-//! against half of the others in the 3^D cells around it. Where one of radius r is searched for in
-//! a finer level of cells of edge h, it looks at (2r/h + 2)^D of them on average, and is tested
-//! against what they hold. Work is tests + K looks.
+//! MercuryDPM `HGridOptimiser`): particles are uniform and independent in a box. A particle is
+//! tested against half of the others in the 3^D cells around it. A particle of radius r that is
+//! searched in a finer level with cells of edge h visits (2r/h + 2)^D of them on average, and is
+//! tested against their particles. Work is tests + K lookups.
 //!
-//! Deviations: a look is at a strip of 8 cells, not at a cell; a level where that would be more
-//! strips than half of its bodies is gone through whole; cells of a sparse level are wider; and the
-//! box ends, which is exact here along each axis, and where large bodies are few is most of it.
+//! Deviations: a lookup finds a strip of 8 cells, not one cell; a level for which that would be
+//! more strips than half of its particles is scanned completely; cells of a sparse level are wider;
+//! and the box is finite. The finite box is treated exactly along each axis, and matters most if
+//! large particles are few.
 //!
-//! The published optimum is that of cells of any size, for a number of levels that is given. Ours
-//! is over all partitions of the radii, parted into four per octave, and over all numbers of
-//! levels: larger bodies look for those of a level one by one, so the work in a level and of its
-//! visitors depends on where it begins and ends alone, and the best is found radius by radius.
+//! The published optimum is for cells of any size and a given number of levels. This one covers all
+//! partitions of the radii, in four steps per octave, and all numbers of levels. Larger particles
+//! search each level separately, so the work in a level and of its visitors depends only on where
+//! it begins and ends, and the best partition is found radius by radius.
 
 use std::array::from_fn;
 
@@ -23,27 +24,26 @@ use crate::contact::Bodies;
 use crate::filter::cells::spacing;
 use crate::scene::Real;
 
-/// K, what a look takes in contact tests: measured, by least squares of relative errors over the
-/// times and counts of `hgrid` in results/reference-sizes (311 cells; a test takes 3.1 ns, a look
-/// 39 ns, a body 88 ns, so 12.6; 11.9 in 2D, 15.3 in 3D). In MercuryDPM's notes, where it looks at
-/// single cells and tests are slower, 0.77 is best.
+/// K, the cost of a lookup in contact tests, from a least-squares fit of relative errors to times
+/// and counts of `hgrid` in results/reference-sizes (311 cells): a test takes 3.1 ns, a lookup 39
+/// ns, a particle 88 ns, so 12.6; 11.9 in 2D, 15.3 in 3D. MercuryDPM, with lookups of single cells
+/// and slower tests, uses 0.77.
 pub const LOOK: f64 = 13.0;
-/// Radii that are told apart: four to an octave.
+/// Number of distinguished radii: four per octave.
 const RADII: usize = 128;
 
-/// Bodies of a level, or of a part of one.
+/// The particles of a level, or of a part of one.
 #[derive(Clone, Copy, Debug)]
 pub struct Class<const D: usize> {
-    /// The box around their centres.
+    /// The box around the centres.
     pub low: [f64; D],
     pub high: [f64; D],
     pub largest: f64,
     pub bodies: usize,
-    /// The sum of all radii.
     sum: f64,
 }
 
-/// Contact tests, and looks at strips of another level.
+/// Contact tests, and lookups of strips in another level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     pub tests: f64,
@@ -51,7 +51,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// In contact tests.
+    /// Returns the work in contact tests.
     pub fn all(self) -> f64 {
         self.tests + LOOK * self.looks
     }
@@ -87,24 +87,26 @@ impl<const D: usize> Class<D> {
         }
     }
 
-    /// The edge of its cells, if bodies do not crowd.
+    /// Returns the edge of the cells, if particles do not crowd.
     fn edge(&self) -> f64 {
         let reach = 2.0 * self.largest;
         reach.max(spacing(self.low, self.high, self.bodies)).max(4.0 * f64::MIN_POSITIVE)
     }
 
-    /// Among its bodies.
+    /// Returns the work among particles of this class.
     pub fn beside(&self) -> Work {
         let (n, edge) = (self.bodies as f64, self.edge());
         let near = (0..D).map(|k| Axis::new(self, k, edge).near()).product::<f64>();
         Work { tests: 0.5 * n * (n - 1.0) * near, looks: 0.0 }
     }
 
-    /// Of so many bodies of `larger`, of this radius, which are searched for in this class.
+    /// Returns the work of searching `bodies` particles of `larger`, with this radius, in this
+    /// class.
     pub fn visits(&self, larger: &Class<D>, bodies: f64, radius: f64) -> Work {
         let (n, edge, reach) = (self.bodies as f64, self.edge(), radius + self.largest);
         let (mut within, mut tests, mut looks) = (1.0, n, 1.0);
-        // So much longer than between the outermost is the box that they lie in, on average.
+        // On average, the domain of random particles is longer by this fraction than their bounding
+        // box, on each side.
         let beyond = 1.0 / (larger.bodies as f64 - 1.0).max(1.0);
         for k in 0..D {
             let length = larger.high[k] - larger.low[k];
@@ -123,11 +125,11 @@ impl<const D: usize> Class<D> {
     }
 }
 
-/// A row of cells from end to end of a box.
+/// A row of cells across a box.
 struct Axis {
     length: f64,
     edge: f64,
-    /// Cells but for the last, which may reach over the end.
+    /// Number of cells without the last one, which may extend beyond the box.
     full: f64,
 }
 
@@ -137,7 +139,7 @@ impl Axis {
         Axis { length, edge, full: (length / edge).floor() }
     }
 
-    /// The part of all couples that are in one cell, or in neighbours.
+    /// Returns the fraction of all pairs that are in the same cell or in neighbouring cells.
     fn near(&self) -> f64 {
         if self.full == 0.0 {
             return 1.0;
@@ -148,21 +150,21 @@ impl Axis {
     }
 }
 
-/// Points anywhere in a stretch of an axis, and what of its cells is within reach of them, on
-/// average over all points of the stretch. Cells count from the beginning of the axis.
+/// Points uniform on a segment of an axis, and how many of its cells are within their reach on
+/// average. Cells count from the beginning of the axis.
 struct Near {
     axis: Axis,
     reach: f64,
-    /// The stretch.
+    /// Length of the segment.
     length: f64,
-    /// The part of it from which anything is within reach.
+    /// The part of the segment from which any cell is within reach.
     from: f64,
     to: f64,
 }
 
 impl Near {
-    /// For a stretch of this length that begins at `low`. One that is shorter than a cell is taken
-    /// to be as long.
+    /// Creates the value for a segment of this length that begins at `low`; a segment shorter than
+    /// a cell is extended to one cell.
     fn new(axis: Axis, low: f64, length: f64, reach: f64) -> Near {
         let more = (axis.edge - length).max(0.0);
         let (low, length) = (low - 0.5 * more, length + more);
@@ -171,15 +173,15 @@ impl Near {
         Near { axis, reach, length, from, to }
     }
 
-    /// The part of the points that have anything within reach.
+    /// Returns the fraction of points with any cell within reach.
     fn within(&self) -> f64 {
         (self.to - self.from) / self.length
     }
 
-    /// How many steps of so wide, the first one shorter by `offset`.
+    /// Returns the mean number of steps of this width, the first one shorter by `offset`.
     fn steps(&self, width: f64, offset: f64) -> f64 {
         let (end, reach) = (self.axis.length, self.reach);
-        // The integral from 0 of the number of the step.
+        // The integral of the step number from 0.
         let sum = |x: f64| {
             let x = x + offset;
             let k = (x / width).floor();
@@ -192,7 +194,7 @@ impl Near {
         (self.to - self.from + high - low) / self.length
     }
 
-    /// The part of the axis that is in cells within reach, which are so many.
+    /// Returns the part of the axis covered by this many cells within reach.
     fn covered(&self, cells: f64) -> f64 {
         let Axis { length, edge, full } = self.axis;
         if full == 0.0 {
@@ -204,8 +206,8 @@ impl Near {
     }
 }
 
-/// The largest radius of each level, the largest level first, where the work is least; and how many
-/// levels these are. `largest` is that of all bodies, and over 0.
+/// Returns the largest radius of each level, largest level first, for which the work is least, and
+/// the number of levels. `largest` is the largest radius of all, and positive.
 pub fn optimal<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     largest: f64,
@@ -215,7 +217,7 @@ pub fn optimal<T: Real, const D: usize>(
         let radius = bodies.radius(id);
         parts[part(largest, radius)].take(bodies.position(id), radius);
     }
-    // Those with bodies.
+    // Keep parts with particles.
     let mut count = 0;
     for k in 0..RADII {
         if parts[k].bodies > 0 {
@@ -224,8 +226,7 @@ pub fn optimal<T: Real, const D: usize>(
         }
     }
     let parts = &parts[..count];
-    // For each part the least work of all up to it, and where the level begins in which it is the
-    // last.
+    // For each part: the least work up to it, and the first part of the level that it ends.
     let mut least = [(0.0, 0); RADII];
     for end in 0..count {
         let (mut level, mut best) = (Class::NONE, (f64::INFINITY, end));
@@ -247,7 +248,7 @@ pub fn optimal<T: Real, const D: usize>(
     let mut end = count;
     while end > 0 {
         end = least[end - 1].1;
-        // Of too many, the smallest share a level: those beyond are the largest so far.
+        // If there are too many levels, the smallest share one; drop the largest of them so far.
         if levels == MOST_LEVELS {
             borders.copy_within(1.., 0);
             levels -= 1;
@@ -259,12 +260,12 @@ pub fn optimal<T: Real, const D: usize>(
     (borders, levels)
 }
 
-/// Which part a radius belongs to: their quotient's exponent and two more bits. Rounding is
-/// monotone, so smaller radii have no lower part.
+/// Returns the part of a radius: the exponent of the quotient and two more bits. Rounding is
+/// monotone, so a smaller radius never has a lower part.
 #[inline(always)]
 fn part(largest: f64, radius: f64) -> usize {
     let bits = (largest / radius).to_bits() >> 50 & 0x1fff;
-    // The quotient is at least 1; it is infinite for points.
+    // The quotient is at least 1, and infinite for points.
     (bits as usize).saturating_sub(4 * 1023).min(RADII - 1)
 }
 

@@ -1,4 +1,4 @@
-//! The model, against what is published and what is counted.
+//! The model against the published one, and against counts.
 
 use super::*;
 use crate::contact::{Test, any_bodies};
@@ -9,7 +9,7 @@ use crate::probe::{Op, Tally};
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Digest;
 
-/// Radii with numbers as r^-3 or the like, up to 1, as the quantiles of it.
+/// Radii up to 1 with a power-law number density such as r^-3, as its quantiles.
 fn power(n: u32, ratio: f64, exponent: f64) -> Vec<f64> {
     let power = exponent + 1.0;
     let least = ratio.powf(-power);
@@ -20,7 +20,7 @@ fn power(n: u32, ratio: f64, exponent: f64) -> Vec<f64> {
     (0..n).map(quantile).collect()
 }
 
-/// Bodies at random that fill this part of a box.
+/// Particles at random positions that fill this fraction of a box.
 fn filled<const D: usize>(radii: Vec<f64>, fraction: f64, seed: u64) -> Scene<'static, f64, D>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -30,7 +30,7 @@ where
     sizes::random(radii, (volume / fraction).powf(1.0 / D as f64), seed)
 }
 
-/// What `hgrid` counts, and what the model says of its levels.
+/// Returns the counts of `hgrid` and the model's values for its levels.
 fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: &Parting) -> [Work; 2] {
     let (mut tally, mut digest) = (Tally::default(), Digest::default());
     let mut hgrid = HGrid::<D>::with_levels(parting.clone(), Options::default());
@@ -56,8 +56,8 @@ fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: &Parting) -> [Work; 
     [counted, modelled]
 }
 
-/// Far from the walls of its box the model is the published one (NEXT, appendix 1): half of 3^D
-/// cells within a level, (2r/h + 2)^D cells of a finer one.
+/// Far from the walls the model is the published one (doi:10.1007/s40571-014-0020-9, appendix 1):
+/// half of 3^D cells within a level, (2r/h + 2)^D cells of a finer one.
 #[test]
 fn in_a_wide_box_the_model_is_the_published_one() {
     fn check<const D: usize>() {
@@ -89,7 +89,7 @@ fn in_a_wide_box_the_model_is_the_published_one() {
     check::<3>();
 }
 
-/// Within 5% for every ratio of sizes, packing, exponent, and way to part them.
+/// Within 5% for every ratio of sizes, packing, exponent and division into levels.
 #[test]
 fn counted_work_is_as_modelled() {
     fn check<const D: usize>() -> f64
@@ -111,7 +111,7 @@ fn counted_work_is_as_modelled() {
             for (fraction, exponent) in
                 [0.1, 0.8].into_iter().flat_map(|f| [-2.0, -3.0, -4.0].map(|e| (f, e)))
             {
-                // Where there are few large bodies, much depends on where they lie.
+                // With few large particles, much depends on their positions.
                 let scene = |seed| filled::<D>(power(3000, size, exponent), fraction, seed);
                 let scenes = [1, 2, 3, 4].map(scene);
                 for parting in &partings {
@@ -131,9 +131,9 @@ fn counted_work_is_as_modelled() {
     assert!(worst.iter().all(|&off| off < 0.05), "{worst:?}");
 }
 
-/// The optimum takes no more than any ratio of levels, as counted.
+/// By the counts, the optimum is no worse than any ratio of levels.
 #[test]
-fn the_optimum_is_one() {
+fn the_optimum_is_no_worse_than_any_ratio() {
     fn check<const D: usize>()
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
