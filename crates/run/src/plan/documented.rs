@@ -20,13 +20,13 @@ fn section(heading: &str) -> &'static str {
     rest.find("\n#").map_or(rest, |end| &rest[..end])
 }
 
-/// First and third cell of each row of a section's table: the key, and its default.
+/// First and second cell of each row of a section's table: the key, and its default.
 fn rows(section: &str) -> Vec<(&str, &str)> {
     let rows = section.lines().filter(|line| line.starts_with("| "));
     rows.skip(1)
         .map(|row| {
             let cells: Vec<&str> = row.split(" | ").collect();
-            let default = cells.get(2).map_or("", |cell| cell.trim().trim_matches('`'));
+            let default = cells.get(1).map_or("", |cell| cell.trim().trim_matches('`'));
             (cells[0].trim_start_matches("| ").trim_matches('`'), default)
         })
         .filter(|(key, _)| *key != "any other")
