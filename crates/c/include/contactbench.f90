@@ -1,5 +1,5 @@
-! Contacts among discs and spheres, decided exactly: contactbench.h for Fortran. What each call does
-! is said there. Particles are numbered from 0; x has the shape (dim, n).
+! Contacts among discs and spheres, decided exactly: the Fortran interface to contactbench.h, which
+! documents each call. Particles are numbered from 0; x has the shape (dim, n).
 module contactbench
     use, intrinsic :: iso_c_binding
     implicit none

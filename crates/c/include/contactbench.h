@@ -1,9 +1,9 @@
 /* Contacts among discs and spheres, decided exactly: see docs/PYTHON.md of contactbench.
 
-   Calls give CONTACTBENCH_OK, or another code and a sentence: contactbench_last_error. Numbers are
-   read in place and never changed; all lengths are in one unit.
+   Calls return CONTACTBENCH_OK or another code; contactbench_last_error then returns the reason.
+   Numbers are read in place and never changed; all lengths are in one unit.
 
-   Made from crates/c/src by HEADER=write cargo test, in the folder c. */
+   Generated from crates/c/src by HEADER=write cargo test, in the folder c. */
 
 #ifndef CONTACTBENCH_H
 #define CONTACTBENCH_H
@@ -12,17 +12,17 @@
 #include <stdint.h>
 
 /**
- * All is well.
+ * The call succeeded.
  */
 #define CONTACTBENCH_OK 0
 
 /**
- * Something is wrong with what was given.
+ * An argument is invalid.
  */
 #define CONTACTBENCH_INVALID 1
 
 /**
- * It would take more memory than there is, or than may be used.
+ * The call needs more memory than exists or is allowed.
  */
 #define CONTACTBENCH_MEMORY 2
 
@@ -38,36 +38,36 @@
 typedef struct contactbench_detector contactbench_detector;
 
 /**
- * A list of near pairs that is kept from frame to frame (a Verlet list), and the contacts of its
- * last frame. Two steps at the same time are an error; several threads may read the contacts
- * between steps.
+ * A list of near pairs that is kept between frames (a Verlet list), and the contacts of its last
+ * frame. Two steps at the same time are an error; several threads may read the contacts between
+ * steps.
  */
 typedef struct contactbench_tracker contactbench_tracker;
 
 /**
- * A box in which a scene repeats. Discs use the first two vectors.
+ * The box in which a scene repeats. Discs use the first two vectors.
  */
 typedef struct contactbench_box {
   /**
-   * Three vectors, one after the other, of any direction.
+   * Three vectors of any direction, one after the other.
    */
   double vectors[9];
   /**
-   * Along which of them the scene repeats, if not 0. The others decide nothing.
+   * Not 0 for each vector along which the scene repeats. The other vectors are ignored.
    */
   int periodic[3];
   /**
-   * The corner from which they start. It decides no exact contact.
+   * The corner at which the vectors start. It does not affect exact contacts.
    */
   double origin[3];
 } contactbench_box;
 
 /**
- * A scene. Nobody may write to its numbers while a call reads them.
+ * A scene. Its numbers must not change while a call reads them.
  */
 typedef struct contactbench_scene {
   /**
-   * How many particles there are.
+   * Number of particles.
    */
   size_t n;
   /**
@@ -79,11 +79,11 @@ typedef struct contactbench_scene {
    */
   const double *x;
   /**
-   * How many radii there are: 1 for all particles, or n.
+   * Number of radii: 1 for all particles, or n.
    */
   size_t radii;
   /**
-   * The radii, in the unit of the coordinates.
+   * Radii in the unit of the coordinates.
    */
   const double *r;
   /**
@@ -93,15 +93,15 @@ typedef struct contactbench_scene {
 } contactbench_scene;
 
 /**
- * What a list of pairs misses and adds, against the truth.
+ * Errors of a list of pairs, compared with the truth.
  */
 typedef struct contactbench_errors {
   /**
-   * Pairs that touch.
+   * Number of pairs that touch.
    */
   uint64_t contacts;
   /**
-   * Of them, those that are not listed.
+   * Touching pairs that are not listed.
    */
   uint64_t missed;
   /**
@@ -109,19 +109,19 @@ typedef struct contactbench_errors {
    */
   uint64_t spurious;
   /**
-   * Pairs that are listed again.
+   * Repeated pairs in the list.
    */
   uint64_t duplicate;
   /**
-   * Particles that are listed with themselves.
+   * Listed pairs of a particle with itself.
    */
   uint64_t self_pairs;
   /**
-   * The largest overlap among those missed, in mean radii of the two.
+   * The largest overlap of a missed pair, in mean radii of the two particles.
    */
   double deepest_miss;
   /**
-   * The widest gap among the spurious ones, in mean radii of the two.
+   * The largest gap of a spurious pair, in mean radii of the two particles.
    */
   double widest_false;
 } contactbench_errors;
@@ -131,20 +131,19 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Why the last call of this thread that failed did so, in one sentence; until the next that
- * fails.
+ * Returns why the last failed call of this thread failed, in one sentence. The text is valid until
+ * the next failure.
  */
 const char *contactbench_last_error(void);
 
 /**
- * Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it
- * fails.
+ * Creates a detector, to be freed by contactbench_free, and stores it in `made`; stores NULL on
+ * failure.
  *
- * `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL or an empty text
- * for the one to take without a reason for another. `arithmetic` is "exact", "f64", "f32",
- * "f32-cell" or "textbook", and NULL or an empty text for "exact". `memory_limit` is in bytes, for
- * its arrays and as many for pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is
- * less.
+ * `detector` is a name with parameters, as in "streamed-nbs:level=avx2"; NULL or an empty text
+ * selects the recommended detector. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
+ * "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes holds for the arrays
+ * and again for the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is less.
  */
 int contactbench_new(const char *detector,
                      const char *arithmetic,
@@ -153,41 +152,41 @@ int contactbench_new(const char *detector,
                      struct contactbench_detector **made);
 
 /**
- * Frees a detector with its buffers and contacts; nothing if it is NULL.
+ * Frees a detector with its buffers and contacts; does nothing if it is NULL.
  */
 void contactbench_free(struct contactbench_detector *detector);
 
 /**
  * Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box those of
- * particles with images. The numbers are read in place. A call for a scene like the one before
- * allocates next to nothing.
+ * particles with images. The numbers are read in place. A call for a scene of the same shape as
+ * before allocates next to nothing.
  */
 int contactbench_contacts(struct contactbench_detector *detector,
                           const struct contactbench_scene *scene);
 
 /**
- * How many contacts the last scene has; 0 if the call failed.
+ * Returns the number of contacts of the last scene; 0 if the call failed.
  */
 size_t contactbench_count(const struct contactbench_detector *detector);
 
 /**
- * The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
- * pair once (in a box once for each image), in no particular order. The pointer is valid until the
- * next search with this detector.
+ * Returns the pairs of the last scene: two particle numbers each, from 0, the smaller first. Each
+ * pair occurs once (in a box once per image), in no particular order. The pointer is valid until
+ * the next search with this detector.
  */
 const uint32_t *contactbench_pairs(const struct contactbench_detector *detector);
 
 /**
- * In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
- * the second one moved by this many vectors of the box. NULL in open space. The pointer is valid
+ * Returns the images of the pairs in a box: dim integers each. The first particle touches the
+ * second one shifted by this many vectors of the box. NULL in open space. The pointer is valid
  * until the next search with this detector.
  */
 const int32_t *contactbench_images(const struct contactbench_detector *detector);
 
 /**
- * Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found
- * by testing all pairs, or, of many particles, by detectors that agree. In a box `images` has dim
- * numbers for each pair, as contactbench_images gives them; in open space it is NULL.
+ * Compares a list of `count` pairs, of particles numbered from 0, with the exact truth. The truth
+ * comes from testing all pairs or, for many particles, from detectors that agree. In a box
+ * `images` has dim numbers per pair, like contactbench_images; in open space it is NULL.
  */
 int contactbench_verify(const struct contactbench_scene *scene,
                         size_t count,
@@ -196,12 +195,12 @@ int contactbench_verify(const struct contactbench_scene *scene,
                         struct contactbench_errors *errors);
 
 /**
- * Makes a tracker, to be freed by contactbench_tracker_free, and puts it into `made`; NULL where
- * it fails.
+ * Creates a tracker, to be freed by contactbench_tracker_free, and stores it in `made`; stores
+ * NULL on failure.
  *
  * `tracker` is as in "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in diameters of
- * the largest particle, and NULL or an empty text for "verlet(streamed-nbs,skin=auto)". The other
- * arguments are those of contactbench_new; in a box a list decides in "exact" arithmetic alone.
+ * the largest particle; NULL or an empty text selects "verlet(streamed-nbs,skin=auto)". The other
+ * arguments are those of contactbench_new; in a box a list requires "exact" arithmetic.
  */
 int contactbench_tracker_new(const char *tracker,
                              const char *arithmetic,
@@ -210,40 +209,40 @@ int contactbench_tracker_new(const char *tracker,
                              struct contactbench_tracker **made);
 
 /**
- * Frees a tracker with its list and contacts; nothing if it is NULL.
+ * Frees a tracker with its list and contacts; does nothing if it is NULL.
  */
 void contactbench_tracker_free(struct contactbench_tracker *tracker);
 
 /**
  * Finds the contacts of the next frame, as contactbench_contacts does. Radii, box and number of
- * particles may change from frame to frame; the list is then built again where it must be. After
- * an error the next frame is taken as the first.
+ * particles may change between frames; the list is then rebuilt if necessary. After an error the
+ * next frame counts as the first.
  */
 int contactbench_tracker_step(struct contactbench_tracker *tracker,
                               const struct contactbench_scene *scene);
 
 /**
- * Takes the next frame as the first: it may be of other particles, or far from the last one.
+ * Makes the next frame count as the first, for other particles or a large jump.
  */
 int contactbench_tracker_forget(struct contactbench_tracker *tracker);
 
 /**
- * Whether the list was built in the last step: 1, or 0.
+ * Returns 1 if the last step built the list, else 0.
  */
 int contactbench_tracker_built(const struct contactbench_tracker *tracker);
 
 /**
- * As contactbench_count, of the last frame.
+ * Works as contactbench_count for the last frame.
  */
 size_t contactbench_tracker_count(const struct contactbench_tracker *tracker);
 
 /**
- * As contactbench_pairs, of the last frame.
+ * Works as contactbench_pairs for the last frame.
  */
 const uint32_t *contactbench_tracker_pairs(const struct contactbench_tracker *tracker);
 
 /**
- * As contactbench_images, of the last frame.
+ * Works as contactbench_images for the last frame.
  */
 const int32_t *contactbench_tracker_images(const struct contactbench_tracker *tracker);
 

@@ -1,4 +1,4 @@
-//! What callers give, and why it cannot be used.
+//! Scenes and options from the caller, and why they cannot be used.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -11,11 +11,11 @@ use contactbench_core::searcher::LoadError;
 
 use crate::contactbench_scene;
 
-/// Why there is no answer, in one sentence.
+/// Why a call failed, in one sentence.
 pub enum Failure {
-    /// What was given.
+    /// An argument is invalid.
     Invalid(String),
-    /// Too little memory.
+    /// Memory, or its limit, is too small.
     Memory(String),
     /// A defect of this library.
     Defect(String),
@@ -26,7 +26,7 @@ impl Failure {
         Failure::Invalid(what.to_string())
     }
 
-    /// Of a panic.
+    /// Converts a panic.
     pub fn defect(cause: &(dyn Any + Send)) -> Failure {
         if let Some(refusal) = no_memory(cause) {
             return refusal.into();
@@ -80,7 +80,7 @@ impl From<NoTruth> for Failure {
     }
 }
 
-/// A scene: the caller's memory.
+/// A scene whose numbers stay in the caller's memory.
 pub struct Given<'a> {
     pub scene: AnyScene<'a>,
     pub lattice: Option<Lattice>,
@@ -89,9 +89,9 @@ pub struct Given<'a> {
 
 impl Given<'_> {
     /// # Safety
-    /// It is null, or there, with numbers that can be read as long as this lives.
+    /// `scene` is null, or points to a scene whose numbers can be read as long as this value lives.
     pub unsafe fn new(scene: *const contactbench_scene) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: promised by the caller.
         let Some(scene) = (unsafe { scene.as_ref() }) else {
             return Err(Failure::invalid("the scene is NULL"));
         };
@@ -104,20 +104,20 @@ impl Given<'_> {
                 )));
             }
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: promised by the caller.
         let x = unsafe { rows(scene.x, scene.n, dim, "x") }?;
-        // SAFETY: the caller's promise.
+        // SAFETY: promised by the caller.
         let r = unsafe { rows(scene.r, scene.radii, 1, "r") }?;
         let radii = match *r {
             [r] => Radii::Uniform(r),
             _ => Radii::Each(Cow::Borrowed(r)),
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: promised by the caller.
         let lattice = match unsafe { scene.bounds.as_ref() } {
             Some(bounds) => {
                 let vector = |k: usize| std::array::from_fn(|axis| bounds.vectors[3 * k + axis]);
                 let mut periodic = bounds.periodic.map(|flag| flag != 0);
-                // Discs use the first two vectors, whatever the third one is.
+                // Discs ignore the third vector.
                 periodic[2] &= dim == 3;
                 Some(Lattice::new([0, 1, 2].map(vector), periodic, bounds.origin)?)
             }
@@ -131,10 +131,10 @@ impl Given<'_> {
     }
 }
 
-/// So many rows of numbers.
+/// Returns `count` rows of `width` numbers.
 ///
 /// # Safety
-/// The pointer is null, or so many can be read behind it as long as they are used.
+/// The pointer is null, or so many numbers can be read as long as they are used.
 pub unsafe fn rows<'a, T>(
     numbers: *const T,
     count: usize,
@@ -151,7 +151,7 @@ pub unsafe fn rows<'a, T>(
     if numbers.is_null() || !numbers.is_aligned() {
         return Err(Failure::invalid(format!("{name} is NULL, or not aligned")));
     }
-    // SAFETY: it is aligned and not null, and the length is one that there may be; that they can be
-    // read is the caller's promise.
+    // SAFETY: the pointer is aligned and not null, and the length is valid; the caller promises
+    // that the numbers can be read.
     Ok(unsafe { std::slice::from_raw_parts(numbers, len) })
 }

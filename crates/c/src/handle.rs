@@ -1,5 +1,5 @@
-//! What a caller holds: searched by one call at a time, in the process that has made it, and read
-//! by any number of calls between searches.
+//! Handles that callers hold. Only one call at a time may search with a handle, in the process that
+//! created it; any number of calls may read its contacts between searches.
 
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,7 +18,7 @@ use crate::given::{Failure, Given};
 pub struct Handle<S> {
     arithmetic: Arithmetic,
     limit: u64,
-    /// Number of calls that read the answer; [`SEARCHING`] during a search.
+    /// Number of calls that are reading the answer; [`SEARCHING`] during a search.
     users: AtomicUsize,
     process: u32,
     /// Whether it has threads, which a forked process lacks.
@@ -30,31 +30,31 @@ const SEARCHING: usize = usize::MAX;
 
 struct Worker<S> {
     search: S,
-    /// Makes `search` anew after a panic, which may leave it half changed.
+    /// Creates `search` again after a panic, which may leave it in an invalid state.
     make: Box<dyn Fn() -> S + Send>,
     crew: Option<ThreadPool>,
     answer: Answer,
 }
 
-/// Contacts as callers see them.
+/// Contacts in the caller's form.
 #[derive(Default)]
 pub struct Answer {
     contacts: Contacts,
-    /// In a box one number per dimension for each pair.
+    /// In a box, one number per dimension for each pair.
     images: Vec<i32>,
     boxed: bool,
-    /// Whether a tracker has built its list in this step.
+    /// Whether a tracker built its list in this step.
     pub built: bool,
-    /// The call that fills the answer has not returned, or ended in a panic.
+    /// Whether the call that fills the answer is still running, or panicked.
     unfinished: bool,
 }
 
-// SAFETY: the worker is reached through `search` alone, by one thread at a time, and its answer
-// also through `look`, by threads that only read it, and not during a search.
+// SAFETY: only `search` gives access to the worker, to one thread at a time. `look` gives read
+// access to its answer, to several threads, but not during a search.
 unsafe impl<S: Send> Sync for Handle<S> {}
 
 impl<S: Send> Handle<S> {
-    /// `limit` is in bytes; 0 for the default of this machine.
+    /// Creates a handle. `limit` is in bytes; 0 selects the default of this machine.
     pub fn new(
         arithmetic: Arithmetic,
         limit: u64,
@@ -75,7 +75,7 @@ impl<S: Send> Handle<S> {
         })
     }
 
-    /// Finds the contacts of a scene; `find` returns whether a tracker has built its list.
+    /// Finds the contacts of a scene; `find` returns whether a tracker built its list.
     ///
     /// # Safety
     /// The scene is NULL, or its numbers can be read.
@@ -86,7 +86,7 @@ impl<S: Send> Handle<S> {
     ) -> Result<(), Failure> {
         self.search(|search, crew, answer| {
             answer.clear();
-            // SAFETY: the caller's promise.
+            // SAFETY: promised by the caller.
             let given = unsafe { Given::new(scene) }?;
             let loaded = Loaded::new(&given.scene, given.lattice, self.arithmetic)?;
             loaded.within(self.limit)?;
@@ -101,7 +101,7 @@ impl<S: Send> Handle<S> {
         })
     }
 
-    /// Lets `work` have the search.
+    /// Calls `work` with exclusive access to the search.
     pub fn search(
         &self,
         work: impl FnOnce(&mut S, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
@@ -122,8 +122,8 @@ impl<S: Send> Handle<S> {
             }));
         }
         let _end = End(&self.users);
-        // SAFETY: this thread has set `users` from 0 to `SEARCHING`, and until `_end` is dropped no
-        // other thread reaches the worker.
+        // SAFETY: this thread changed `users` from 0 to `SEARCHING`, and no other thread accesses
+        // the worker until `_end` is dropped.
         let Worker { search, make, crew, answer } = unsafe { &mut *self.worker.get() };
         if std::mem::replace(&mut answer.unfinished, true) {
             *search = make();
@@ -134,12 +134,12 @@ impl<S: Send> Handle<S> {
         done
     }
 
-    /// Reads the answer; none if a search is running, or has ended in a panic.
+    /// Reads the answer; returns `None` during a search or after one that panicked.
     pub fn look<R>(&self, of: impl FnOnce(&Answer) -> R) -> Option<R> {
         let enter = |users| (users < SEARCHING - 1).then(|| users + 1);
         self.users.fetch_update(Ordering::Acquire, Ordering::Relaxed, enter).ok()?;
-        // SAFETY: `users` is neither 0 nor `SEARCHING`, so no search begins before the end of this
-        // call, and no other field of the worker is looked at.
+        // SAFETY: `users` is neither 0 nor `SEARCHING`, so no search begins before this call ends,
+        // and no other field of the worker is read.
         let answer = unsafe { &(*self.worker.get()).answer };
         let seen = (!answer.unfinished).then(|| of(answer));
         self.users.fetch_sub(1, Ordering::Release);
@@ -147,7 +147,7 @@ impl<S: Send> Handle<S> {
     }
 }
 
-/// Ends a search, also after a panic.
+/// Ends a search, even after a panic.
 struct End<'a>(&'a AtomicUsize);
 
 impl Drop for End<'_> {
@@ -163,7 +163,7 @@ impl Answer {
         (self.boxed, self.built) = (false, false);
     }
 
-    /// Converts the contacts that were found to the caller's form.
+    /// Converts the contacts to the caller's form.
     fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
         contactbench_core::sink::smaller_first(&mut self.contacts.plain);
         self.boxed = boxed;
@@ -180,18 +180,17 @@ impl Answer {
         Ok(())
     }
 
-    /// Two numbers of particles for each contact.
+    /// Returns two particle numbers per contact.
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.contacts.plain
     }
 
-    /// In a box the images of the contacts.
+    /// Returns the images of the contacts, in a box only.
     pub fn images(&self) -> Option<&[i32]> {
         self.boxed.then_some(&self.images)
     }
 }
 
-/// A pool of this many threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, Failure> {
     let made = ThreadPoolBuilder::new().num_threads(threads).build();
     made.map_err(|error| Failure::Memory(format!("threads could not be started: {error}")))

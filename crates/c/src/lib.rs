@@ -1,5 +1,5 @@
-//! Contacts for programs in C, and in languages that can call it. What its users read is
-//! `include/contactbench.h`, which is made from this file; a test holds them equal.
+//! Contacts for programs in C and in languages that can call C. `include/contactbench.h` is
+//! generated from this file, and a test compares both.
 #![allow(non_camel_case_types)]
 
 mod given;
@@ -24,62 +24,62 @@ use given::{Failure, Given, rows};
 use handle::{Answer, Handle, pool};
 pub use tracker::*;
 
-/// All is well.
+/// The call succeeded.
 pub const CONTACTBENCH_OK: c_int = 0;
-/// Something is wrong with what was given.
+/// An argument is invalid.
 pub const CONTACTBENCH_INVALID: c_int = 1;
-/// It would take more memory than there is, or than may be used.
+/// The call needs more memory than exists or is allowed.
 pub const CONTACTBENCH_MEMORY: c_int = 2;
 /// A defect of this library.
 pub const CONTACTBENCH_DEFECT: c_int = 3;
 
-/// A box in which a scene repeats. Discs use the first two vectors.
+/// The box in which a scene repeats. Discs use the first two vectors.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct contactbench_box {
-    /// Three vectors, one after the other, of any direction.
+    /// Three vectors of any direction, one after the other.
     pub vectors: [f64; 9],
-    /// Along which of them the scene repeats, if not 0. The others decide nothing.
+    /// Not 0 for each vector along which the scene repeats. The other vectors are ignored.
     pub periodic: [c_int; 3],
-    /// The corner from which they start. It decides no exact contact.
+    /// The corner at which the vectors start. It does not affect exact contacts.
     pub origin: [f64; 3],
 }
 
-/// A scene. Nobody may write to its numbers while a call reads them.
+/// A scene. Its numbers must not change while a call reads them.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct contactbench_scene {
-    /// How many particles there are.
+    /// Number of particles.
     pub n: usize,
     /// 2 for discs, 3 for spheres.
     pub dim: c_int,
     /// Coordinates of the first centre, then of the next: n times dim numbers.
     pub x: *const f64,
-    /// How many radii there are: 1 for all particles, or n.
+    /// Number of radii: 1 for all particles, or n.
     pub radii: usize,
-    /// The radii, in the unit of the coordinates.
+    /// Radii in the unit of the coordinates.
     pub r: *const f64,
     /// The box; NULL for open space.
     pub bounds: *const contactbench_box,
 }
 
-/// What a list of pairs misses and adds, against the truth.
+/// Errors of a list of pairs, compared with the truth.
 #[repr(C)]
 #[derive(Clone, Copy, Default)]
 pub struct contactbench_errors {
-    /// Pairs that touch.
+    /// Number of pairs that touch.
     pub contacts: u64,
-    /// Of them, those that are not listed.
+    /// Touching pairs that are not listed.
     pub missed: u64,
     /// Listed pairs that do not touch.
     pub spurious: u64,
-    /// Pairs that are listed again.
+    /// Repeated pairs in the list.
     pub duplicate: u64,
-    /// Particles that are listed with themselves.
+    /// Listed pairs of a particle with itself.
     pub self_pairs: u64,
-    /// The largest overlap among those missed, in mean radii of the two.
+    /// The largest overlap of a missed pair, in mean radii of the two particles.
     pub deepest_miss: f64,
-    /// The widest gap among the spurious ones, in mean radii of the two.
+    /// The largest gap of a spurious pair, in mean radii of the two particles.
     pub widest_false: f64,
 }
 
@@ -94,10 +94,10 @@ thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Runs the work, and stores the reason if it fails.
+/// Runs `work` and stores the reason if it fails.
 fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
     static QUIET: Once = Once::new();
-    // Panics become codes and sentences.
+    // Panics are returned as codes with messages, so they are not printed.
     QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
     let failed = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => return CONTACTBENCH_OK,
@@ -109,27 +109,26 @@ fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
         Failure::Memory(what) => (CONTACTBENCH_MEMORY, what),
         Failure::Defect(what) => (CONTACTBENCH_DEFECT, what),
     };
-    // Messages have no NUL; what is given in them may.
+    // Messages contain no NUL, but the arguments that they quote may.
     let what = CString::new(what.replace('\0', " ")).unwrap_or_default();
     LAST.with(|last| *last.borrow_mut() = what);
     code
 }
 
-/// Why the last call of this thread that failed did so, in one sentence; until the next that
-/// fails.
+/// Returns why the last failed call of this thread failed, in one sentence. The text is valid until
+/// the next failure.
 #[unsafe(no_mangle)]
 pub extern "C" fn contactbench_last_error() -> *const c_char {
     LAST.with(|last| last.borrow().as_ptr())
 }
 
-/// Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it
-/// fails.
+/// Creates a detector, to be freed by contactbench_free, and stores it in `made`; stores NULL on
+/// failure.
 ///
-/// `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL or an empty text
-/// for the one to take without a reason for another. `arithmetic` is "exact", "f64", "f32",
-/// "f32-cell" or "textbook", and NULL or an empty text for "exact". `memory_limit` is in bytes, for
-/// its arrays and as many for pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is
-/// less.
+/// `detector` is a name with parameters, as in "streamed-nbs:level=avx2"; NULL or an empty text
+/// selects the recommended detector. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
+/// "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes holds for the arrays
+/// and again for the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is less.
 ///
 /// # Safety
 /// Texts end with a NUL; `made` can be written to.
@@ -145,9 +144,9 @@ pub unsafe extern "C" fn contactbench_new(
         if made.is_null() {
             return Err(Failure::invalid("made is NULL; give a place for the detector"));
         }
-        // SAFETY: it is not null, and the caller's to be written to.
+        // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(ptr::null_mut()) };
-        // SAFETY: the caller promises that texts end.
+        // SAFETY: the caller promises that texts end with a NUL.
         let (detector, arithmetic) = unsafe { (text(detector)?, text(arithmetic)?) };
         let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
         let arithmetic: Arithmetic =
@@ -178,87 +177,87 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
 }
 
 /// # Safety
-/// It is null, or ends with a NUL.
+/// The pointer is null, or the text ends with a NUL.
 ///
-/// An empty text is none, since Fortran has no NULL for one.
+/// Returns `None` for an empty text, too, since Fortran cannot pass NULL for a text.
 unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
     if text.is_null() {
         return Ok(None);
     }
-    // SAFETY: it is not null, and the caller promises that it ends.
+    // SAFETY: the pointer is not null, and the caller promises that the text ends with a NUL.
     let text = unsafe { CStr::from_ptr(text) };
     let text = text.to_str().map_err(|_| Failure::invalid("a name is not of UTF-8"))?;
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
-/// Frees a detector with its buffers and contacts; nothing if it is NULL.
+/// Frees a detector with its buffers and contacts; does nothing if it is NULL.
 ///
 /// # Safety
-/// It is NULL, or was made by contactbench_new and is not used any more.
+/// The detector is NULL, or was created by contactbench_new and is not used any more.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_free(detector: *mut contactbench_detector) {
     if !detector.is_null() {
-        // SAFETY: it was made by `Box::into_raw`, and the caller gives it up.
+        // SAFETY: `Box::into_raw` created the pointer, and the caller gives it up.
         drop(unsafe { Box::from_raw(detector) });
     }
 }
 
 /// Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box those of
-/// particles with images. The numbers are read in place. A call for a scene like the one before
-/// allocates next to nothing.
+/// particles with images. The numbers are read in place. A call for a scene of the same shape as
+/// before allocates next to nothing.
 ///
 /// # Safety
-/// Detector and scene are there, and the scene's numbers can be read.
+/// Detector and scene exist, and the scene's numbers can be read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_contacts(
     detector: *mut contactbench_detector,
     scene: *const contactbench_scene,
 ) -> c_int {
     done(|| {
-        // SAFETY: null, or one that was made and not freed.
+        // SAFETY: the pointer is null, or a detector that was created and not freed.
         let Some(detector) = (unsafe { detector.as_ref() }) else {
             return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
         };
         let find = |search: &mut Searcher, scene: &Loaded<'_>, contacts: &mut Contacts| {
             search.list(scene, detector.arithmetic, contacts).map(|()| false)
         };
-        // SAFETY: what the caller promises of the scene.
+        // SAFETY: promised by the caller.
         unsafe { detector.handle.contacts(scene, find) }
     })
 }
 
-/// How many contacts the last scene has; 0 if the call failed.
+/// Returns the number of contacts of the last scene; 0 if the call failed.
 ///
 /// # Safety
-/// The detector is there, or NULL.
+/// The detector exists or is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detector) -> usize {
-    // SAFETY: null, or one that was made and not freed.
+    // SAFETY: the pointer is null, or a detector that was created and not freed.
     let answer = unsafe { detector.as_ref() }.map(|it| &it.handle);
     answer.and_then(|it| it.look(|answer| answer.pairs().len())).unwrap_or(0)
 }
 
-/// The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
-/// pair once (in a box once for each image), in no particular order. The pointer is valid until the
-/// next search with this detector.
+/// Returns the pairs of the last scene: two particle numbers each, from 0, the smaller first. Each
+/// pair occurs once (in a box once per image), in no particular order. The pointer is valid until
+/// the next search with this detector.
 ///
 /// # Safety
-/// The detector is there, or NULL.
+/// The detector exists or is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
-    // SAFETY: null, or one that was made and not freed.
+    // SAFETY: the pointer is null, or a detector that was created and not freed.
     pairs_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
 }
 
-/// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
-/// the second one moved by this many vectors of the box. NULL in open space. The pointer is valid
+/// Returns the images of the pairs in a box: dim integers each. The first particle touches the
+/// second one shifted by this many vectors of the box. NULL in open space. The pointer is valid
 /// until the next search with this detector.
 ///
 /// # Safety
-/// The detector is there, or NULL.
+/// The detector exists or is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
-    // SAFETY: null, or one that was made and not freed.
+    // SAFETY: the pointer is null, or a detector that was created and not freed.
     images_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
 }
 
@@ -272,9 +271,9 @@ fn images_of<S: Send>(handle: Option<&Handle<S>>) -> *const i32 {
     handle.and_then(|handle| handle.look(images)?).unwrap_or(ptr::null())
 }
 
-/// Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found
-/// by testing all pairs, or, of many particles, by detectors that agree. In a box `images` has dim
-/// numbers for each pair, as contactbench_images gives them; in open space it is NULL.
+/// Compares a list of `count` pairs, of particles numbered from 0, with the exact truth. The truth
+/// comes from testing all pairs or, for many particles, from detectors that agree. In a box
+/// `images` has dim numbers per pair, like contactbench_images; in open space it is NULL.
 ///
 /// # Safety
 /// Scene and lists can be read, `errors` can be written to.
@@ -290,14 +289,14 @@ pub unsafe extern "C" fn contactbench_verify(
         if errors.is_null() {
             return Err(Failure::invalid("errors is NULL; give a place for them"));
         }
-        // SAFETY: what the caller promises of the scene.
+        // SAFETY: promised by the caller.
         let given = unsafe { Given::new(scene) }?;
         if given.lattice.is_some() == images.is_null() && count > 0 {
             return Err(Failure::invalid(
                 "images are given for scenes in boxes, and for no others",
             ));
         }
-        // SAFETY: what the caller promises of the lists.
+        // SAFETY: promised by the caller.
         let pairs: &[[u32; 2]] = unsafe { rows(pairs, count, 2, "pairs") }?.as_chunks().0;
         let n = given.scene.len();
         if let Some([i, j]) = pairs.iter().find(|pair| pair[0].max(pair[1]) as usize >= n) {
@@ -310,9 +309,9 @@ pub unsafe extern "C" fn contactbench_verify(
             Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
             None => &[],
         };
-        // On one thread: more are the caller's to start.
+        // On one thread, because the caller decides about more.
         let found = pool(1)?.install(|| held(&given, pairs, images))?;
-        // SAFETY: it is not null, and the caller's to be written to.
+        // SAFETY: `errors` is not null, and the caller promises that it can be written to.
         unsafe { errors.write(found) };
         Ok(())
     })

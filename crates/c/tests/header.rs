@@ -1,4 +1,4 @@
-//! `include/contactbench.h` says what the library has.
+//! `include/contactbench.h` must match the sources.
 
 use std::path::Path;
 
@@ -7,13 +7,13 @@ use cbindgen::{Builder, Config, Language};
 const HEAD: &str = "\
 /* Contacts among discs and spheres, decided exactly: see docs/PYTHON.md of contactbench.
 
-   Calls give CONTACTBENCH_OK, or another code and a sentence: contactbench_last_error. Numbers are
-   read in place and never changed; all lengths are in one unit.
+   Calls return CONTACTBENCH_OK or another code; contactbench_last_error then returns the reason.
+   Numbers are read in place and never changed; all lengths are in one unit.
 
-   Made from crates/c/src by HEADER=write cargo test, in the folder c. */";
+   Generated from crates/c/src by HEADER=write cargo test, in the folder c. */";
 
 #[test]
-fn the_header_is_that_of_the_source() {
+fn the_header_matches_the_sources() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let path = folder.join("include/contactbench.h");
     let config = Config {
@@ -33,26 +33,26 @@ fn the_header_is_that_of_the_source() {
         .with_config(config)
         .with_src(folder.join("src/lib.rs"))
         .generate()
-        .expect("the source is that of a header");
+        .expect("the sources describe a header");
     let mut bytes = Vec::new();
     made.write(&mut bytes);
     let made = String::from_utf8(bytes).expect("a header is text");
-    // What is promised to callers in Rust is said in other words, or goes without saying.
+    // Safety sections are for Rust callers only.
     let made = without_safety(&made);
     if std::env::var("HEADER").is_ok_and(|word| word == "write") {
         std::fs::write(&path, &made).expect("the header can be written");
     }
     let there = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(there == made, "{} is another: HEADER=write cargo test", path.display());
+    assert!(there == made, "{} is outdated: run HEADER=write cargo test", path.display());
 }
 
-/// The sections `# Safety` of comments are left out.
+/// Removes the sections `# Safety` of comments.
 fn without_safety(text: &str) -> String {
     let (mut kept, mut inside) = (Vec::new(), false);
     for line in text.lines() {
         if line.trim() == "* # Safety" {
             inside = true;
-            // And the empty line before it.
+            // Also remove the empty line before it.
             kept.pop();
         }
         inside &= line.trim() != "*/";

@@ -1,9 +1,9 @@
-//! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer:
-//! dense pack of spheres, shuffled.
+//! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer,
+//! for a dense packing of spheres in random order.
 //!
 //! `cargo bench -p contactbench-campaigns --bench detectors` prints nanoseconds per detection and
-//! particles per second, up to a million particles. The paired comparison with intervals is the
-//! experiment `million`; a time printed here belongs to this machine and gates nothing.
+//! particles per second, for up to a million particles. The experiment `million` makes the paired
+//! comparison with intervals; times printed here depend on the machine and are not checked.
 
 use contactbench_core::contact::Test;
 use contactbench_core::detect::Options;

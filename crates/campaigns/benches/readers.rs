@@ -1,9 +1,9 @@
-//! Time and memory of reading files: `cargo bench -p contactbench-campaigns --bench readers`, with
+//! Time and memory for reading files: `cargo bench -p contactbench-campaigns --bench readers`, with
 //! another number of particles after `--`.
 //!
-//! Ten million spheres, each with a radius of its own, written as CSV in shortest decimals (17
-//! digits mostly), as npy, and as extended XYZ. Aims: CSV under 10 s, npy under 1 s, at most 2.5
-//! times the bytes of the coordinates in memory. Files are in the page cache.
+//! Ten million spheres with individual radii are written as CSV in shortest decimals (mostly 17
+//! digits), as npy, and as extended XYZ. Targets: CSV in 10 s, npy in 1 s, memory at most 2.5 times
+//! the bytes of the coordinates. Files are in the page cache.
 
 use std::time::Instant;
 

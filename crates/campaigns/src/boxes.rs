@@ -2,17 +2,17 @@
 //!
 //! ```text
 //!      |         |         |         |     open space: borders at low + m·reach (a textbook grid)
-//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (ours): a within an ulp
-//!      |         |         |         |     of one of them, six cells from one couple to the next
+//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (this project): a within
+//!      |         |         |         |     an ulp of one of them, pairs six cells apart
 //!
-//!   +-----.-----------.-----+     every couple about a site of its own, six reaches from the next,
-//!   |                 b     |     also through the faces: so nothing else touches. First sites lie
-//!   a           a           a     on the faces; then particles are named by other images, up to
-//!   |            b          |     many boxes away, and the box by other vectors of its lattice
+//!   +-----.-----------.-----+     every pair has its own site, six reaches from the next one, also
+//!   |                 b     |     through the faces, so nothing else touches; the first sites are on
+//!   a           a           a     the faces; then particles are replaced by other images, up to many
+//!   |            b          |     boxes away, and the vectors by others of the same lattice
 //!   +-----.-----------------+
 //! ```
 //!
-//! In small boxes the gaps of all pairs and images are computed, in whole numbers of 128 bits.
+//! In small boxes the gaps of all pairs and images are computed in 128-bit integers.
 
 use std::cmp::Ordering;
 
@@ -31,26 +31,26 @@ use crate::predicate::{FAR, OFFSETS};
 use crate::whole::Whole;
 use crate::{Counts, Plan, Table, What, in_batches};
 
-/// Bytes of images, and of lists.
+/// Memory limit for images and for lists, in bytes.
 const LIMIT: u64 = 1 << 28;
-/// Reaches from couple to couple.
+/// Distance between pairs, in reaches.
 const PITCH: i64 = 6;
 /// Interval, in scenes of a row, at which detectors also run in the rounded arithmetics and the
 /// truth of the library is compared with the construction. The first scene is included.
 const ALSO: usize = 8;
-/// Distances, in vectors of the box, of the images by which particles are named.
+/// How many box vectors the image that represents a particle is away.
 const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
 
-/// What a box is like.
+/// Kind of box.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shape {
-    /// None.
+    /// No box.
     Open,
     /// Edges along the axes.
     Straight,
     /// Vectors in lower triangular form, each tilted by up to a whole edge of the others.
     Tilted,
-    /// As `Tilted`, by other vectors of the same lattice, which are long and nearly in a plane.
+    /// As `Tilted`, with other vectors of the same lattice, which are long and nearly coplanar.
     Skewed,
     /// Smaller than the reach; tilted, skewed, or neither.
     Small,
@@ -61,7 +61,7 @@ pub fn detectors(plan: Plan) -> Table {
     rows(plan, &[(Shape::Open, "borders")], &OFFSETS)
 }
 
-/// Every detector in boxes that repeat.
+/// Runs every detector on pairs in periodic boxes.
 pub fn boxes(plan: Plan) -> Table {
     let shapes = [
         (Shape::Straight, "straight boxes"),
@@ -93,7 +93,7 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
     })
 }
 
-/// What the scenes of one row have in common.
+/// Common properties of the scenes of one row.
 struct Row<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
@@ -104,7 +104,7 @@ struct Row<'a, const D: usize> {
 }
 
 impl<const D: usize> Row<'_, D> {
-    /// Vectors of about these lengths in lower triangular form, repeating along some.
+    /// Returns vectors of about these lengths in lower triangular form, repeating along some.
     fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
         let mut whole = Whole::default();
         for v in 0..D {
@@ -123,7 +123,7 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// The largest coordinate in the box: there is room for images and for other vectors.
+    /// Returns the largest coordinate in the box that leaves space for images and other vectors.
     fn room(&self) -> f64 {
         let bits = if self.shape == Shape::Skewed { 46 } else { 53 };
         (1i64 << bits) as f64 / (3.0 * self.away + 1.0)
@@ -142,7 +142,7 @@ impl<const D: usize> Row<'_, D> {
         let reach = lengths.reach;
         let low = if about_zero { -cells * reach / 2 } else { FAR };
         let mut whole = Whole { fine: lengths.fine, ..Whole::default() };
-        // Two lone bodies hold the corners.
+        // Two separate particles occupy the corners.
         whole.points.extend([[low; D], [low + cells * reach; D]]);
         whole.radii.extend([reach << lengths.fine; 2]);
         for site in 0..sites.pow(D as u32) {
@@ -174,21 +174,22 @@ impl<const D: usize> Row<'_, D> {
                 let beside = match draw.below(4) {
                     0 => draw.within(1),
                     1 => side * reach + draw.within(1),
-                    // As far from a face as images are made.
+                    // At the distance from a face up to which images are made.
                     2 => side * margin(reach) + draw.within(1),
                     _ => draw.within(reach),
                 };
                 site / sites.pow(k as u32) % sites * edge + beside
             });
-            // Some are as large as the reach: among small ones alone boxes have too many cells.
+            // Some particles are as large as the reach, because with small ones only there would be
+            // too many cells.
             let sizes = lengths.sizes && site > 0;
             whole.couple(a, Lengths { sizes, ..lengths }.near(draw));
         }
         whole
     }
 
-    /// One to three particles in a box whose edges are a fifth or a third of the reach, where many
-    /// images are at that distance.
+    /// Builds one to three particles in a box with edges of a fifth or a third of the reach, so
+    /// that many images are at exactly that distance.
     fn few(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let parts = if D == 2 { 5 } else { 3 };
         let (turn, one_size) = (index % 3, (index / 3).is_multiple_of(2));
@@ -202,7 +203,7 @@ impl<const D: usize> Row<'_, D> {
                 1 => edge / 2 + draw.bit(),
                 _ => draw.below(edge),
             }));
-            // One size, or several whose sums are whole numbers of edges.
+            // One size, or several whose sums are multiples of edges.
             let part = if one_size || k == 0 { parts } else { draw.below(parts) };
             let more = if one_size { 0 } else { draw.bit() };
             whole.radii.push((((part * edge) << whole.fine) + more).abs());
@@ -211,7 +212,7 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// Scene number `index` with its contacts, and the power of two that is its unit.
+    /// Builds scene number `index` with its contacts; also returns the exponent of its unit.
     fn scene(&self, index: usize, draw: &mut Draw) -> (Whole<D>, i32) {
         let mut whole = match self.shape {
             Shape::Open => self.on_borders(index, draw),
@@ -234,7 +235,7 @@ impl<const D: usize> Row<'_, D> {
         (whole, exponent)
     }
 
-    /// Gives scene number `index` to all detectors.
+    /// Runs all detectors on scene number `index`.
     fn run(&self, index: usize, test: Test, draw: &mut Draw) -> Counts
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -268,7 +269,7 @@ impl<const D: usize> Row<'_, D> {
             }
         }
         for arithmetic in Arithmetic::SAFE.into_iter().filter(|&a| also && a != Arithmetic::Exact) {
-            // What f32 cannot hold it need not find.
+            // Scenes that f32 cannot store are skipped.
             let Ok(truth) = periodic::truth(&periodic, arithmetic, LIMIT) else { continue };
             let touching: Vec<_> =
                 truth.pairs.into_iter().map(|pair| (pair, Ordering::Less)).collect();
@@ -285,14 +286,14 @@ fn margin(x: i64) -> i64 {
     (i128::from(x) * (1 << 18) / ((1 << 18) - 1)) as i64
 }
 
-/// Detectors that must be right, in every form of their code; the twin is the same code again.
+/// Returns the detectors that must be right, in every form of their code, without twins.
 fn all() -> Vec<(String, Box<dyn AnyDetector>)> {
     let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
     let choices = right.flat_map(DetectorSpec::choices);
     choices.map(|spec| (spec.to_string(), spec.make(Options::default()))).collect()
 }
 
-/// The truth and the depths of the library against the construction.
+/// Compares the library's truth and depths with the construction.
 fn library(periodic: &Periodic<'_>, expected: &[(ImagePair, Ordering)]) -> Counts {
     let mut counts = Counts::default();
     let touching: Vec<ImagePair> =
@@ -308,7 +309,7 @@ fn library(periodic: &Periodic<'_>, expected: &[(ImagePair, Ordering)]) -> Count
     counts
 }
 
-/// One detection, every contact held to what is expected.
+/// Runs one detection and compares its contacts with the expected ones.
 fn compare(
     detector: &mut dyn AnyDetector,
     finder: &mut Finder,

@@ -1,12 +1,12 @@
-//! Random numbers, integer vectors of known length, and integers as doubles.
+//! Random numbers, integer vectors of known length, and powers of two.
 
 use contactbench_core::sink::splitmix64;
 
-/// A sequence of random numbers: SplitMix64 from a seed.
+/// A sequence of random numbers: SplitMix64 with a seed.
 pub struct Draw(u64);
 
 impl Draw {
-    /// One sequence for each seed and stream.
+    /// Creates the sequence of a seed and a stream.
     pub fn new(seed: u64, stream: u64) -> Draw {
         Draw(splitmix64(seed ^ splitmix64(stream)))
     }
@@ -16,27 +16,27 @@ impl Draw {
         splitmix64(self.0)
     }
 
-    /// 0 to n - 1.
+    /// Returns 0 to n - 1.
     pub fn below(&mut self, n: i64) -> i64 {
         ((u128::from(self.bits()) * n as u128) >> 64) as i64
     }
 
-    /// -n to n.
+    /// Returns -n to n.
     pub fn within(&mut self, n: i64) -> i64 {
         self.below(2 * n + 1) - n
     }
 
-    /// 0, and half as often 1 or -1.
+    /// Returns 0, or with a probability of 1/6 each -1 and 1.
     pub fn bit(&mut self) -> i64 {
         if self.once_in(3) { 2 * self.below(2) - 1 } else { 0 }
     }
 
-    /// True once in n times.
+    /// Returns true with probability 1/n.
     pub fn once_in(&mut self, n: i64) -> bool {
         self.below(n) == 0
     }
 
-    /// The numbers below n in any order.
+    /// Returns the numbers below n in random order.
     pub fn order(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         for k in (1..n).rev() {
@@ -45,31 +45,31 @@ impl Draw {
         order
     }
 
-    /// 0 up to 1.
+    /// Returns a number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * power(-53)
     }
 }
 
-/// 2^k for -1074 <= k <= 1023.
+/// Returns 2^k for -1074 <= k <= 1023.
 pub fn power(k: i32) -> f64 {
     libm::scalbn(1.0, k)
 }
 
-/// All integer vectors of one length, over the signs and the order of their components: what
-/// Pythagorean triples and quadruples give.
+/// All integer vectors of one length, from Pythagorean triples or quadruples with any signs and
+/// order.
 pub struct Sphere<const D: usize> {
     pub length: i64,
     pub points: Vec<[i64; D]>,
 }
 
 impl<const D: usize> Sphere<D> {
-    /// 1105 = 5·13·17 in the plane and 105 = 3·5·7 in space: short lengths with many vectors.
+    /// Uses lengths with many vectors: 1105 = 5·13·17 in 2D and 105 = 3·5·7 in 3D.
     pub fn made() -> Sphere<D> {
         let length = if D == 2 { 1105i64 } else { 105 };
         let width = 2 * length + 1;
         let mut points = Vec::new();
-        // The last component follows from the others.
+        // The other components determine the last one.
         for k in 0..width.pow(D as u32 - 1) {
             let mut point: [i64; D] =
                 std::array::from_fn(|axis| k / width.pow(axis as u32) % width - length);
@@ -85,14 +85,14 @@ impl<const D: usize> Sphere<D> {
         Sphere { length, points }
     }
 
-    /// One of them.
+    /// Returns a random vector.
     pub fn any(&self, draw: &mut Draw) -> [i64; D] {
         self.points[draw.below(self.points.len() as i64) as usize]
     }
 }
 
-/// An integer vector of about this length in a random direction: within one unit, if `length` is
-/// below 2^53.
+/// Returns an integer vector of about this length in a random direction, accurate to one unit if
+/// `length` is below 2^53.
 pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
     let mut vector = [0; D];
     let mut rest = length as f64;
@@ -106,7 +106,7 @@ pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
     vector
 }
 
-/// The square of the length of a vector with components below 2^62.
+/// Returns the squared length of a vector with components below 2^62.
 pub fn square<const D: usize>(vector: &[i64; D]) -> u128 {
     vector.iter().map(|x| u128::from(x.unsigned_abs()) * u128::from(x.unsigned_abs())).sum()
 }

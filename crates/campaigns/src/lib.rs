@@ -1,5 +1,5 @@
-//! Campaigns: contacts made from integers that are nearly tangent, and bodies that move, in any
-//! number, against every detector and every rule that promises to miss nothing.
+//! Campaigns: any number of nearly tangent contacts built from integers, and of moving particles,
+//! against every detector and every safe rule.
 
 pub mod boxes;
 pub mod draw;
@@ -16,15 +16,14 @@ use rayon::prelude::*;
 
 use contactbench_core::contact::Test;
 
-/// The work to do.
 #[derive(Clone, Copy)]
 pub struct Plan {
     /// Least number of decisions: pairs for the contact test, pairs times detectors for detectors,
-    /// and contacts in frames, once per tracker, for trackers.
+    /// and contacts per frame and tracker for trackers.
     pub pairs: u64,
     pub seed: u64,
-    /// The test under trial: exact; the rounded one must be found wrong. Trackers are always held
-    /// to the exact one, among others.
+    /// The contact test under trial: the exact one, or the rounded one, which must make errors.
+    /// Trackers are always tested with the exact one, too.
     pub test: Test,
 }
 
@@ -33,38 +32,38 @@ pub struct Plan {
 pub enum What {
     /// Pairs decided.
     Pairs,
-    /// Couples by their label.
+    /// Pairs by label.
     Tangent,
     Overlap,
     Apart,
     /// Decisions that the filter left to exact arithmetic.
     Exact,
-    /// Decisions made in f64 on the same couples, and how many of them were wrong.
+    /// Decisions made in f64 on the same pairs, and those that were wrong.
     Rounded,
     RoundedWrong,
-    /// Couples whose label was compared with that of rational arithmetic.
+    /// Pairs whose label was compared with rational arithmetic.
     Sampled,
-    /// Frames given to a tracker, and those in which it built its list.
+    /// Frames given to a tracker, and frames in which it built its list.
     Frames,
     Built,
     /// Pairs that came into contact and were not listed at first.
     Came,
-    /// Errors, from here on: touching couples not reported.
+    /// Touching pairs that were not reported. All kinds from here on are errors.
     Missed,
-    /// Pairs reported that do not touch.
+    /// Reported pairs that do not touch.
     Spurious,
-    /// Touching couples reported again.
+    /// Touching pairs that were reported again.
     Duplicate,
     /// Particles reported as touching themselves.
     Itself,
     /// Labels (apart, tangent, overlap) that differ from the construction's.
     Label,
-    /// Depths whose sign is not that of the label.
+    /// Depths whose sign contradicts the label.
     Depth,
-    /// Labels of the construction that differ from rational arithmetic: the campaign itself would
-    /// be wrong.
+    /// Labels of the construction that differ from rational arithmetic: an error of the campaign
+    /// itself.
     Construction,
-    /// Scenes or frames that were refused.
+    /// Refused scenes or frames.
     Refused,
 }
 
@@ -91,7 +90,7 @@ const NAMES: [&str; 19] = [
     "refused",
 ];
 
-/// How often each happened.
+/// Number of occurrences of each kind.
 #[derive(Clone, Copy, Default)]
 pub struct Counts([u64; NAMES.len()]);
 
@@ -104,7 +103,7 @@ impl Counts {
         self.0[what as usize]
     }
 
-    /// All errors together.
+    /// Returns the sum of all errors.
     pub fn errors(&self) -> u64 {
         self.0[What::Missed as usize..].iter().sum()
     }
@@ -116,7 +115,7 @@ impl AddAssign for Counts {
     }
 }
 
-/// Suffix of the name of a tracker that may miss contacts, and must be found to miss some.
+/// Suffix for the name of a tracker that may miss contacts, and must miss some.
 pub const CONTROL: &str = " (control)";
 
 /// Counts by what was tested (a family, a kind of box, a tracker) and by place.
@@ -148,7 +147,7 @@ impl Table {
         self.total(true).errors() + control.errors() - control.get(What::Missed)
     }
 
-    /// The counts that are not all 0, a line for each row.
+    /// Formats the columns that are not all 0, one line per row.
     pub fn text(&self) -> String {
         let used: Vec<usize> = (0..NAMES.len())
             .filter(|&k| k == What::Missed as usize || self.0.values().any(|it| it.0[k] > 0))
@@ -164,7 +163,7 @@ impl Table {
     }
 }
 
-/// Runs pieces in parallel, whole batches of them, until enough pairs were decided.
+/// Runs pieces in parallel, in complete batches, until enough pairs are decided.
 pub(crate) fn in_batches(plan: Plan, batch: usize, piece: impl Fn(usize) -> Table + Sync) -> Table {
     let (mut sum, mut done) = (Table::default(), 0);
     while sum.total(true).get(What::Pairs) < plan.pairs {

@@ -1,25 +1,24 @@
 //! `cargo run --release -p contactbench-campaigns -- --pairs 1000000000 [PART ...]`
 //!
-//! * `predicate`: is the exact contact test right? It decides pairs as near to tangency as numbers
-//!   go, built from integers, so that apart, tangent or overlapping is known without the library:
-//!   Pythagorean triples and quadruples moved by one ulp, random directions whose sum of radii is
-//!   the rounded distance, sums that need 60 bits, pairs that leave their axis by as little as
-//!   2^-900; scales from 2^-1010 to 2^970, offsets up to 10^12 diameters.
-//! * `detectors`: does a detector lose, add or repeat a pair? Each pair is isolated, and within one
-//!   ulp of the borders of cells.
-//! * `boxes`: the same in periodic boxes, in which pairs meet through faces, edges and corners, and
-//!   particles meet images of themselves; particles are named by images up to 10^6 boxes away.
-//! * `courses`: does a tracker that promises to miss no contact miss one? It follows all motions,
-//!   in 2D and 3D, at speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered, of
-//!   one size and of many, in every safe arithmetic, frames in order or, once in four times, in
-//!   any. Every detector searches every frame, and builds the lists of every safe rule.
-//! * `couples`: pairs that come into contact just when their displacements have used up the skin,
-//!   to the unit, made of whole numbers, at scales from 2^-900 to 2^900 and offsets to 10^9
-//!   diameters.
+//! * `predicate` checks the exact contact test. It decides pairs as close to tangency as numbers
+//!   allow, built from integers, so that the label is known without the library: Pythagorean
+//!   triples and quadruples changed by one ulp, random directions with a rounded sum of radii, sums
+//!   that need 60 bits, pairs that leave their axis by as little as 2^-900. Scales range from
+//!   2^-1010 to 2^970, offsets up to 10^12 diameters.
+//! * `detectors` checks whether a detector misses, adds or repeats a pair. Each pair is isolated,
+//!   and within one ulp of the borders of cells.
+//! * `boxes` does the same in periodic boxes. Pairs touch through faces, edges and corners,
+//!   particles touch images of themselves, and particles are given by images up to 10^6 boxes away.
+//! * `courses` checks whether a safe tracker misses a contact. It covers all motions in 2D and 3D,
+//!   speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered scenes, one size and
+//!   many, and every safe arithmetic. One run in four shuffles the frames. Every detector searches
+//!   every frame and builds the lists of every safe rule.
+//! * `couples` builds pairs from integers that come into contact exactly when their displacements
+//!   have used up the skin, at scales from 2^-900 to 2^900 and offsets up to 10^9 diameters.
 //!
-//! Column *exact* counts decisions that the filter left to exact arithmetic, *wrong in f64* pairs
-//! that the rounded test decides wrongly: the proof that these pairs can find an error. Controls
-//! must be found to miss some. Ends with 1 if there is an error.
+//! Column *exact* counts decisions that the filter left to exact arithmetic. Column *wrong in f64*
+//! counts pairs that the rounded test decides wrongly, which proves that these pairs can reveal an
+//! error. Controls must miss some contacts. The exit code is 1 if there is an error.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -30,20 +29,20 @@ use contactbench_core::contact::Test;
 
 #[derive(Parser)]
 struct Arguments {
-    /// predicate, detectors, boxes, courses, couples (default: all)
+    /// Campaigns to run: predicate, detectors, boxes, courses, couples (default: all)
     parts: Vec<String>,
-    /// Decisions in each part; a tenth of `couples`
+    /// Decisions in each campaign; a tenth for `couples`
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
-    /// The same seed gives the same pairs and trajectories
+    /// Seed of all pairs and trajectories
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// 0: all cores
+    /// Threads; 0: all cores
     #[arg(long, default_value_t = 2)]
     threads: usize,
 }
 
-/// Name, what runs it, its share of the decisions, and what proves that it can find an error.
+/// Name, function, divisor of the decisions, and a count that proves that errors can be found.
 type Part = (&'static str, fn(Plan) -> Table, u64, fn(&Table) -> u64);
 
 const PARTS: [Part; 5] = [
@@ -56,7 +55,7 @@ const PARTS: [Part; 5] = [
 
 fn main() -> ExitCode {
     let Arguments { parts, pairs, seed, threads } = Arguments::parse();
-    // A pool that is there already works as well.
+    // An existing pool works as well.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let unknown = parts.iter().find(|part| PARTS.iter().all(|known| known.0 != **part));
     if let Some(part) = unknown {

@@ -1,4 +1,4 @@
-//! Scenes in motion, of every kind and in every arithmetic, each frame held to its truth.
+//! Moving scenes of every kind in every arithmetic, with each frame compared with its truth.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
@@ -13,12 +13,12 @@ use contactbench_scenes::spec::Spec;
 use crate::draw::Draw;
 use crate::{CONTROL, Counts, Plan, Table, What, in_batches};
 
-/// The rules that miss nothing.
+/// The safe rules.
 pub const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
-/// Bytes for lists.
+/// Memory limit for lists, in bytes.
 const LIMIT: u64 = 1 << 28;
 
-/// Packed, loose and clustered, of one size and of many, and far from zero.
+/// Packed, loose and clustered, of one size and of many, and far from the origin.
 const SCENES: [&str; 6] = [
     "packed:",
     "packed:size-ratio=4,",
@@ -38,11 +38,11 @@ const SKINS: [Skin; 7] = [
     Skin::Diameters(1.0),
 ];
 
-/// Scenes in motion, all trackers in every frame: kinds of motion, dimensions and arithmetics take
-/// turns, all else is drawn.
+/// Runs all trackers on moving scenes. Motions, dimensions and arithmetics alternate; everything
+/// else is random.
 pub fn courses(plan: Plan) -> Table {
     let detectors = detectors();
-    // Every motion in either dimension and each arithmetic.
+    // Every motion in both dimensions and each arithmetic.
     in_batches(plan, 2 * Arithmetic::SAFE.len() * Kind::ALL.len(), |piece| {
         let mut draw = Draw::new(plan.seed, piece as u64);
         let mut turns = piece;
@@ -74,14 +74,14 @@ pub fn courses(plan: Plan) -> Table {
     })
 }
 
-/// Detectors that must be right; a twin is the same code again.
+/// Returns the detectors that must be right, without twins.
 pub(crate) fn detectors() -> Vec<DetectorSpec> {
     let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
     right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
 }
 
-/// Frames in their order or, once in a while, in any: what is kept is then of no use, and nothing
-/// may be missed all the same.
+/// Returns frames in order or, occasionally, shuffled: lists are then useless, but contacts must
+/// not be missed.
 fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Vec<Frame> {
     let scene = SCENES[draw.below(SCENES.len() as i64) as usize];
     let text = format!("{scene}dim={dim},n={},seed={}", 2 + draw.below(200), draw.below(1 << 20));
@@ -102,14 +102,14 @@ fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Ve
     order.into_iter().map(frame).collect()
 }
 
-/// A frame as an arithmetic stores it, and the pairs that touch in it.
+/// A frame as an arithmetic stores it, and its touching pairs.
 pub(crate) struct Frame {
     pub scene: AnyScene<'static>,
     pub truth: Vec<[u32; 2]>,
 }
 
 impl Frame {
-    /// None if the arithmetic cannot store it.
+    /// Returns `None` if the arithmetic cannot store the frame.
     pub fn new(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Option<Frame> {
         let scene = scene.stored(arithmetic).ok()?;
         let truth = oracle::truth_as_stored(&scene, arithmetic.test(), LIMIT).ok()?.pairs;
@@ -117,7 +117,7 @@ impl Frame {
     }
 }
 
-/// Takes a tracker through all frames, and counts what it does.
+/// Runs a tracker over all frames and counts the results.
 pub(crate) fn add(table: &mut Table, spec: &TrackerSpec, frames: &[Frame], arithmetic: Arithmetic) {
     let mut tracker = spec.make(Options { memory_limit: LIMIT, threads: 1 });
     let (mut counts, mut pairs) = (Counts::default(), Vec::new());

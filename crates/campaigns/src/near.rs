@@ -1,22 +1,22 @@
-//! Pairs as near to tangency as numbers go, in whole numbers: the label is the sign of an
-//! expression in 128-bit integers that is written here, and no code of the library takes part.
+//! Pairs as close to tangency as numbers allow, in integers. The label is the sign of an expression
+//! in 128-bit integers computed here, without code of the library.
 
 use std::cmp::Ordering;
 
 use crate::draw::{Draw, Sphere, direction, power, square};
 
-/// The lengths of a scene as whole numbers: coordinates in units, radii in half fine units, in
-/// which the reach has 54 bits. One of them is one ulp of a radius, or less.
+/// Lengths of a scene as integers: coordinates in units, radii in half fine units, in which the
+/// reach has 54 bits. One fine unit is at most one ulp of a radius.
 #[derive(Clone, Copy)]
 pub struct Lengths<'a, const D: usize> {
     pub sphere: &'a Sphere<D>,
-    /// Multiple of the length that the sphere gives.
+    /// Multiple of the sphere's length.
     pub multiple: i64,
-    /// Couples of several sizes; else one radius for all.
+    /// Whether pairs have several sizes instead of one radius for all.
     pub sizes: bool,
     /// The largest sum of two radii.
     pub reach: i64,
-    /// Fine units are 2^-this.
+    /// A fine unit is 2^-fine.
     pub fine: i32,
 }
 
@@ -28,7 +28,7 @@ pub struct Near<const D: usize> {
 }
 
 impl<'a, const D: usize> Lengths<'a, D> {
-    /// A reach of somewhat less than `room`.
+    /// Chooses a reach slightly below `room`.
     pub fn new(sphere: &'a Sphere<D>, room: f64, sizes: bool, draw: &mut Draw) -> Self {
         let multiple = (room * (1.0 - 0.3 * draw.unit()) / sphere.length as f64) as i64 / 2 * 2;
         let multiple = multiple.max(2);
@@ -36,8 +36,8 @@ impl<'a, const D: usize> Lengths<'a, D> {
         Lengths { sphere, multiple, sizes, reach, fine: reach.leading_zeros() as i32 - 11 }
     }
 
-    /// Returns the next pair: along a Pythagorean direction, any direction, or an axis, moved by
-    /// one unit or not at all.
+    /// Returns the next pair: along a Pythagorean direction, a random one, or an axis, and changed
+    /// by one unit or not at all.
     pub fn near(&self, draw: &mut Draw) -> Near<D> {
         let Lengths { sphere, multiple, sizes, reach, fine } = *self;
         let small = sizes && draw.once_in(2);
@@ -53,7 +53,7 @@ impl<'a, const D: usize> Lengths<'a, D> {
         vector[draw.below(D as i64) as usize] += draw.within(1);
         let mut sum = sum << fine;
         if small && way == 1 {
-            // The distance rounded: units may be much coarser than radii.
+            // The distance is rounded, because units may be much coarser than radii.
             let distance = (square(&vector.map(|x| x << fine)) as f64).sqrt() as i64;
             sum = distance.min((reach << fine) / 2);
         }
@@ -68,13 +68,13 @@ impl<'a, const D: usize> Lengths<'a, D> {
     }
 }
 
-/// The sign of the length of a vector less the sum of two radii; components below 2^61 in half fine
-/// units.
+/// Returns the sign of the length of a vector minus the sum of two radii; components are below 2^61
+/// in half fine units.
 pub fn gap<const D: usize>(vector: &[i64; D], [ra, rb]: [i64; 2], fine: i32) -> Ordering {
     square(&vector.map(|x| x << (fine + 1))).cmp(&square(&[ra + rb]))
 }
 
-/// Two bodies and the sign of |a - b| - (ra + rb).
+/// Two particles and the sign of |a - b| - (ra + rb).
 pub struct Couple<const D: usize> {
     pub a: [f64; D],
     pub b: [f64; D],
@@ -83,14 +83,14 @@ pub struct Couple<const D: usize> {
     pub truth: Ordering,
 }
 
-/// Differences and sums of radii need 60 bits: a has 20 bits below the last of b, and rb ends 20
-/// bits below ra.
+/// Builds a pair whose differences and sum of radii need 60 bits: a has 20 bits below the last one
+/// of b, and rb ends 20 bits below ra.
 pub fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
     let length = (1 << 39) + draw.below(1 << 39);
     let coarse: [i64; D] = direction(draw, length);
     let a: [i64; D] = std::array::from_fn(|_| draw.within(1 << 20));
     let n = square::<D>(&std::array::from_fn(|k| (coarse[k] << 20) - a[k])) as i128;
-    // One step of Newton's method from a root of 53 bits: right to one unit of 60 bits.
+    // One Newton step from a root with 53 bits yields 60 bits, accurate to one unit.
     let guess = (n as f64).sqrt() as i128;
     let sum = (guess + (n - guess * guess) / (2 * guess)) as i64 + draw.within(2);
     let (ra, rb) = (sum >> 20, sum & ((1 << 20) - 1));
@@ -100,15 +100,15 @@ pub fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
     Couple { a, b, ra: ra as f64 * unit, rb: rb as f64 * fine, truth }
 }
 
-/// Along one axis the distance is the sum of radii, give or take one; along the next it is below
-/// half a unit, and as small as 2^-900 of the distance.
+/// Builds a pair whose distance along one axis is the sum of radii, plus or minus at most one unit.
+/// Along the next axis it is below half a unit, and as small as 2^-900 of the distance.
 pub fn needle<const D: usize>(draw: &mut Draw) -> Couple<D> {
     let sum = (1i64 << 51) + draw.below(1 << 51);
     let distance = sum + draw.within(1);
     let off = if draw.once_in(4) { 0 } else { draw.below(1 << 51) };
     let depth = if draw.once_in(16) { draw.below(800) + 100 } else { draw.below(14) + 52 };
-    // What is off the axis adds less than 1/4 to the square, which without it differs by 2·2^51 or
-    // not at all.
+    // The part off the axis adds less than 1/4 to the square, which differs by at least 2·2^51
+    // without it, or not at all.
     let truth = distance.cmp(&sum).then(off.cmp(&0));
     let (mut a, mut b) = ([0.0; D], [0.0; D]);
     let share = draw.below(sum + 1);

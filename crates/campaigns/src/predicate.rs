@@ -1,4 +1,4 @@
-//! The contact test alone, asked as detectors ask it, for every couple of a batch.
+//! The contact test alone, called as by detectors, for every pair of a batch.
 
 use std::cmp::Ordering;
 
@@ -15,23 +15,23 @@ use crate::draw::{Draw, Sphere, power};
 use crate::near::{Couple, Lengths, Near, long_sum, needle};
 use crate::{Counts, Plan, Table, What, in_batches};
 
-/// Offsets in diameters: coordinates have at least this magnitude, and less than five times it; 0:
-/// about the origin.
+/// Offsets in diameters: coordinates have between one and five times this magnitude; 0 means around
+/// the origin.
 pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
-/// Coordinates at an offset have this magnitude or more, in units: one unit is one ulp.
+/// Least magnitude of coordinates at an offset, in units; one unit is one ulp.
 pub const FAR: i64 = 1 << 52;
-/// Couples in a batch.
+/// Pairs per batch.
 const BATCH: u64 = 4096;
 /// Interval, in pairs, at which labels are compared with rational arithmetic.
 const SAMPLE: u64 = 997;
 /// Interval, in pairs, at which the sign of the depth is compared.
 const DEPTHS: u64 = 16;
-/// Needles are few, because one in sixteen takes the widest numbers there are.
+/// Needles are rare, because one in sixteen needs the widest integers.
 const NEEDLES: usize = 9;
 
 const FAMILIES: [&str; 3] = ["grid", "long sum", "needle"];
 
-/// The contact test on couples.
+/// Runs the contact test on pairs.
 pub fn run(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();
@@ -55,7 +55,7 @@ pub fn run(plan: Plan) -> Table {
     })
 }
 
-/// Decides a batch of couples with the test under trial, and the same couples in f64.
+/// Decides a batch of pairs with the test under trial, and the same pairs in f64.
 fn batch<const D: usize>(
     sphere: &Sphere<D>,
     family: usize,
@@ -72,7 +72,7 @@ fn batch<const D: usize>(
         2 => draw.within(200) as i32,
         _ => (draw.within(990) - 20) as i32,
     };
-    // About the origin the radius has all its 53 bits above the unit.
+    // Around the origin all 53 bits of the radius are above the unit.
     let room = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
     let lengths = Lengths::new(sphere, room, !uniform, draw);
     let mut counts = Counts::default();
@@ -103,7 +103,7 @@ fn batch<const D: usize>(
     }
     counts.add(What::Pairs, BATCH);
     counts.add(What::Exact, tally.get(Op::ExactTest));
-    // f64 cannot square the extreme scales, and would only be blamed for its range there.
+    // Extreme scales are skipped, because f64 cannot square them.
     let ask = Ask { truths: &truths, tally: &mut tally };
     if exponent.abs() <= 200
         && let Ok([missed, spurious]) = with_bodies(&scene, Test::Rounded, ask)
@@ -138,7 +138,7 @@ fn on_the_grid<const D: usize>(
     Couple { a, b, ra, rb, truth }
 }
 
-/// Label, depth and, for some couples, the construction itself.
+/// Checks label, depth and, for some pairs, the construction itself.
 fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
     let Couple { a, b, ra, rb, truth } = couple;
     let (what, label) = match truth {
@@ -164,7 +164,7 @@ fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ord
     distance.cmp(&reach)
 }
 
-/// Returns |a - b|² and (ra + rb)² in units of 2^-2148, by a library that rounds nothing.
+/// Returns |a - b|² and (ra + rb)² in units of 2^-2148, by a library of exact integers.
 pub fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (BigInt, BigInt) {
     let square = |x: BigInt| &x * &x;
     ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))

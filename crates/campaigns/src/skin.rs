@@ -1,16 +1,17 @@
-//! A few bodies in motion, two of which come into touch just when their ways have used up the
-//! skin: in whole numbers, so that who touches in a frame is known without the library.
+//! A few moving particles, two of which come into contact exactly when their displacements have
+//! used up the skin. All numbers are integers, so the contacts of a frame are known without the
+//! library.
 //!
 //! ```text
 //!   a >--------alpha-------->          (    t    )          <--------beta--------< b
-//!                                      in touch
-//!   when the list is built: t + s apart, or a unit more or less; alpha + beta = s, or so
+//!                                      in contact
+//!   when the list is built: t + s apart, or a unit more or less; alpha + beta = s, or nearly
 //! ```
 //!
 //! On a *line* (along an axis, a Pythagorean direction or any other) coordinates are near 2^52
-//! units, so that a unit is an ulp, and skins are from 1/64 to 3 diameters. *Thin* are skins of a
-//! few units where the diameter is near 2^58, and ways of a few units beside ways of diameters:
-//! sums and squares lose them.
+//! units, so that a unit is an ulp, and skins are between 1/64 and 3 diameters. *Thin* skins are a
+//! few units, with a diameter near 2^58, and displacements of a few units beside displacements of
+//! diameters: sums and squares lose the units.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::DetectorSpec;
@@ -24,33 +25,33 @@ use crate::predicate::FAR;
 use crate::whole::sizes;
 use crate::{Plan, Table, What, in_batches};
 
-/// A few bodies, of which two are the couple, in frames that follow each other.
+/// A few particles in consecutive frames; two of them are the pair under test.
 #[derive(Debug)]
 pub struct Couple<const D: usize> {
-    /// Of the family.
+    /// Name of the family.
     pub name: &'static str,
-    /// The centres by frame, in units.
+    /// Centres by frame, in units.
     frames: Vec<Vec<[i64; D]>>,
     /// In half units.
     radii: Vec<i64>,
-    /// A unit is 2 to this.
+    /// A unit is 2^exponent.
     exponent: i32,
-    /// In diameters of the largest body.
+    /// Skin in diameters of the largest particle.
     pub skin: f64,
-    /// In half units.
+    /// Skin in half units.
     skin_units: i64,
-    /// The frame in which the couple is about as far apart as a list reaches.
+    /// The frame in which the pair is about as far apart as a list reaches.
     start: usize,
 }
 
-/// How many diameters coordinates are from zero; 0: about it.
+/// Offsets of coordinates in diameters; 0 means around the origin.
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
-/// Half-skin by a comparison that is rounded: it misses nothing but by rounding.
+/// Half-skin with a rounded comparison: contacts are missed only by rounding.
 const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
-/// In a piece of work.
+/// Pairs per piece of work.
 const COUPLES: usize = 200;
 
-/// Couples at the limit of the skin.
+/// Runs pairs at the limit of the skin.
 pub fn couples(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let detectors = detectors();
@@ -69,7 +70,7 @@ pub fn couples(plan: Plan) -> Table {
 }
 
 impl<const D: usize> Couple<D> {
-    /// The next couple.
+    /// Builds the next pair.
     pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
         let mut couple = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
         couple.exponent = match draw.below(4) {
@@ -90,14 +91,14 @@ impl<const D: usize> Couple<D> {
         self.frames.len()
     }
 
-    /// The centres and radii in frame `k`.
+    /// Returns the centres and radii in frame `k`.
     pub fn bodies(&self, k: usize) -> (Vec<[f64; D]>, Vec<f64>) {
         let (unit, half) = (power(self.exponent), power(self.exponent - 1));
         let centres = self.frames[k].iter().map(|x| x.map(|x| x as f64 * unit)).collect();
         (centres, self.radii.iter().map(|&r| r as f64 * half).collect())
     }
 
-    /// Gives all rules the frames, in exact arithmetic and in a rounded one.
+    /// Runs all rules on the frames, in exact arithmetic and in a rounded one.
     fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table)
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -121,7 +122,6 @@ impl<const D: usize> Couple<D> {
         }
     }
 
-    /// The scene of frame `k`.
     fn scene(&self, k: usize) -> AnyScene<'static>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -131,18 +131,18 @@ impl<const D: usize> Couple<D> {
         Scene::new(centres, sizes(radii)).expect("coordinates and radii are below 2^960").into()
     }
 
-    /// The pairs that touch in frame `k`, in ascending order.
+    /// Returns the pairs that touch in frame `k`, in ascending order.
     pub fn touching(&self, k: usize) -> Vec<[u32; 2]> {
         self.within(k, 0)
     }
 
-    /// Pairs that touch in the last frame and were farther apart than the skin at the start.
+    /// Counts pairs that touch in the last frame and were farther apart than the skin at the start.
     fn came(&self) -> usize {
         let near = self.within(self.start, self.skin_units);
         self.touching(self.frame_count() - 1).iter().filter(|pair| !near.contains(pair)).count()
     }
 
-    /// The pairs whose surfaces are at most so many half units apart.
+    /// Returns the pairs with a gap of at most this many half units.
     fn within(&self, k: usize, gap: i64) -> Vec<[u32; 2]> {
         let (at, n) = (&self.frames[k], self.radii.len());
         let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j]));
@@ -162,7 +162,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let (p, length) = (1 + draw.below(6), sphere.length);
     let q = 1 + draw.below(3 << p);
     let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
-    // The diameter is 2^p m lengths, the skin q m; nothing goes farther than twelve skins.
+    // The diameter is 2^p m lengths, the skin q m; displacements are at most twelve skins.
     let room = if offset == 0.0 {
         FAR / (length * ((1 << p) + 12 * q))
     } else {
@@ -211,7 +211,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let end =
         [nearly(moved(a, along(alpha), 1), draw), nearly(moved(b, along(skin - alpha), -1), draw)];
     let mut frames = Vec::new();
-    // A list of where they will be in the end is of no use in the end.
+    // A list of the final positions is useless once the particles have been elsewhere.
     if draw.once_in(3) {
         frames.extend([end, [moved(a, along(9 * skin), -1), b]]);
     }
@@ -233,7 +233,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
         skin_units: 2 * skin * length,
         start,
     };
-    // One that rests.
+    // Add a resting particle.
     if draw.once_in(2) {
         let most = (touch + skin) * length;
         let at = std::array::from_fn(|k| a[k] + draw.within(most));
@@ -244,13 +244,13 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
 }
 
 fn thin<const D: usize>(draw: &mut Draw) -> Couple<D> {
-    // As many of the highest bits as a double has.
+    // Keeps as many of the highest bits as a double has.
     let double = |x: i64| x as f64 as i64;
     let diameter = match draw.once_in(2) {
         true => 1 << 57,
         false => ((1 << 51) + draw.below(1 << 51)) << 6,
     };
-    // The one goes units, the other diameters or nothing.
+    // One particle moves by units, the other by diameters or not at all.
     let few = 1 + draw.below(64);
     let (skin, far) = match draw.once_in(2) {
         true => (few as f64 / diameter as f64, 0),

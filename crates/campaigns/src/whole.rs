@@ -1,4 +1,4 @@
-//! A scene in a box, in whole numbers, and what changes the names of its contacts alone.
+//! A scene in a box, in integers, and changes that only affect the images of its contacts.
 
 use std::cmp::Ordering;
 
@@ -9,17 +9,17 @@ use nalgebra::Point;
 use crate::draw::{Draw, power};
 use crate::near::{Near, gap};
 
-/// Image `image` of the second of two particles, and how the first meets it.
+/// Two particles, an image of the second, and its relation to the first.
 pub type Meeting = ([usize; 2], [i64; 3], Ordering);
 
-/// A scene, in a box if it repeats, in whole numbers: radii in half fine units.
+/// A scene in integers, in a box if it repeats; radii are in half fine units.
 pub struct Whole<const D: usize> {
     pub points: Vec<[i64; D]>,
     pub radii: Vec<i64>,
     pub vectors: [[i64; D]; 3],
     pub periodic: [bool; 3],
     pub fine: i32,
-    /// All that touch, and those that nearly do.
+    /// All pairs that touch or nearly touch.
     pub meetings: Vec<Meeting>,
 }
 
@@ -39,7 +39,7 @@ impl<const D: usize> Whole<D> {
         self.meetings.push(([i, i + 1], [0; 3], truth));
     }
 
-    /// Finds all that touch or nearly do. For vectors in lower triangular form.
+    /// Finds all pairs that touch or nearly touch, for vectors in lower triangular form.
     pub fn meet(&mut self) {
         let n = self.points.len();
         for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
@@ -56,8 +56,8 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// All images S, from vector `v` - 1 down, for which no component of `difference` - S·H is
-    /// above `far`, with what is left.
+    /// Returns all images S, from vector `v` - 1 down, for which no component of `difference` - S·H
+    /// exceeds `far`, and the remaining differences.
     fn images(
         &self,
         v: usize,
@@ -84,7 +84,7 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// Particles become images of themselves, where those are doubles.
+    /// Replaces particles by images of themselves, if those are representable as doubles.
     pub fn name_other_images(&mut self, away: i64, draw: &mut Draw) {
         let mut by = vec![[0; 3]; self.points.len()];
         for (point, by) in self.points.iter_mut().zip(&mut by) {
@@ -104,7 +104,7 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// Adds multiples of vectors to others, and turns some around.
+    /// Adds multiples of vectors to others, and reverses some.
     pub fn take_other_vectors(&mut self, draw: &mut Draw) {
         let periodic: Vec<usize> = (0..3).filter(|&v| self.periodic[v]).collect();
         for _ in 0..3 {
@@ -131,7 +131,7 @@ impl<const D: usize> Whole<D> {
         self.meetings.iter_mut().for_each(|(pair, ..)| *pair = pair.map(|k| place[k]));
     }
 
-    /// In ascending order, each by its one name.
+    /// Returns the contacts in ascending order, in canonical form.
     pub fn expected(&self) -> Vec<(ImagePair, Ordering)> {
         let name = |&([i, j], image, truth): &Meeting| {
             (ImagePair::new(i as u32, j as u32, image.map(|number| number as i32)), truth)
@@ -141,7 +141,7 @@ impl<const D: usize> Whole<D> {
         expected
     }
 
-    /// As doubles, in units of a power of two. The corner of the box may be anywhere.
+    /// Converts to doubles in units of a power of two, with a random corner of the box.
     pub fn periodic(&self, exponent: i32, draw: &mut Draw) -> Option<Periodic<'static>>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -167,7 +167,7 @@ impl<const D: usize> Whole<D> {
     }
 }
 
-/// One radius for all where they are the same.
+/// Returns one shared radius if all are equal.
 pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
     match radii.first() {
         Some(&first) if radii.iter().all(|r| *r == first) => Radii::Uniform(first),
@@ -175,7 +175,7 @@ pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
     }
 }
 
-/// Is this whole number a double?
+/// Returns whether this integer is representable as a double.
 fn is_double(x: i64) -> bool {
     x == 0 || x.unsigned_abs() >> x.trailing_zeros() < 1 << 53
 }

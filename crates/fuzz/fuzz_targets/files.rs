@@ -1,7 +1,7 @@
-//! Any bytes as a particle file or a contact list: a scene, a list, or an error of one clear line;
-//! never a panic.
+//! Interprets any bytes as a particle file or a list of contacts. A reader must return a scene, a
+//! list or a one-line error; it must not panic.
 //!
-//! One program for all readers. The environment variable `READER` narrows it to one of them;
+//! One program fuzzes all readers. The environment variable `READER` selects one of them;
 //! `READER=list` prints their names.
 
 #![no_main]

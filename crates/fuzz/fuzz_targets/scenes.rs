@@ -1,4 +1,4 @@
-//! Any bytes as a scene: every detector is right on it, in every safe arithmetic.
+//! Interprets any bytes as a scene; every detector must be right in every safe arithmetic.
 
 #![no_main]
 

@@ -1,10 +1,10 @@
-//! A silent probe costs nothing: direct checking with [`Silent`] executes as many instructions as a
-//! twin written by hand without any probe.
+//! Checks that a silent probe costs nothing: direct checking with [`Silent`] executes as many
+//! instructions as a hand-written twin without a probe.
 //!
 //! `cargo run --release -p contactbench-campaigns --bin silent_probe` runs both under `valgrind
-//! --tool=callgrind`, which counts instructions repeatably on a busy machine, subtracts what the
-//! program needs without either, and fails if the counts differ by more than 1%. Comparing with
-//! [`Tally`] as well shows that the comparison can fail. Without valgrind it compares nothing.
+//! --tool=callgrind`, which counts instructions repeatably even on a busy machine. It subtracts the
+//! instructions of the program without either, and fails if the counts differ by more than 1%. A
+//! run with [`Tally`] shows that the comparison can fail. Without valgrind nothing is compared.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
@@ -17,7 +17,7 @@ use contactbench_core::probe::{Silent, Tally};
 use contactbench_core::scene::{AnyScene, Radii, Scene, Stored, array};
 use contactbench_scenes::spec::Spec;
 
-/// Direct checking, by hand: rounded arithmetic, one radius.
+/// Direct checking by hand: rounded arithmetic, one radius.
 #[inline(never)]
 fn twin(scene: &Scene<'_, f64, 3>, pairs: &mut Vec<[u32; 2]>) {
     let Radii::Uniform(r) = *scene.radii() else { return };
@@ -56,7 +56,7 @@ fn work(what: &str) -> usize {
     black_box(pairs).len()
 }
 
-/// Instructions executed by this program when it does `what`; `None` without valgrind.
+/// Returns the instructions that this program executes for `what`, or `None` without valgrind.
 fn instructions(what: &str) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
     let output = Command::new("valgrind")
