@@ -1,5 +1,4 @@
-"""A contact detector in Python that joins contactbench: it speaks the runner protocol, version 2 (docs/PROTOCOL.md), with the standard library alone.
-
+"""A contact detector in Python that joins contactbench: it speaks the runner protocol (docs/PROTOCOL.md), with the standard library alone.
 contactbench check --runner "python3 examples/my_detector.py"
 """
 import json, os, struct, sys, time
@@ -26,8 +25,7 @@ def detect(centres, radii):
 
 def load(frames, dim, n, radius):
     """Centres and radii of a scene at rest: one npy file. Its bytes 8 and 9 give the length of the header, then come rows of little-endian doubles."""
-    (path,) = frames
-    with open(path, "rb") as file:
+    with open(frames[0], "rb") as file:
         file.seek(10 + struct.unpack("<8sH", file.read(10))[1])
         columns = dim + (radius is None)
         numbers = struct.unpack(f"<{n * columns}d", file.read())
@@ -47,6 +45,8 @@ def digest(pairs):
 
 
 def answer(scene, request, path=None, min_ns=1, **load_fields):
+    if request == "load" and "box" in load_fields:
+        return {"reply": "refused", "reason": "this detector takes open space only, and the scene has a periodic box"}
     if request == "load":
         scene[:] = load(*(load_fields[key] for key in ("frames", "dim", "n", "radius")))
         return {"reply": "loaded"}
@@ -67,7 +67,7 @@ def answer(scene, request, path=None, min_ns=1, **load_fields):
 
 
 scene, channel, _ = [], os.fdopen(os.dup(1), "w"), os.dup2(2, 1)  # replies have a descriptor of their own; what a library prints goes to standard error
-print(json.dumps({"reply": "hello", "protocol": 2, "detector": "my-detector", "arithmetic": "f64"}), file=channel, flush=True)
+print(json.dumps({"reply": "hello", "protocol": 4, "detector": "my-detector", "arithmetic": "f64", "at_rest": True}), file=channel, flush=True)
 for line in sys.stdin:
     try:
         asked = json.loads(line)

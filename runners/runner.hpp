@@ -1,4 +1,4 @@
-// The runner protocol, version 2 (docs/PROTOCOL.md), for detectors in C++17: a detection is a function from a scene to a list of pairs in a
+// The runner protocol (docs/PROTOCOL.md), for detectors in C++17: a detection is a function from a scene to a list of pairs in a
 // reused buffer. `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
 //
 // A detector that keeps more than buffers for its next detection has a member function `reset()`, which drops it: a sample is passes over the
@@ -143,6 +143,7 @@ template <int D> Scene<D> load(const std::string& line) {
     const auto frames = strings(line, "frames");
     if (frames.size() != 1)
         throw Refusal("this runner takes scenes at rest, trajectories of one frame; this one has " + std::to_string(frames.size()));
+    if (value_of(line, "box") != std::string::npos) throw Refusal("this detector takes open space only, and the scene has a periodic box");
     const bool each = radius == "null";
     const auto data = numbers(frames[0], n * (D + each));
     scene.centres.resize(n);
@@ -221,7 +222,7 @@ template <class Plane, class Space>
 void serve(const std::string& name, const std::string& version, Plane plane, Space space, const std::string& arithmetic = "exact") {
     std::ios::sync_with_stdio(false);
     own_channel();
-    say("{\"reply\":\"hello\",\"protocol\":2,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version +
+    say("{\"reply\":\"hello\",\"protocol\":4,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version +
         "\",\"build\":{\"compiler\":\"" + compiler + "\",\"level\":\"" + level + "\"},\"at_rest\":true}");
     std::optional<Scene<2>> flat;
     std::optional<Scene<3>> solid;

@@ -1,4 +1,4 @@
-"""The runner protocol, version 3 (docs/PROTOCOL.md), for libraries with a Python interface.
+"""The runner protocol (docs/PROTOCOL.md), for libraries with a Python interface.
 
 A library is a function that is given a scene and returns a function without arguments: one
 detection, from raw coordinates to the array of pairs. That array is one of shape (pairs, 2) or two
@@ -191,7 +191,7 @@ def serve(name, version, prepare, arithmetic="exact", boxes=False, build=None):
     """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
     on coordinates, and for conversions. `build` says what else may change the times."""
     build = {"python": platform.python_version(), "numpy": np.__version__, **(build or {})}
-    say("hello", protocol=3, detector=name, arithmetic=arithmetic, version=version, build=build, at_rest=True)
+    say("hello", protocol=4, detector=name, arithmetic=arithmetic, version=version, build=build, at_rest=True)
     scene, detect, calls = None, None, None
     for line in sys.stdin:
         request = json.loads(line)

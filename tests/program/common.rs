@@ -191,7 +191,7 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
 /// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell
 /// code, and all others as unsupported.
 pub fn fake(answers: &[(&str, &str)]) -> String {
-    let hello = say(r#"{"reply":"hello","protocol":2,"detector":"fake","arithmetic":"f64"}"#);
+    let hello = say(r#"{"reply":"hello","protocol":4,"detector":"fake","arithmetic":"f64"}"#);
     let cases: String = answers
         .iter()
         .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))

@@ -38,7 +38,11 @@ const WAYS: [(&str, &str, &str); 14] = [
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
     ("    return pairs\n", "    print('found', file=channel)\n    return pairs\n", "found"),
     // Another version, arithmetic, digest, unit of time; a sample without repetition.
-    ("\"protocol\": 2", "\"protocol\": 5", "speaks protocol 5, this program 1 to 4"),
+    (
+        "\"protocol\": 4",
+        "\"protocol\": 3",
+        "speaks protocol 3, but this program requires protocol 4",
+    ),
     ("\"f64\"", "\"double\"", "arithmetic 'double'; it must be one of f32, "),
     ("<< 32", "<< 31", "of the pairs 0,1 and 1,2 the digest is 0x447a68c51d52cce3"),
     ("016x", "016X", "lower-case"),

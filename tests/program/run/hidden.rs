@@ -28,7 +28,7 @@ def hide():
     os.wait()
     os.read(there, 1)
 BEFORE
-say(reply="hello", protocol=2, detector="hides", arithmetic="f64")
+say(reply="hello", protocol=4, detector="hides", arithmetic="f64")
 for line in sys.stdin:
     asked = json.loads(line)["request"]
     if asked == "load":

@@ -81,16 +81,3 @@ fn a_row_has_the_fields_of_the_format() {
         assert_eq!(row["outcome"], "ok");
     }
 }
-
-#[test]
-fn a_runner_of_version_1_is_given_the_path_of_its_scene() {
-    let path = r#"case "$line" in *'"path":"'*scene-0.npy*) echo '{"reply":"loaded"}' ;; *) echo '{"reply":"error","reason":"no path"}' ;; esac"#;
-    let new = fake(&[("load", path), ("sample", &sample(0, EMPTY))]);
-    let old = new.replace("\"protocol\":2", "\"protocol\":1");
-    assert_ne!(old, new);
-    let runners = runner("old", "sh", &old) + &runner("new", "sh", &new);
-    let (_at, rows) = rows(&format!("detectors = [\"nbs\"]\n{SPARSE}{runners}"), 1);
-    let old = of(&rows, "old", 25);
-    assert!(old.len() == 3 && old.iter().all(|row| row.outcome == Outcome::Ok), "{old:?}");
-    assert!(of(&rows, "new", 25).iter().all(|row| row.reason == "no path"));
-}

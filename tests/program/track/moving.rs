@@ -84,21 +84,18 @@ pub const SAME: [(&str, &str); 10] = [
 fn trackers_in_boxes_are_judged_frame_by_frame() {
     let at = Place::new();
     let rule = "verlet(nbs,rule=every-7,skin=0.05)";
-    let hello = say(r#"{"reply":"hello","protocol":3,"detector":"old","arithmetic":"exact"}"#);
-    // What it is sent is in its answer.
-    let old = format!(
-        "{hello}\nwhile read -r line; do\ncase \"$line\" in\n*'\"boxes\"'*) exit 3 ;;\n\
-         *'\"box\"'*) {} ;;\n*) {} ;;\nesac\ndone",
-        say(r#"{"reply":"refused","reason":"one box for all"}"#),
-        say(r#"{"reply":"unsupported"}"#)
+    // The runner's refusal shows which field was sent.
+    let load = format!(
+        "case \"$line\" in *'\"boxes\"'*) {} ;; *'\"box\"'*) {} ;; *) exit 3 ;; esac",
+        say(r#"{"reply":"refused","reason":"a box for each"}"#),
+        say(r#"{"reply":"refused","reason":"one box for all"}"#)
     );
     let text = format!(
         "name = \"a\"\ntitle = \"a\"\nquestion = \"a\"\nreading = \"a\"\nblocks = 0\n\
          detectors = [\"every-step(nbs)\", \"{rule}\", \"nbs\"]\n\
          [[scene]]\nname = \"loose\"\ndim = [2, 3]\nn = 50\nfraction = 0.5\nperiodic = true\n\
-         order = \"generated\"\nmotion = [\"drift\", \"shear\"]\nspeed = 0.15\nframes = 15\n\n{}{}",
-        runner("old", "sh", &old),
-        runner("older", "sh", &fake(&[]))
+         order = \"generated\"\nmotion = [\"drift\", \"shear\"]\nspeed = 0.15\nframes = 15\n\n{}",
+        runner("open", "sh", &fake(&[("load", &load)]))
     );
     at.file("a.toml", text);
     at.good("run a.toml --out out");
@@ -136,12 +133,9 @@ fn trackers_in_boxes_are_judged_frame_by_frame() {
             assert_eq!(row["moved"][key], tracked[key], "{motion} {dim} {key}");
         }
         lossy += missed;
-        let told = if motion == "drift" { "refused: one box for all" } else { "protocol 3" };
-        for (name, words) in [("old", told), ("older", "unavailable: periodic scenes")] {
-            let row = of(name, None);
-            let said = [&row["outcome"], &row["reason"]].map(|it| it.as_str().unwrap()).join(": ");
-            assert!(said.contains(words), "{name}: {said}");
-        }
+        let sent = if motion == "drift" { "one box for all" } else { "a box for each" };
+        let row = of("open", None);
+        assert_eq!((&row["outcome"], &row["reason"]), (&"refused".into(), &sent.into()));
     }
     assert!(lossy > 20, "{lossy}");
 }

@@ -78,7 +78,6 @@ impl Talk {
             }
             Answer::Wrong(Wrong::Breaks(what)) => self.breaks(format!("{when}: {what}")),
             Answer::Wrong(other) => self.manners.broken.push(other),
-            // A runner need not support what its version of the protocol does not have.
             Answer::Right | Answer::Pairs(_) | Answer::Refused(..) | Answer::Declined(_) => {}
         }
         Ok(None)

@@ -155,14 +155,7 @@ impl Line {
             Some(client) => client,
             None => self.foreign.start(self.deadline)?,
         };
-        let mut message = match client.message(request) {
-            Ok(message) => message,
-            // Its version of the protocol cannot say this.
-            Err(failure) => {
-                self.client = Some(client);
-                return Err(Stop::Answer(Answer::Declined(failure.reason)));
-            }
-        };
+        let mut message = request.message().map_err(|reason| anyhow!(reason))?;
         for (name, value) in fields {
             message[name] = (*value).into();
         }

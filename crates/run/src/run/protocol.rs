@@ -13,11 +13,8 @@ use contactbench_core::sink::{Digest, splitmix64};
 use contactbench_core::track::Step;
 use contactbench_terms::text::line;
 
-/// The version of the protocol that this program speaks as a runner; a runner names its own in its
-/// first line.
+/// The only version of the protocol that harness and runners speak.
 pub const VERSION: u32 = 4;
-/// The oldest version that the harness speaks to a runner.
-pub const OLDEST: u32 = 1;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "request", rename_all = "lowercase")]
@@ -45,38 +42,9 @@ pub enum Request {
 }
 
 impl Request {
-    /// The message for a runner that speaks `version`; or why it cannot be said in that version.
-    pub fn message(&self, version: u32) -> Result<Value, String> {
-        let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
-        if let Request::Load(trajectory) = self {
-            if trajectory.box_dim().is_some() && version < 3 {
-                return Err(format!(
-                    "periodic scenes are skipped, because the runner speaks protocol {version}, \
-                     which has no boxes; that is fine unless its detector takes boxes (protocol 3)"
-                ));
-            }
-            if !trajectory.boxes.is_empty() && version < 4 {
-                return Err(format!(
-                    "the runner speaks protocol {version}, which knows one box for all frames, and \
-                     here each frame has its own; let it speak protocol 4, or take a motion in \
-                     which the box stays"
-                ));
-            }
-        }
-        if let (Request::Load(Trajectory { frames, .. }), 1, Some(fields)) =
-            (self, version, message.as_object_mut())
-        {
-            let [path] = &frames[..] else {
-                return Err(format!(
-                    "the runner speaks protocol 1, which knows scenes at rest; this trajectory has \
-                     {} frames: let the runner speak protocol 3",
-                    frames.len()
-                ));
-            };
-            fields.remove("frames");
-            fields.insert("path".into(), path.to_string_lossy().into());
-        }
-        Ok(message)
+    /// Returns the message, or an error if a path is not UTF-8.
+    pub fn message(&self) -> Result<Value, String> {
+        serde_json::to_value(self).map_err(|e| format!("cannot write the request as JSON: {e}"))
     }
 }
 
@@ -131,7 +99,7 @@ impl Reply {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
-    /// From [`OLDEST`] to [`VERSION`].
+    /// Must be [`VERSION`].
     pub protocol: u32,
     pub detector: String,
     /// The arithmetic in which its answers are right.
@@ -327,28 +295,6 @@ pub fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn load(frames: &[&str]) -> Request {
-        Request::Load(Trajectory {
-            frames: frames.iter().map(PathBuf::from).collect(),
-            dim: 2,
-            n: 4,
-            radius: Some(0.5),
-            ..Trajectory::default()
-        })
-    }
-
-    #[test]
-    fn version_1_has_scenes_at_rest() {
-        let rest = load(&["a.npy"]);
-        let common = r#""request":"load","dim":2,"n":4,"radius":0.5"#;
-        let message = |text: &str| serde_json::from_str::<Value>(text).unwrap();
-        assert_eq!(rest.message(1), Ok(message(&format!(r#"{{{common},"path":"a.npy"}}"#))));
-        assert_eq!(rest.message(2), Ok(message(&format!(r#"{{{common},"frames":["a.npy"]}}"#))));
-        let moving = load(&["a.npy", "b.npy", "a.npy"]);
-        assert!(moving.message(2).is_ok());
-        assert!(moving.message(1).unwrap_err().contains("this trajectory has 3 frames"));
-    }
 
     #[test]
     fn a_digest_is_0x_and_16_lower_case_digits() {

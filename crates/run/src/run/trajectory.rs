@@ -29,8 +29,7 @@ pub struct Trajectory {
     /// is not the same in all.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub in_box: Option<BoxMessage>,
-    /// The box of each frame, where it is not the same in all. Runners before version 4 of the
-    /// protocol are not sent any.
+    /// The box of each frame, if it is not the same in all frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boxes: Vec<BoxMessage>,
 }

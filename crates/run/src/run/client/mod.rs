@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::run::client::output::Line;
 use crate::run::possible::{self, Asked};
-use crate::run::protocol::{Hello, OLDEST, Reply, Request, VERSION};
+use crate::run::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::run::{family, interrupt, processors};
 use contactbench_core::periodic::Contacts;
@@ -138,17 +138,15 @@ impl Client {
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match self.receive(limit)? {
-            Reply::Hello(mut hello) => {
-                let protocol = hello.protocol;
-                if !(OLDEST..=VERSION).contains(&protocol) {
-                    return Err(broken(format!(
-                        "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
-                    )));
-                }
-                hello.at_rest |= protocol == 1;
+            Reply::Hello(hello) if hello.protocol == VERSION => {
                 self.hello = *hello;
                 Ok(())
             }
+            Reply::Hello(hello) => Err(broken(format!(
+                "the runner speaks protocol {}, but this program requires protocol {VERSION}; \
+                 see docs/PROTOCOL.md",
+                hello.protocol
+            ))),
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
         }
     }
@@ -183,7 +181,9 @@ impl Client {
     }
 
     fn ask_one(&mut self, request: &Request) -> Result<Reply, Failure> {
-        let message = self.message(request)?;
+        let message = request
+            .message()
+            .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })?;
         let reply = self.exchange(&message)?;
         if let Some(what) = self.impossible(request, &reply) {
             let reason = format!("the runner breaks the protocol: {what}");
@@ -200,12 +200,6 @@ impl Client {
             Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
             reply => Ok(reply),
         }
-    }
-
-    pub fn message(&self, request: &Request) -> Result<Value, Failure> {
-        request
-            .message(self.hello.protocol)
-            .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })
     }
 
     /// What cannot be in the reply that has just come to this request.

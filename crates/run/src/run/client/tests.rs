@@ -1,12 +1,12 @@
-//! Version 1 and the end of runners, with runners in shell.
+//! Runners in shell: how they end, and runners that take one frame at a time.
 
 use super::*;
 use crate::run::trajectory::Trajectory;
 
-/// A runner in shell, with its first line for `HELLO`.
-fn shell(protocol: u32, script: &str) -> Client {
-    let hello = format!(r#"{{"reply":"hello","protocol":{protocol},"detector":"one"}}"#);
-    let command = ["sh", "-c", &script.replace("HELLO", &hello)].map(String::from);
+/// Starts a shell script as a runner; `HELLO` in the script stands for the first line.
+fn shell(script: &str) -> Client {
+    let hello = r#"{"reply":"hello","protocol":4,"detector":"one","at_rest":true}"#;
+    let command = ["sh", "-c", &script.replace("HELLO", hello)].map(String::from);
     Client::start(&Start::of(&command, Duration::from_secs(10), 1 << 30)).unwrap()
 }
 
@@ -17,10 +17,10 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
     let folder = tempfile::tempdir().unwrap();
     let mark = folder.path().join("mark");
     let trap = format!("trap 'echo cleaned > \"{}\"; exit' TERM; {DEAF}", mark.display());
-    drop(shell(2, &trap));
+    drop(shell(&trap));
     assert_eq!(std::fs::read_to_string(&mark).unwrap(), "cleaned\n");
     // Nor is it waited for without end.
-    let stubborn = shell(2, &format!("trap '' TERM; {DEAF}"));
+    let stubborn = shell(&format!("trap '' TERM; {DEAF}"));
     let id = stubborn.child.id() as i32;
     let started = Instant::now();
     drop(stubborn);
@@ -29,7 +29,7 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
     assert!(rustix::process::test_kill_process(process).is_err());
 }
 
-/// A runner of version 1 that finds as many contacts as the name of the file says.
+/// Finds N contacts in the file `tmp-N.npy`.
 const AT_REST: &str = r#"echo 'HELLO'; while read -r line; do
     case "$line" in
     *load*) n=${line##*/tmp-}; n=${n%%.npy*}; said='"reply":"loaded"' ;;
@@ -46,7 +46,7 @@ fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     let frames = ["/tmp-3.npy", "/tmp-1.npy", "/tmp-2.npy"].map(Into::into).to_vec();
     let moving = Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), ..Trajectory::default() };
     let (rest, load) = (moving.at_rest(1), Request::Load(moving));
-    let mut runner = shell(1, AT_REST);
+    let mut runner = shell(AT_REST);
     assert_eq!(runner.ask(&load), Ok(Reply::Loaded));
     let Ok(Reply::Sample(sample)) = runner.ask(&Request::Sample { min_ns: 1 }) else {
         panic!("no sample")
