@@ -1,4 +1,4 @@
-//! Points, their sizes and their cells, as the named arrays of a file are read one after the other.
+//! Points, sizes and cells collected from the named arrays of a file, in file order.
 
 use anyhow::{bail, ensure};
 use nalgebra::Point;
@@ -10,7 +10,6 @@ use crate::scalars::{Ids, Kind, Size, Target};
 use crate::{Chosen, Loaded, Notice, Options, RadiusSource};
 use contactbench_terms::number::plural;
 
-/// How many cells join points, by their dimension.
 #[derive(Clone, Copy, Default)]
 pub struct Cells {
     pub lines: u64,
@@ -19,7 +18,6 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Counts a cell by its type in VTK; empty cells and vertices join nothing.
     pub fn push(&mut self, kind: f64) {
         match kind as i64 {
             0..=2 => {}
@@ -35,8 +33,8 @@ impl Cells {
         self.bodies += other.bodies;
     }
 
-    /// Refuses points that are the corners of a mesh, unless the options give them a size; lines
-    /// between particles are only worth a notice.
+    /// Refuses the corner points of a mesh unless the options give a radius. Lines between points
+    /// only cause a notice, because they may be bonds between particles.
     pub fn check(
         &self,
         name: &str,
@@ -76,34 +74,29 @@ pub enum Of {
     Cells,
 }
 
-/// The arrays of a file, or of one piece of it.
 #[derive(Default)]
 pub struct Arrays {
     pub points: Option<Vec<Point<f64, 3>>>,
     pub cells: Cells,
     sizes: Vec<Size>,
-    /// Names of other arrays that could be sizes.
     others: Vec<String>,
-    /// Some cell k is something else than point k.
+    /// Whether some cell k is not point k.
     out_of_order: bool,
-    /// Cells of one point, in the order of the points.
+    /// Number of cells that are one point, while they stand in point order.
     vertices: u64,
     ghosts: u64,
     ids: Vec<Ids>,
-    /// Sizes that are not used, since the radius is given.
+    /// Notices about arrays of sizes that are unused because the options give a radius.
     unused: Vec<Notice>,
 }
 
-/// Most names of arrays that are kept for messages.
 const NAMES: usize = 256;
 
 impl Arrays {
-    /// Those of a piece with these cells.
     pub fn of(cells: Cells) -> Arrays {
         Arrays { cells, ..Arrays::default() }
     }
 
-    /// Where the numbers of an array of this name go.
     pub fn target(
         &mut self,
         of: Of,
@@ -132,7 +125,7 @@ impl Arrays {
             );
             return Ok(Target::Nothing);
         }
-        // A byte named r is red.
+        // Bytes named r are red, not radii.
         let red = label.eq_ignore_ascii_case("r") && kind == Kind::U8 && !sure;
         if let (true, Some(given)) = (is_size && !red && of == Of::Points, options.radius) {
             self.unused.push(unused_sizes(label, given));
@@ -145,14 +138,12 @@ impl Arrays {
         Ok(Target::Nothing)
     }
 
-    /// Remembers the name of an array that is not used.
     pub fn other(&mut self, label: &str) {
         if self.others.len() < NAMES && !self.others.iter().any(|known| known == label) {
             self.others.push(label.to_string());
         }
     }
 
-    /// Whether sizes of cells may be needed.
     pub fn wants_cells(&self, options: Options) -> bool {
         options.radius.is_none() && self.sizes.iter().all(|size| size.of_cells)
     }
@@ -267,7 +258,6 @@ impl Arrays {
         Ok(loaded(format, particles, radius))
     }
 
-    /// Drops arrays that are no sizes of points.
     fn usable(&mut self, cells_are_points: bool, options: Options) {
         let has = |name: &str| self.others.iter().any(|label| label.eq_ignore_ascii_case(name));
         let sure = options.columns.is_some_and(|chosen| chosen.sizes());
@@ -286,7 +276,6 @@ impl Arrays {
 }
 
 impl Size {
-    /// Where the radii come from, and the radii.
     pub fn radii(self) -> (RadiusSource, Option<Vec<f64>>) {
         let source = match self.column {
             Column::Diameter => RadiusSource::Halved(self.label),
@@ -296,10 +285,9 @@ impl Size {
     }
 }
 
-/// How far two arrays of sizes may differ: what rounding to f32 does.
+/// Relative difference allowed between two arrays of sizes: that of rounding to f32.
 const ALIKE: f64 = 1e-6;
 
-/// The one array of sizes; of several that agree the first of radii.
 pub(crate) fn one_of(
     sizes: Vec<Size>,
     name: &str,

@@ -1,8 +1,8 @@
-//! Boxes of files: what a file says of its box, what the options make of it, and what is left to
-//! say.
+//! Periodic boxes: the box that a file declares, the options that change it, and the notices about
+//! it.
 //!
-//! A file with a box that repeats is no open scene: its particles carry a [`Lattice`], and whoever
-//! takes them for open without being told so is refused ([`Particles::scene`]).
+//! Particles from a file with a periodic box carry a [`Lattice`]. [`Particles::scene`] refuses to
+//! treat them as open unless the options allow it.
 //!
 //! [`Particles::scene`]: crate::Particles::scene
 
@@ -16,21 +16,20 @@ use contactbench_core::scene::Lattice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declared {
-    /// Its vectors, one per row; none where the file says only that it repeats.
+    /// Vectors, one per row; `None` if the file only states that the particles are periodic.
     pub vectors: Option<[[f64; 3]; 3]>,
-    /// The corner from which they start.
     pub origin: [f64; 3],
-    /// Along which of them the file says that it repeats; none where it does not say.
+    /// Vectors along which the file declares the box periodic; `None` if it leaves that open.
     pub periodic: Option<[bool; 3]>,
-    /// The vectors are differences of what stands in the file, and were rounded.
+    /// Whether computing the vectors from the file's numbers rounded them.
     pub rounded: bool,
-    /// Least and largest coordinate along each axis, if the edges of the box lie along the axes and
-    /// the file states these coordinates.
+    /// Least and largest coordinate along each axis, if the edges of the box are parallel to the
+    /// axes and the file states these coordinates.
     pub ranges: Option<Vec<[f64; 2]>>,
 }
 
-/// Returns the vectors of a box, by how many numbers there are: two or three edges along the axes,
-/// three and the tilt of LAMMPS, or two or three vectors, one after the other.
+/// Returns the vectors of a box from 2 to 9 numbers. 2 or 3 numbers are edges along the axes; 6 are
+/// edges and the tilt of LAMMPS; 4 or 9 are whole vectors.
 pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
     Some(match *numbers {
         [x, y] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0; 3]],
@@ -42,7 +41,6 @@ pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
     })
 }
 
-/// The number in cell `k` of a line, which is a bound of the box.
 pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
     number(cell).filter(|x| x.is_finite()).with_context(|| {
         format!(
@@ -54,7 +52,6 @@ pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
     })
 }
 
-/// Refuses bounds whose upper one is below the lower.
 pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
     if boundaries.open || boundaries.edges.is_some() {
         return Ok(());
@@ -70,7 +67,7 @@ pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<(
 }
 
 impl Declared {
-    /// A box between two bounds along each axis; axes without bounds have no length.
+    /// Builds a box between two bounds along each axis. Axes without bounds have length 0.
     pub fn between(ranges: &[[f64; 2]], periodic: Option<[bool; 3]>) -> Declared {
         let mut declared =
             Declared { periodic, ranges: Some(ranges.to_vec()), ..Declared::default() };
@@ -83,7 +80,6 @@ impl Declared {
         declared
     }
 
-    /// The same box, sheared as LAMMPS says it, by xy, xz and yz.
     pub fn tilted(mut self, [xy, xz, yz]: [f64; 3]) -> Declared {
         if let Some([_, b, c]) = &mut self.vectors {
             (b[0], c[0], c[1]) = (xy, xz, yz);
@@ -92,8 +88,7 @@ impl Declared {
         self
     }
 
-    /// A sheared box between the bounds of the box along the axes that encloses it, as in dumps of
-    /// LAMMPS.
+    /// Builds a sheared box from the bounds of its bounding box, as LAMMPS dumps give them.
     pub(crate) fn enclosed(
         ranges: [[f64; 2]; 3],
         tilt: [f64; 3],
@@ -103,7 +98,7 @@ impl Declared {
         in_order(&ranges, boundaries)?;
         let [xy, xz, yz] = tilt;
         let mut rounded = false;
-        // xy + xz is rounded by LAMMPS, too, but nobody knows whether from the same numbers.
+        // LAMMPS rounds xy + xz as well, perhaps from other digits.
         let both = minus(xy, -xz, &mut rounded);
         let least = [xy, xz, both].into_iter().fold(0.0, f64::min);
         let most = [xy, xz, both].into_iter().fold(0.0, f64::max);
@@ -122,22 +117,21 @@ impl Declared {
     }
 }
 
-/// The difference; notes whether it was rounded.
+/// Returns a - b, and sets `rounded` if the difference is not exact.
 fn minus(a: f64, b: f64, rounded: &mut bool) -> f64 {
     let difference = a - b;
     let back = a - difference;
     let error = (a - (difference + back)) + (back - b);
-    // Also where it overflows, and the error is NaN.
+    // On overflow the error is NaN, which also sets `rounded`.
     *rounded |= error != 0.0;
     difference
 }
 
-/// Vectors of a box as they are written on the command line: `LX,LY`, `LX,LY,LZ`,
-/// `AX,AY,BX,BY`, `LX,LY,LZ,XY,XZ,YZ` (the tilt as in LAMMPS) or all nine numbers, row by row.
+/// Vectors of a box from the command line: `LX,LY`, `LX,LY,LZ`, `AX,AY,BX,BY`, `LX,LY,LZ,XY,XZ,YZ`
+/// (the tilt of LAMMPS) or all nine numbers, row by row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges {
     vectors: [[f64; 3]; 3],
-    /// The third vector is there.
     space: bool,
 }
 
@@ -160,7 +154,7 @@ impl FromStr for Edges {
             _ => format!("{count} numbers are no box; {form}"),
         })?;
         let space = !matches!(count, 2 | 4);
-        // Vectors may point anywhere; edges along the axes have lengths.
+        // Only lengths of edges must not be negative; vectors may point in any direction.
         let edges = if matches!(count, 4 | 9) { 0 } else { count.min(3) };
         if let Some(edge) = numbers[..edges].iter().find(|edge| **edge < 0.0) {
             return Err(format!("an edge of {edge} is negative; {form}"));
@@ -180,10 +174,10 @@ impl std::fmt::Display for Axes {
     }
 }
 
-/// Along which axes, or vectors, a box repeats: `xyz`, `xy`, `z`, `none`; or `true`, along all.
+/// Periodic axes or box vectors: `xyz`, `xy`, `z` or `none`; `true` stands for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axes {
-    /// All that there are, in the dimension of the particles.
+    /// All axes of the particles' dimension.
     All,
     These([bool; 3]),
 }
@@ -191,7 +185,6 @@ pub enum Axes {
 impl Axes {
     pub const NONE: Axes = Axes::These([false; 3]);
 
-    /// The axes for particles of so many dimensions.
     pub fn of(self, dim: usize) -> [bool; 3] {
         match self {
             Axes::All => [true, true, dim == 3],
@@ -225,7 +218,6 @@ pub fn along(axes: [bool; 3]) -> String {
     names[(0..3).map(|k| usize::from(axes[k]) << k).sum::<usize>()].into()
 }
 
-/// Refuses a list that names images along an axis that is open.
 pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> {
     let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
     let images = images.unwrap_or_default();
@@ -240,11 +232,10 @@ pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// A particle is outside the box where it is farther out than this part of a vector: the corner
-/// and the coordinates in units of the vectors are rounded.
+/// Tolerance of the test whether a particle is outside the box, relative to a box vector. The
+/// corner and the relative coordinates are rounded.
 const OUT: f64 = 1e-9;
 
-/// The places in a list of the points that are beyond a face at which the box repeats.
 pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec<usize> {
     let is_outside = |point: [f64; 3]| {
         (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
@@ -258,30 +249,28 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Boundaries {
-    /// The vectors of the box, instead of the file's.
     pub edges: Option<Edges>,
-    /// Along which of them it repeats, whatever the file says.
     pub periodic: Option<Axes>,
-    /// Boundaries are open, whatever the file says.
+    /// Whether all boundaries are open, even if the file declares a periodic box.
     pub open: bool,
 }
 
 impl Boundaries {
     pub const AS_DECLARED: Boundaries = Boundaries { edges: None, periodic: None, open: false };
 
-    /// Nobody asks along which axes the file's box repeats.
+    /// Whether the options decide which axes are periodic, so that the file need not.
     pub(crate) fn overrule(&self) -> bool {
         self.open || self.periodic.is_some()
     }
 
-    /// Is a box declared of which nobody says whether it repeats?
+    /// Whether a box is declared, but neither file nor options state which axes are periodic.
     pub fn unknown(&self, declared: Option<&Declared>) -> bool {
         let silent = |of: &Declared| of.vectors.is_some() && of.periodic.is_none();
         *self == Boundaries::AS_DECLARED && declared.is_some_and(silent)
     }
 
-    /// The box that the file declares, repeating as the file says or else along all vectors, where
-    /// these boundaries leave it out.
+    /// Returns the declared box if these boundaries drop it. If the file does not state the
+    /// periodic vectors, all are.
     pub fn left_out(&self, dim: usize, declared: Option<&Declared>) -> Option<Lattice> {
         let declared = declared.filter(|_| self.edges.is_none())?;
         let flags = declared.periodic.filter(|flags| flags.contains(&true)).unwrap_or([true; 3]);
@@ -303,8 +292,8 @@ impl Boundaries {
         Ok(())
     }
 
-    /// The box of a file's particles; none where it does not repeat. What is worth saying is added
-    /// to `notices`.
+    /// Returns the box of the particles, or `None` if it is not periodic; adds notices about
+    /// assumptions.
     pub fn lattice(
         &self,
         name: &str,

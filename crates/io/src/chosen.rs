@@ -1,10 +1,10 @@
-//! Which columns or arrays of a file hold what, if the user says so: `x=3,y=4,z=5,r=rad`.
+//! The option `--columns x=3,y=4,z=5,r=rad`, which assigns columns or arrays of a file.
 //!
-//! * Coordinates are chosen together: with x and y given, a z that is not given is not read.
-//! * With coordinates or a size given, no other size is read. A size alone (`r=rad`) leaves the
+//! * Coordinates are chosen together: if x and y are given without z, no z is read.
+//! * If coordinates or a size are given, no other size is read. A size alone (`r=rad`) leaves the
 //!   coordinates to their names.
-//! * `frame=NAME` names the column by which a table is split into frames, and `frame=none` says
-//!   that there is none.
+//! * `frame=NAME` chooses the column that splits a table into frames; `frame=none` turns splitting
+//!   off.
 
 use std::str::FromStr;
 
@@ -14,14 +14,13 @@ use crate::lines::listed;
 use crate::particles::{Column, Columns};
 use crate::units::split;
 
-/// A column by its number from 1 or by its name, for some of x, y, z, r, d, id and frame.
+/// The chosen columns for x, y, z, r, d, id and frame, each by its number from 1 or by its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Chosen {
     columns: [Option<Which>; KEYS.len()],
     frame: Framing,
 }
 
-/// By which column a table is split into frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Framing {
     #[default]
@@ -30,7 +29,6 @@ enum Framing {
     By(Which),
 }
 
-/// What columns may be chosen for.
 const KEYS: [(&str, Column); 6] = [
     ("x", Column::Axis(0)),
     ("y", Column::Axis(1)),
@@ -40,14 +38,14 @@ const KEYS: [(&str, Column); 6] = [
     ("id", Column::Id),
 ];
 
-/// A short text: UTF-8, filled up with zeros.
+/// A text of at most [`Word::LONGEST`] bytes, padded with zero bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word([u8; Word::LONGEST]);
 
 impl Word {
     const LONGEST: usize = 32;
 
-    /// Without the blanks around it; an error if it is empty or too long.
+    /// Removes surrounding blanks; fails if the text is empty or too long.
     pub fn new(text: &str) -> Result<Word, String> {
         let text = text.trim();
         let mut bytes = [0; Word::LONGEST];
@@ -140,22 +138,20 @@ impl Chosen {
         self.columns[..3].iter().any(Option::is_some)
     }
 
-    /// True if the column of sizes is chosen.
     pub fn sizes(&self) -> bool {
         self.columns[3..5].iter().any(Option::is_some)
     }
 
-    /// True if a column of frames is chosen.
     pub fn by_frame(&self) -> bool {
         matches!(self.frame, Framing::By(_))
     }
 
-    /// True if no column splits the rows into frames.
     pub(crate) fn in_one_frame(&self) -> bool {
         self.frame == Framing::None
     }
 
-    /// The places of the columns, if the coordinates are chosen, and all columns by number.
+    /// Returns the columns as indices from 0, if coordinates are chosen and all columns are given
+    /// by number.
     pub fn numbers(&self) -> Option<Vec<usize>> {
         let place = |which: Which| match which {
             Which::Number(number) => Some(number - 1),
@@ -169,7 +165,7 @@ impl Chosen {
         given.filter_map(|((key, column), which)| Some((*key, *column, (*which)?)))
     }
 
-    /// What the meaning that a name has becomes beside the columns that are chosen.
+    /// Returns the meaning of a column that was not chosen itself, given what was chosen.
     fn beside(&self, named: Column) -> Column {
         let gone = match named {
             Column::Axis(_) => self.axes(),
@@ -180,7 +176,7 @@ impl Chosen {
         if gone { Column::Other } else { named }
     }
 
-    /// What an array or property of that name holds, in a format that does not number them.
+    /// Returns the meaning of an array or property by its name, for formats without column numbers.
     pub fn meaning(chosen: Option<Chosen>, name: &str) -> Column {
         let named = Column::named(name);
         let Some(chosen) = chosen else { return named };
@@ -189,7 +185,6 @@ impl Chosen {
         found.map_or(chosen.beside(named), |(_, column, _)| column)
     }
 
-    /// Refuses names that are not among those of the file's arrays, and numbers of columns.
     pub fn among<S: AsRef<str>>(&self, names: &[S], place: &str) -> anyhow::Result<()> {
         for (key, _, which) in self.given() {
             let name = which.text();
@@ -221,8 +216,8 @@ impl Chosen {
         Ok(columns)
     }
 
-    /// The column that splits the rows into frames: the chosen one, or none if there is to be none,
-    /// else the one that `by_name` finds.
+    /// Returns the column that splits the rows into frames: the chosen one, otherwise the one that
+    /// `by_name` finds. Returns `None` if splitting is turned off.
     pub fn frame(
         chosen: Option<Chosen>,
         columns: &mut Columns,
@@ -238,7 +233,8 @@ impl Chosen {
 }
 
 impl Which {
-    /// The place of the column, also behind those that have names if there may be more.
+    /// Returns the index of the chosen column. If lines may have more columns than names, it may
+    /// lie beyond the named ones.
     fn find(&self, key: &str, columns: &mut Columns, place: &str) -> anyhow::Result<usize> {
         let name = self.text();
         let found: Vec<usize> = match *self {

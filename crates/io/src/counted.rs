@@ -1,19 +1,19 @@
-//! Columns without names that count the particles, such as Finney's packing is published with.
+//! Detects unnamed columns that only number the particles, as in the published data of Finney's
+//! packing.
 
 use crate::particles::Particles;
 
-/// Which column counts the particles: see [`Particles::counted`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counted {
     First,
     Last,
-    /// The first of two: they may be a graph.
+    /// The first of two columns; the file may be a graph.
     Graph,
 }
 
 impl Particles {
-    /// Whether x or the radius counts the particles, in any order, and so is likely neither. Beads
-    /// on a row may well have x = 0, 1, 2, but then they have one radius, and one y and z.
+    /// Returns the column that seems to number the particles, in any order, instead of holding x or
+    /// the radius. Beads on a row may have x = 0, 1, 2, but they share one radius, y and z.
     pub fn counted(&self) -> Option<Counted> {
         let (n, radii) = (self.len(), self.radii.as_deref());
         if n < 3 {
@@ -31,8 +31,8 @@ impl Particles {
     }
 }
 
-/// Whether the values are the whole numbers from 0 or from 1 on, each once. Also false without the
-/// memory for a bit each.
+/// Whether the values are the whole numbers from 0 or from 1, each once. Also false if there is no
+/// memory for one bit per value.
 fn counts(n: usize, value: impl Fn(usize) -> f64) -> bool {
     let (mut seen, mut count) = (Vec::<u64>::new(), 0);
     for k in 0..n {
@@ -50,6 +50,6 @@ fn counts(n: usize, value: impl Fn(usize) -> f64) -> bool {
         count += usize::from(seen[word] >> bit & 1 == 0);
         seen[word] |= 1 << bit;
     }
-    // All n are different, and 0 or n is not among them.
+    // All n values are different, and 0 or n does not occur.
     count == n && (seen[0] & 1 == 0 || seen[n / 64] >> (n % 64) & 1 == 0)
 }

@@ -1,5 +1,4 @@
-//! Scenes and pairs as files between harness and runners: NumPy npy, which runners in any language
-//! can read.
+//! Scene and pair files exchanged between harness and runners, as NumPy npy.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
@@ -18,8 +17,8 @@ use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_core::scene::{AnyScene, Radii, Real};
 use contactbench_core::with_scene;
 
-/// Writes centres, and radii as one more column unless they are all the same, as f64. Gives the
-/// radius of all particles, if they have the same.
+/// Writes centres as f64, and radii as one more column unless all are equal. Returns the common
+/// radius.
 pub fn write_scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Option<f64>> {
     let write = || {
         let mut file = BufWriter::new(File::create(path)?);
@@ -54,7 +53,6 @@ pub fn read_scene(
     Ok(scene)
 }
 
-/// Writes contacts as a runner does: see [`read_contacts`].
 pub fn write_contacts(
     path: &Path,
     contacts: impl ExactSizeIterator<Item = ImagePair>,
@@ -72,8 +70,8 @@ pub fn write_contacts(
     })
 }
 
-/// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
-/// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
+/// Reads the contacts that a runner wrote: npy `<u4` of shape (pairs, 2), C order. In a box: `<i4`
+/// of shape (pairs, 2 + dim); the last columns are the image of the second particle.
 pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
     let name = path.display().to_string();
     let (kind, descr) = if box_dim.is_some() { (Kind::I32, "<i4") } else { (Kind::U32, "<u4") };
@@ -94,7 +92,7 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let mut contacts = Contacts::default();
     header.pieces(&mut source, header.rows, columns, |_, numbers| {
         for row in numbers.chunks_exact(columns) {
-            // Every i32 and u32 is a double.
+            // Every i32 and u32 is exact as f64.
             let [Ok(i), Ok(j)] = [row[0], row[1]].map(|k| u32::try_from(k as i64)) else {
                 bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
             };

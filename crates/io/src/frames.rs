@@ -1,4 +1,4 @@
-//! The frames of a file, one after the other, and which of them are wanted.
+//! The frames of a file, and the choice among them.
 
 use anyhow::{anyhow, bail, ensure};
 
@@ -8,13 +8,12 @@ use crate::{About, Loaded, Notice, Options, Particles};
 /// A choice among the frames of a file, which are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Frame {
-    /// The only one; several are refused.
+    /// The only frame; a file with several frames is refused.
     #[default]
     Only,
-    /// The one of that number.
     Number(u64),
     Last,
-    /// Each of them: see [`Frames`].
+    /// All frames; see [`Frames`].
     All,
 }
 
@@ -34,7 +33,6 @@ impl std::str::FromStr for Frame {
     }
 }
 
-/// What to do with the frame that begins.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Step {
     Keep,
@@ -42,25 +40,24 @@ pub enum Step {
     Stop,
 }
 
-/// Counts frames as they begin, and says which are wanted.
 #[derive(Default)]
 pub struct Choice {
     frame: Frame,
-    /// To the end of the file, whatever is wanted.
+    /// Whether to read to the end of the file in any case.
     survey: bool,
-    /// The number of the last that has begun, and one more.
+    /// Number of frames that have begun, including missing frames before the last.
     pub seen: u64,
-    /// Frames that are not there hold nothing.
+    /// Whether missing frames are empty frames.
     pub sparse: bool,
-    /// Frames say their time step, and those that are not there have no number.
+    /// Whether frames are identified by time step; then missing frames have no number.
     pub by_step: bool,
-    /// Rows behind a frame may belong to it: only a file that is read to its end has frames.
+    /// Whether later rows may still belong to an earlier frame, so that the file must be read to
+    /// its end.
     pub through: bool,
-    /// The number of frames read or passed over to their end.
+    /// Number of frames read or skipped to their end.
     whole: u64,
-    /// The line where the last of these ends; 0 where frames are not made of lines.
+    /// The last line of these frames; 0 if the format has no lines.
     line: u64,
-    /// What is wrong with frames behind the chosen one.
     torn: Option<String>,
     pub gzip: bool,
 }
@@ -70,11 +67,11 @@ impl Choice {
         Choice { frame, survey, ..Choice::default() }
     }
 
-    /// A frame was read, or passed over, to its end: that of [`Lines::end`] if it has lines.
+    /// Notes that a frame was read or skipped to its end; `end` is [`Lines::end`].
     pub fn done(&mut self, end: Option<(u64, bool)>, particles: Option<&mut Particles>) {
         self.whole = self.seen;
         self.line = end.map_or(0, |(line, _)| line);
-        // A program that writes frames ends each with a line feed: its last number may be cut.
+        // Programs end each frame with a line feed. Without one, the last number may be cut.
         if self.seen > 1 && end.is_some_and(|(_, has_feed)| !has_feed) {
             let why = format!(
                 "the last line of frame {} has no line feed: if the file is being written, its \
@@ -88,14 +85,13 @@ impl Choice {
         }
     }
 
-    /// A frame ended before this line.
+    /// Notes that a frame ended before the current line.
     pub fn done_before(&mut self, lines: &Lines<'_>) {
         (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
     }
 
-    /// The error of a frame that cannot be read, with the frames before it that can.
     fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
-        // With a second frame where one is expected nothing is torn.
+        // If one frame is expected and a second begins, no frame is damaged.
         if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
         }
@@ -116,7 +112,7 @@ impl Choice {
         self.frame == Frame::All
     }
 
-    /// The first of `count` frames that need be looked at, where each can be had alone.
+    /// The first of `count` frames that must be read, for formats with random access.
     pub fn first_of(&self, count: usize) -> usize {
         match self.frame {
             Frame::Last => count.saturating_sub(1),
@@ -125,12 +121,11 @@ impl Choice {
         }
     }
 
-    /// The next frame begins at `place`.
     pub fn begin(&mut self, place: impl Fn() -> String) -> anyhow::Result<Step> {
         self.begin_at(self.seen, place)
     }
 
-    /// The frame of this number begins at `place`; those between it and the last are not there.
+    /// Notes that frame `index` begins at `place`; frames before it may be missing.
     pub fn begin_at(&mut self, index: u64, place: impl Fn() -> String) -> anyhow::Result<Step> {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
@@ -146,7 +141,7 @@ impl Choice {
         })
     }
 
-    /// The file has ended, or no more is wanted: the number of the frame that was kept last.
+    /// Returns the number of the chosen frame; fails if the file does not have it.
     fn end(&self, name: &str) -> anyhow::Result<u64> {
         if let Frame::Number(k) = self.frame
             && (self.seen > 0 || self.sparse)
@@ -162,21 +157,19 @@ impl Choice {
     }
 }
 
-/// Reads the frames of a file of one format: of particles, or of contact lists.
 pub trait Reader<T> {
-    /// The next frame that is kept; none when the file has ended, or no more is wanted.
+    /// Returns the next wanted frame, or `None` after the last.
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>>;
 }
 
-/// A file whose frames follow each other, each behind a beginning of its own.
+/// A file in which each frame starts with a header.
 pub trait Framed {
-    /// Goes to the next frame, and gives its place for messages; none at the end.
+    /// Moves to the next frame and returns its place for messages, or `None` at the end.
     fn begin(&mut self) -> anyhow::Result<Option<String>>;
 
-    /// Reads the frame that has begun; or passes over it, and gives none.
+    /// Reads the frame that has begun, or skips it and returns `None`.
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>>;
 
-    /// [`Lines::end`], if the file is made of lines.
     fn end(&self) -> Option<(u64, bool)> {
         None
     }
@@ -199,7 +192,6 @@ impl<F: Framed> Reader<Loaded> for F {
     }
 }
 
-/// A reader of a file that holds one frame.
 pub struct Once<F>(Option<F>);
 
 impl<F> Once<F> {
@@ -214,7 +206,6 @@ impl<T, F: FnOnce() -> anyhow::Result<T>> Reader<T> for Once<F> {
     }
 }
 
-/// The one frame that was chosen, and its number.
 pub fn chosen<T>(
     reader: &mut dyn Reader<T>,
     choice: &mut Choice,
@@ -229,7 +220,7 @@ pub fn chosen<T>(
         match reader.next(choice) {
             Ok(Some(frame)) => kept = Some(frame),
             Ok(None) => break,
-            // The frame that is wanted is whole.
+            // An error after the chosen frame does not matter.
             Err(error)
                 if kept.is_some()
                     && !choice.through
@@ -242,7 +233,7 @@ pub fn chosen<T>(
             }
             Err(error) => return Err(choice.with_whole(error, name)),
         }
-        // Nothing behind the chosen frame can change it.
+        // No later line can change the chosen frame.
         let is_last = !choice.survey && !choice.sparse && !choice.through;
         if matches!(choice.frame, Frame::Number(_)) && is_last {
             break;
@@ -251,11 +242,11 @@ pub fn chosen<T>(
     Ok((kept, choice.end(name)?))
 }
 
-/// The frames of a particle file, one after the other: no more than one is held at a time.
+/// The frames of a particle file. Only one frame is in memory at a time.
 ///
-/// Particles stand in the order of the file, frame by frame; see [`Particles::sort_by_id`] for one
-/// that is the same in all. Each frame says its number and, where the format has one, its time step
-/// ([`About`]). Numbers of particles, ids and boxes may change from one to the next.
+/// Particles keep the order of the file; [`Particles::sort_by_id`] gives all frames the same order.
+/// Each frame has its number and, if the format has one, its time step ([`About`]). The number of
+/// particles, ids and boxes may differ between frames.
 pub struct Frames<'a> {
     pub(super) reader: Box<dyn Reader<Loaded> + 'a>,
     pub(super) choice: Choice,
@@ -270,7 +261,6 @@ impl Frames<'_> {
         self.finished(kept, frame)
     }
 
-    /// The frame that was chosen, as it is in the file.
     pub(super) fn raw(mut self) -> anyhow::Result<Loaded> {
         self.one().map(|(kept, _)| kept)
     }
@@ -298,7 +288,7 @@ impl Frames<'_> {
     }
 }
 
-/// An error ends them.
+/// Iteration ends after an error.
 impl Iterator for Frames<'_> {
     type Item = anyhow::Result<Loaded>;
 

@@ -1,26 +1,25 @@
-//! Files that people bring: particles in, contact lists in, pairs and scenes out.
+//! Reads particles and contact lists from files, and writes pairs and scenes.
 //!
-//! One file per format, one line each in [`FORMATS`]. The format is told by the file's first bytes,
-//! then by its ending; `format` overrides both. A file may be compressed with gzip. Numbers are
-//! converted with correct rounding. Errors name file, line and column, and particles are numbered
-//! from 0 as everywhere.
+//! Each format has one module and one entry in [`FORMATS`]. The first bytes of a file give its
+//! format, otherwise its ending does; the option `format` overrides both. Files may be compressed
+//! with gzip. Numbers are rounded correctly. Errors name file, line and column; particles are
+//! numbered from 0.
 //!
-//! **Dimension.** Columns z or three-vectors give spheres, even where all z are 0: a plane scene
-//! written with z = 0 stays a scene of spheres unless `dim: Some(2)` asks for discs; then every z
-//! must be 0. An array of three columns without names is x, y, z; with `dim: Some(2)` it is x, y,
-//! radius.
+//! **Dimension.** A column z or three-dimensional vectors make spheres, even if every z is 0. With
+//! `dim: Some(2)` they make discs, and every z must be 0. An array of three unnamed columns is x,
+//! y, z, or x, y, radius with `dim: Some(2)`.
 //!
-//! **Radii.** From the file (a column of diameters is halved, without error above 10^-307), or one
-//! for all from the options, which counts before the file's. Equal radii become one radius for all.
+//! **Radii.** A radius from the options replaces those of the file. Diameters are halved, which is
+//! exact above 10^-307. Equal radii are stored as one.
 //!
-//! **Frames.** A file of several frames is refused unless the options say which one. All are read
-//! one after the other by [`frames`].
+//! **Frames.** A file of several frames is refused unless the options choose one. [`frames`] reads
+//! all of them, one at a time.
 //!
-//! **Boxes.** A box that repeats stays with the particles, and no open scene is made of them unless
-//! the options say so: see [`boxes`].
+//! **Boxes.** Particles keep their periodic box. They do not become an open scene unless the
+//! options ask for it; see [`boxes`].
 //!
-//! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
-//! promises; nothing else is kept.
+//! **Memory.** Lists of particles grow by a quarter with the bytes that are present, whatever
+//! number the header announces. Nothing else is kept.
 
 mod arrays;
 pub mod boxes;
@@ -69,38 +68,33 @@ use contactbench_core::scene::AnyScene;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum RadiusSource {
-    /// A column or array of that name.
     Column(String),
-    /// A column or array of diameters of that name, halved.
+    /// The column or array of diameters with this name; its values were halved.
     Halved(String),
     Given,
     #[default]
     Missing,
 }
 
-/// What was understood of a file, beside its particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     pub format: &'static str,
     pub gzip: bool,
     pub radius: RadiusSource,
-    /// Frames in the file, as far as it was read.
+    /// Number of frames, as far as the file was read.
     pub frames: u64,
     pub frame: u64,
-    /// Its time step, where the format counts them.
     pub step: Option<i64>,
-    /// Its time, where the format has one.
     pub time: Option<f64>,
-    /// The box that the file declares, and whether it repeats.
+    /// The box in the file, and whether it is periodic.
     pub declared: Option<Declared>,
-    /// The file of the frame, where several files are one trajectory.
     pub file: Option<String>,
 }
 
 pub type Loaded = (Particles, About);
 
 impl About {
-    /// `frame 3 (step 300)`.
+    /// Names the frame, as in `frame 3 (step 300)`.
     pub fn which(&self) -> String {
         match self.step {
             Some(step) => format!("frame {} (step {step})", self.frame),
@@ -109,20 +103,18 @@ impl About {
     }
 }
 
-/// Reads the particles of a file, in file order, as a scene with open boundaries.
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
     let (particles, _) = load(path, options)?;
     particles.scene(&path.display().to_string(), options.radius)
 }
 
-/// As [`scene`], in the box in which it repeats.
 pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
     let (particles, _) = load(path, options)?;
     particles.given(&path.display().to_string(), options.radius)
 }
 
-/// Reads particles from a stream; `name` stands in messages, `ending` is the file name's, in lower
-/// case.
+/// Reads a scene from a stream. `name` is used in messages; `ending` is the file name's ending in
+/// lower case.
 pub fn from(
     reader: impl BufRead,
     name: &str,
@@ -133,13 +125,13 @@ pub fn from(
     particles.scene(name, options.radius)
 }
 
-/// Reads the particles of a file, which need not have radii, and says what was understood.
+/// Reads the particles of a file, which need not have radii.
 pub fn load(path: &Path, options: Options) -> anyhow::Result<Loaded> {
     frames(path, options, |frames| frames.chosen())
 }
 
-/// Hands the frames of a file that are chosen to `body`, which takes them one by one. The path may
-/// stand for several files: a pattern such as `run_*.vtp`, or a list of files (`.pvd`, `.series`).
+/// Calls `body` with the chosen frames of a file. `path` may also be a pattern such as `run_*.vtp`,
+/// or a list of files (`.pvd`, `.series`).
 pub fn frames<T>(
     path: &Path,
     options: Options,
@@ -152,7 +144,6 @@ pub fn frames<T>(
     body(Frames { reader, choice, name, options, ended: false })
 }
 
-/// Reads one file; see [`frames`].
 fn opened<T>(
     path: &Path,
     options: Options,
@@ -164,7 +155,6 @@ fn opened<T>(
     frames_from(reader, &name, &ending(path), options, body)
 }
 
-/// The ending of a file's name in lower case, without `.gz`.
 fn ending(path: &Path) -> String {
     let ending = |path: &Path| {
         path.extension()
@@ -177,7 +167,6 @@ fn ending(path: &Path) -> String {
     }
 }
 
-/// As [`load`], from a stream; `ending` is the file name's, in lower case.
 pub fn load_from(
     reader: impl BufRead,
     name: &str,
@@ -187,7 +176,6 @@ pub fn load_from(
     frames_from(reader, name, ending, options, |frames| frames.chosen())
 }
 
-/// As [`frames`], from a stream; `ending` is the file name's, in lower case.
 pub fn frames_from<T>(
     reader: impl BufRead,
     name: &str,
@@ -211,8 +199,8 @@ pub fn frames_from<T>(
     })
 }
 
-/// Hands the bytes of a stream to `body`, unpacked if they are compressed with gzip, with the first
-/// of them, which tell the format.
+/// Calls `body` with the unpacked bytes of a stream, its first bytes (which give the format), and
+/// whether it was compressed.
 fn unpacked<T>(
     reader: impl BufRead,
     name: &str,
@@ -236,7 +224,6 @@ fn unpacked<T>(
     body(&mut std::io::Cursor::new(&head[..]).chain(reader), unpacking, &head, true)
 }
 
-/// What holds for the particles of every format.
 fn finished(
     mut particles: Particles,
     mut about: About,

@@ -1,5 +1,4 @@
-//! Text as files hold it: lines with numbers, words across lines, cells of a line, and how they are
-//! shown in messages.
+//! Lines, words, cells and numbers of text files, and how messages quote them.
 
 use std::io::{BufRead, Read};
 
@@ -8,10 +7,9 @@ use anyhow::{Context, bail, ensure};
 use crate::formats::gzip::Unpacking;
 use crate::room::numbered;
 
-/// Longest line of a text file. A longer one is some other kind of file, and would fill the memory.
+/// Maximum length of a line in bytes. A longer line means that the file is not text.
 pub const LONGEST_LINE: usize = 1 << 20;
 
-/// Bytes of a file, from the first on, and the file's name for messages.
 pub struct Source<'a> {
     pub input: &'a mut dyn BufRead,
     pub name: &'a str,
@@ -19,7 +17,7 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Fills `bytes`. False where the file ends before.
+    /// Fills `bytes`; returns false if the file ends before.
     pub fn fill(&mut self, bytes: &mut [u8]) -> anyhow::Result<bool> {
         match self.input.read_exact(bytes) {
             Ok(()) => Ok(true),
@@ -28,23 +26,21 @@ impl Source<'_> {
         }
     }
 
-    /// Passes over `count` bytes. False where the file ends before.
+    /// Skips `count` bytes; returns false if the file ends before.
     pub fn skip(&mut self, count: u64) -> anyhow::Result<bool> {
         let skipped = std::io::copy(&mut Read::take(&mut self.input, count), &mut std::io::sink());
         Ok(skipped.with_context(|| format!("cannot read {}", self.name))? == count)
     }
 }
 
-/// The lines of a text, numbered from 1, without their ends. One buffer serves them all.
+/// The lines of a text, numbered from 1, without line ends. All share one buffer.
 pub struct Lines<'a> {
     pub source: Source<'a>,
     line: Vec<u8>,
     number: u64,
-    /// Where the next word is looked for.
+    /// Byte at which the search for the next word starts.
     at: usize,
-    /// Where the last word began.
     word: usize,
-    /// The line ends in a line feed.
     ended: bool,
 }
 
@@ -53,7 +49,7 @@ impl<'a> Lines<'a> {
         Lines { source, line: Vec::new(), number: 0, at: 0, word: 0, ended: false }
     }
 
-    /// Goes to the next line; false at the end.
+    /// Reads the next line; returns false at the end.
     pub fn advance(&mut self) -> anyhow::Result<bool> {
         self.line.clear();
         (self.at, self.word) = (0, 0);
@@ -87,7 +83,7 @@ impl<'a> Lines<'a> {
         Ok(more)
     }
 
-    /// Goes to the next line that is not blank; false at the end.
+    /// Reads the next line that is not blank; returns false at the end.
     pub fn advance_over_blanks(&mut self) -> anyhow::Result<bool> {
         while self.advance()? {
             if !self.line().is_empty() {
@@ -97,19 +93,18 @@ impl<'a> Lines<'a> {
         Ok(false)
     }
 
-    /// Goes to row `k` of `n`. If the file ends before, `of` names the rows and the remedy in the
-    /// error.
+    /// Reads row `k` of `n`. If the file ends before, the error uses `of`, which names the rows and
+    /// the remedy.
     pub fn row(&mut self, k: u64, n: u64, of: &str) -> anyhow::Result<()> {
         ensure!(self.advance()?, "{} ends after {k} of the {n} {of}", self.source.name);
         Ok(())
     }
 
-    /// The line, without blanks around it.
     pub fn line(&self) -> &[u8] {
         self.line.trim_ascii()
     }
 
-    /// The line as text, for headers and messages; what is no UTF-8 becomes U+FFFD.
+    /// The line as text; invalid UTF-8 becomes U+FFFD.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(self.line()).into_owned()
     }
@@ -118,27 +113,25 @@ impl<'a> Lines<'a> {
         self.number
     }
 
-    /// The number of the line, and whether it ends in a line feed.
+    /// The number of the line, and whether it ends with a line feed.
     pub fn end(&self) -> (u64, bool) {
         (self.number, self.ended)
     }
 
-    /// Whether the last line that was there ends in a line feed.
     pub fn ended(&self) -> bool {
         self.ended
     }
 
-    /// `file:line`.
     pub fn place(&self) -> String {
         format!("{}:{}", self.source.name, self.number)
     }
 
-    /// `file:line:column` of the last word; the column counts bytes from 1.
+    /// `file:line:column` of the last word; columns are bytes, counted from 1.
     pub fn place_of_word(&self) -> String {
         format!("{}:{}:{}", self.source.name, self.number, self.word + 1)
     }
 
-    /// The next word, on this line or a later one; none at the end. Words are separated by blanks.
+    /// Returns the next word between blanks, on this line or a later one, or `None` at the end.
     pub fn word(&mut self) -> anyhow::Result<Option<&[u8]>> {
         loop {
             let rest = self.line.get(self.at..).unwrap_or_default();
@@ -157,12 +150,10 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The rest of the line holds no words.
     pub fn end_line(&mut self) {
         self.at = self.line.len();
     }
 
-    /// What is left of the line behind the last word.
     pub fn rest(&self) -> &[u8] {
         self.line.get(self.at..).unwrap_or_default().trim_ascii()
     }
@@ -183,7 +174,6 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// A number of particles, as a header announces it.
     pub fn count(&self, text: &[u8], what: &str) -> anyhow::Result<u64> {
         let Some(n) = std::str::from_utf8(text).ok().and_then(|text| text.parse::<u64>().ok())
         else {
@@ -194,23 +184,22 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A number, correctly rounded; none where it is not one. Infinities and NaN are numbers. The
-/// exponent may follow a D, as Fortran writes it.
+/// Parses a number with correct rounding, including infinities and NaN. The exponent may follow a
+/// D, as in Fortran.
 pub fn number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;
     let fortran = || {
         let (mantissa, exponent) = text.split_once(['d', 'D'])?;
-        // At least one digit on both sides: else words such as "d1" would be numbers.
         exponent.parse::<i32>().ok()?;
         format!("{mantissa}e{exponent}").parse().ok()
     };
     text.parse().ok().or_else(fortran)
 }
 
-/// A whole number, which some programs write as `12.0` or `1.2000e+01`.
+/// Parses a whole number, also if written as `12.0` or `1.2000e+01`.
 ///
-/// None also for `1e+06` and `1.23457e+06`: `%g` keeps six digits, so what was written there may
-/// have been another number. With an exponent, every digit before the point has to stand there.
+/// Returns `None` for `1e+06` and `1.23457e+06`, because `%g` keeps six digits and may have rounded
+/// another number. With an exponent, all digits of the number must be written.
 pub fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
     if let Ok(whole) = text.parse() {
@@ -222,12 +211,10 @@ pub fn whole(cell: &[u8]) -> Option<i64> {
     number(cell).filter(|x| complete && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
 }
 
-/// A time step; none where it is no whole number.
 pub(crate) fn step_of(cell: &[u8]) -> Option<i64> {
     std::str::from_utf8(cell).ok()?.parse().ok()
 }
 
-/// Returns whether a word is in a list whose words are separated by blanks.
 pub(crate) fn among(list: &str, word: &str) -> bool {
     list.split(' ').any(|it| it == word)
 }
@@ -240,7 +227,6 @@ pub fn texts(line: &[u8]) -> Vec<String> {
     words(line).map(|word| String::from_utf8_lossy(word).into_owned()).collect()
 }
 
-/// What stands between the cells of a line.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub(crate) enum Separator {
     One(u8),
@@ -249,7 +235,7 @@ pub(crate) enum Separator {
 }
 
 impl Separator {
-    /// Guesses the separator of a line, quoted text aside: semicolon, else comma, else tab, else
+    /// Guesses the separator of a line, ignoring quoted text: semicolon, else comma, else tab, else
     /// blanks.
     pub fn guess(line: &[u8]) -> Separator {
         let bare: Vec<u8> = line.split(|&b| b == b'"').step_by(2).flatten().copied().collect();
@@ -259,7 +245,6 @@ impl Separator {
             .map_or(Separator::Blanks, Separator::One)
     }
 
-    /// The line without one separator at its end.
     pub fn shorn(self, line: &[u8]) -> &[u8] {
         match (self, line) {
             (Separator::One(c), [shorn @ .., last]) if *last == c => shorn.trim_ascii_end(),
@@ -267,7 +252,6 @@ impl Separator {
         }
     }
 
-    /// The cells of a line, without the blanks and quotes around them.
     pub fn cells(self, line: &[u8]) -> Cells<'_> {
         Cells { rest: Some(line), separator: self }
     }
@@ -299,7 +283,6 @@ impl<'a> Iterator for Cells<'a> {
                 return None;
             }
         }
-        // What stands in quotes separates nothing.
         let from = quoted(rest).unwrap_or(0);
         let mut bytes = rest[from..].iter();
         let end = match self.separator {
@@ -312,7 +295,8 @@ impl<'a> Iterator for Cells<'a> {
     }
 }
 
-/// Where the quotes end with which a line begins; none if it begins without, or they do not end.
+/// Returns the end of the quoted text at the start of a line; `None` without quotes, or if they
+/// stay open.
 fn quoted(line: &[u8]) -> Option<usize> {
     if line.iter().find(|byte| !byte.is_ascii_whitespace()).is_none_or(|byte| *byte != b'"') {
         return None;
@@ -327,12 +311,11 @@ fn quoted(line: &[u8]) -> Option<usize> {
     }
 }
 
-/// True if a line of a table begins as comments do.
 pub(crate) fn is_comment(line: &[u8]) -> bool {
     matches!(line, [b'#' | b'%' | b'!', ..] | [b'/', b'/', ..])
 }
 
-/// A line without the comment that # or % begins behind a blank or a separator.
+/// Removes a comment that starts with # or % after a blank or a separator.
 pub(crate) fn uncommented(line: &[u8]) -> &[u8] {
     if !line.contains(&b'#') && !line.contains(&b'%') {
         return line;
@@ -352,8 +335,7 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     if let [b'"', inner @ .., b'"'] = cell { inner.trim_ascii() } else { cell }
 }
 
-/// The beginning of a text, for messages: nothing of it reaches the terminal but letters, figures
-/// and signs.
+/// Shortens a text for messages, and replaces characters that could control a terminal.
 pub fn short(text: &str) -> String {
     let shown: String =
         text.chars()
@@ -365,7 +347,6 @@ pub fn short(text: &str) -> String {
     if text.chars().nth(40).is_some() { shown + "…" } else { shown }
 }
 
-/// The first names of a list, for messages.
 pub fn listed<S: AsRef<str>>(names: &[S]) -> String {
     let shown: Vec<String> = names.iter().take(8).map(|name| short(name.as_ref())).collect();
     shown.join(" ") + if names.len() > 8 { " …" } else { "" }

@@ -1,55 +1,51 @@
-//! Assumptions that a reader made about a file. Every verb that reads particles prints them.
+//! Assumptions made while reading a file. Every command that reads particles prints them.
 
 use crate::{RadiusSource, short};
 
-/// An assumption about a file, or a doubt, that decides which contacts are found.
+/// An assumption or a doubt about a file that affects which contacts are found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
-    /// It has a box and does not say whether that repeats: boundaries are taken as open.
+    /// The file does not state whether its box is periodic, so boundaries are open.
     Boundaries,
-    /// All z are 0, and the box repeats along z.
+    /// All z are 0, and the box is periodic along z.
     Plane,
-    /// Coordinates are written with so many significant digits, and were cut to them.
+    /// Coordinates were rounded to this many significant digits before they were written.
     Digits(u32),
-    /// All z are 0, in open space.
     Flat,
-    /// Some radii are 0.
     Points,
-    /// Nothing touches.
     Apart,
-    /// More contacts per particle than hard bodies have, by so much that the unit must differ, or
-    /// not.
+    /// More contacts per particle than hard particles can have.
     Crowded {
         each: f64,
-        /// Five times too many, or more.
+        /// Whether there are at least five times too many, which suggests a wrong unit.
         other_unit: bool,
         source: RadiusSource,
     },
-    /// Contacts overlap by this much in the mean, in mean radii: more than those of hard bodies.
+    /// Mean overlap of contacts, in mean radii, if larger than hard particles have.
     Deep(f64),
     /// Number of nearly concentric pairs, and the first of them.
     Nested(u64, [u32; 2]),
-    /// Particles that have the centre of another, and the first of them.
+    /// Number of particles with the same centre as another, and the first of them.
     Coincident(u64, u32),
-    /// Coordinates are from 0 to 1, and the contacts are not those of a packing.
+    /// Coordinates lie between 0 and 1, and the contacts do not look like a packing.
     Scaled,
-    /// f32 places bodies only to this many mean radii.
+    /// Resolution of f32 coordinates, in mean radii.
     Far(f64),
-    /// Any other assumption: a whole sentence, with the option that says otherwise.
+    /// Another assumption, as a sentence with the option that changes it.
     Assumed(String),
 }
 
-/// Where the file is named, and so how its options are written.
+/// The place where the file is named, which determines how options are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Argument,
-    /// In a scene, as in `file:path=p.dump`.
+    /// A scene text such as `file:path=p.dump`.
     Spec,
     Experiment,
 }
 
 impl Notice {
-    /// Is it the same, or the same doubt with other numbers, as those of another frame have?
+    /// Whether the other notice is the same, apart from numbers that change from frame to frame.
     pub fn is_like(&self, other: &Notice) -> bool {
         match (self, other) {
             (Notice::Assumed(a), Notice::Assumed(b)) => a == b,
@@ -57,7 +53,6 @@ impl Notice {
         }
     }
 
-    /// The sentence, with the remedy.
     pub fn words(&self, place: Place) -> String {
         let [periodic, open, plane] = match place {
             Place::Argument => ["--periodic xyz", "--open", "--dim 2"],

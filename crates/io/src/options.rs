@@ -1,4 +1,4 @@
-//! How a file is to be read, and the names under which the command line, scenes and tests say it.
+//! Options for reading a file, and their names on the command line and in scenes.
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -8,36 +8,33 @@ use anyhow::ensure;
 use crate::{Boundaries, Chosen, Format, Frame, Without};
 use contactbench_terms::number;
 
-/// What a file does not say, or what counts in its place.
+/// Values that a file leaves open, or that replace its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// The radius of all particles; the sizes in the file are then not used.
+    /// The radius of all particles; it replaces sizes in the file.
     pub radius: Option<f64>,
-    /// 2 or 3, where the file leaves it open; none lets the file decide.
+    /// 2 or 3, if the file allows both; `None` takes the dimension of the file.
     pub dim: Option<u32>,
-    /// Which frame, of a file that has several.
     pub frame: Frame,
-    /// The format; none lets the file decide.
+    /// The format; `None` detects it.
     pub format: Option<&'static Format>,
-    /// Keep the file's own numbers of the particles.
+    /// Whether to keep the file's own numbers of the particles.
     pub ids: bool,
-    /// Read on to the end of the file, to count its frames.
+    /// Whether to read to the end of the file, to count its frames.
     pub survey: bool,
-    /// Which columns or arrays hold what; none lets their names decide.
+    /// The chosen columns or arrays; `None` finds them by name.
     pub columns: Option<Chosen>,
-    /// The box, where it is not the file's.
     pub boundaries: Boundaries,
     pub without: Option<Without>,
-    /// Part k of this many parts, from 0, where a format can leave out the others:
-    /// [`Particles::first`](crate::Particles).
+    /// Part k, counted from 0, of the given number of parts. Formats that cannot read parts ignore
+    /// it; see [`Particles::first`](crate::Particles).
     pub part: Option<[u64; 2]>,
 }
 
-/// One of the options that users give, as text.
 pub struct FileOption {
-    /// The name on the command line; in a scene too, but for `dim`, which is `file-dim` there.
+    /// Name on the command line and in scenes; only `dim` is called `file-dim` in scenes.
     pub name: &'static str,
-    /// What it takes, for the help; empty for a flag.
+    /// Placeholder of the value in the help; empty for a flag.
     pub value: &'static str,
     pub meaning: &'static str,
     set: fn(&mut Options, &str) -> Result<(), String>,
@@ -119,7 +116,6 @@ impl FileOption {
         (self.set)(options, text)
     }
 
-    /// The text, if the option takes it.
     pub fn check(&self, text: &str) -> Result<String, String> {
         self.set(&mut Options::default(), text).map(|()| text.to_string())
     }
@@ -139,7 +135,6 @@ impl Options {
         part: None,
     };
 
-    /// Refuses what no file can be read with.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if let Some(radius) = self.radius {
             ensure!(

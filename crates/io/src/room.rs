@@ -1,16 +1,15 @@
-//! Room in lists that grow with the bytes of a file.
+//! Growth of lists in proportion to the bytes of a file.
 
 use anyhow::ensure;
 
 use contactbench_core::memory;
 
-/// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
-/// is where the memory goes.
+/// Makes room for one more value. The list grows by a quarter instead of doubling, because it takes
+/// most of the memory.
 pub fn room<T>(list: &mut Vec<T>) -> anyhow::Result<()> {
     room_for(list, 1)
 }
 
-/// The same for some more.
 pub(crate) fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()> {
     if list.capacity() - list.len() < count {
         let more = (list.len() / 4 + 1024).max(count);
@@ -21,7 +20,6 @@ pub(crate) fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Refuses more particles than 32 bits can number.
 pub(crate) fn numbered(n: u64, what: &str, place: &str) -> anyhow::Result<()> {
     let most = u32::MAX;
     ensure!(

@@ -1,5 +1,5 @@
-//! Numbers as binary files hold them: type, width and byte order; read in pieces, so that no
-//! promise of a header asks for memory.
+//! Binary numbers of several types and byte orders. They are read in blocks, so that a false header
+//! cannot reserve memory.
 
 use anyhow::{bail, ensure};
 use nalgebra::Point;
@@ -24,14 +24,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// By the names of VTK (both kinds) and PLY.
     pub fn named(name: &str) -> Option<Kind> {
         Some(match name.to_ascii_lowercase().as_str() {
             "char" | "int8" | "signed_char" => Kind::I8,
             "uchar" | "uint8" | "unsigned_char" => Kind::U8,
             "short" | "int16" => Kind::I16,
             "ushort" | "uint16" | "unsigned_short" => Kind::U16,
-            // VTK writes its ids as int in legacy files, whatever they are in memory.
+            // Legacy files of VTK write ids as int, whatever their type in memory.
             "int" | "int32" | "vtkidtype" => Kind::I32,
             "uint" | "uint32" | "unsigned_int" => Kind::U32,
             "long" | "int64" | "vtktypeint64" => Kind::I64,
@@ -42,7 +41,6 @@ impl Kind {
         })
     }
 
-    /// Bytes.
     pub fn width(self) -> usize {
         match self {
             Kind::I8 | Kind::U8 => 1,
@@ -52,8 +50,7 @@ impl Kind {
         }
     }
 
-    /// The number in the first bytes, as a double; whole numbers above 2^53 are rounded. 0 where
-    /// there are fewer than [`Kind::width`].
+    /// Converts the first bytes to f64. Whole numbers above 2^53 are rounded; too few bytes give 0.
     #[inline]
     pub fn get(self, bytes: &[u8], big: bool) -> f64 {
         macro_rules! get {
@@ -79,34 +76,31 @@ impl Kind {
     }
 }
 
-/// Where the numbers of an array go, one after the other.
 pub enum Target {
     Points(Vec<Point<f64, 3>>, [f64; 3], usize),
     Sizes(Size),
     Indices(Indices),
     Types(Cells),
-    /// How many points are copies of points elsewhere.
+    /// Number of points that are copies of other points.
     Ghosts(u64),
     Ids(Ids),
     Nothing,
 }
 
-/// An array that may hold the sizes of particles.
 pub struct Size {
     pub values: Vec<f64>,
     pub column: Column,
     pub label: String,
-    /// It has a number for each cell, and not for each point.
+    /// Whether there is one value per cell instead of one per point.
     pub of_cells: bool,
 }
 
-/// An array of ids of particles.
 #[derive(Clone)]
 pub struct Ids {
     pub label: String,
-    /// None if some number is not whole, or too large for f64 to hold it.
+    /// `None` if a number is not whole or not exact in f64.
     values: Option<Vec<i64>>,
-    /// The name is that of a column of ids, or was chosen.
+    /// Whether the array is named like a column of ids, or was chosen.
     sure: bool,
 }
 
@@ -144,8 +138,8 @@ impl Ids {
         Ok(())
     }
 
-    /// The ids of `n` particles, from a column of ids if there is one. An array that only its name
-    /// makes ids counts if no number repeats; pieces of a file may each count from 0.
+    /// Returns the ids of `n` particles, preferably from a column of ids. An array that is ids by
+    /// its name only counts if no number repeats, because each piece of a file may count from 0.
     pub fn of(mut all: Vec<Ids>, n: usize) -> Option<Vec<i64>> {
         let differ = |values: &[i64]| {
             let mut seen = values.to_vec();
@@ -160,12 +154,12 @@ impl Ids {
     }
 }
 
-/// The points of cells. Only whether cell k is point k alone matters.
+/// The points of cells, checked only for whether cell k is point k alone.
 #[derive(Clone, Copy)]
 pub(crate) struct Indices {
     pub seen: u64,
     pub in_order: bool,
-    /// Before each cell stands its number of points.
+    /// Whether each cell starts with its number of points.
     pub counted: bool,
 }
 
@@ -178,7 +172,7 @@ impl Target {
         Target::Indices(Indices { seen: 0, in_order: true, counted })
     }
 
-    /// The next number. The error says what is wrong with it, and of which particle.
+    /// Adds the next number; the error names the particle.
     pub fn push(&mut self, value: f64) -> anyhow::Result<()> {
         match self {
             Target::Points(points, point, k) => {
@@ -222,7 +216,6 @@ impl Target {
         Ok(())
     }
 
-    /// Takes `count` numbers from the source. False where it ends before.
     pub fn take(
         &mut self,
         source: &mut Source<'_>,

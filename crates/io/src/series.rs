@@ -1,8 +1,8 @@
-//! Frames and scenes that stand in several files, for all formats alike.
+//! Frames and scenes in several files, for all formats.
 //!
-//! - A pattern such as `run_*.vtp`: one frame a file, in the order of the numbers in the names.
-//! - A list of files and times: `.pvd` and `.series`, as ParaView reads and writes them.
-//! - `.pvtu` and `.pvtp`: one scene, of the pieces that the file names.
+//! * A pattern such as `run_*.vtp`: one frame per file, ordered by the numbers in the names.
+//! * A list of files and times: `.pvd` and `.series` of ParaView.
+//! * `.pvtu` and `.pvtp`: one scene in several pieces.
 
 use std::cmp::Ordering;
 use std::fs::File;
@@ -22,11 +22,10 @@ struct Member {
     time: Option<f64>,
 }
 
-/// The frames of several files, opened one after the other.
 pub struct Series {
     members: Vec<Member>,
     next: usize,
-    /// Whether the file lists frames; else its files are pieces of one scene.
+    /// Whether the files are frames; otherwise they are pieces of one scene.
     framed: bool,
     notice: Option<Notice>,
     options: Options,
@@ -34,12 +33,12 @@ pub struct Series {
 
 const LONGEST: u64 = 1 << 26;
 
-/// Whether there is something to read: a file, or files that match a pattern.
+/// Whether the file exists, or a file matches the pattern.
 pub fn exists(path: &Path) -> bool {
     path.exists() || pattern(path).is_some_and(|files| !files.is_empty())
 }
 
-/// The files that `path` stands for; none where it is a file of particles.
+/// Returns the files that `path` stands for; `None` if it is a file of particles.
 pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
     let name = path.display();
     let series = |members, framed, notice| Series { members, next: 0, framed, notice, options };
@@ -54,8 +53,8 @@ pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
     Ok(Some(series(files.into_iter().map(member).collect(), true, notice)))
 }
 
-/// The files that match a pattern, one a frame, and what is to be said of several; none where
-/// `path` is no pattern.
+/// Returns the files that match a pattern, and a notice if there are several; `None` if `path` is
+/// not a pattern.
 pub(super) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Option<Notice>)>> {
     let Some(files) = pattern(path) else { return Ok(None) };
     ensure!(!files.is_empty(), "no file matches the pattern {}", path.display());
@@ -72,7 +71,8 @@ pub(super) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Opti
     Ok(Some((files, notice)))
 }
 
-/// The files that match a name with `*` or `?`, in natural order; none where it has neither.
+/// Returns the files that match a name with `*` or `?`, in natural order; `None` without these
+/// signs.
 fn pattern(path: &Path) -> Option<Vec<PathBuf>> {
     let name = path.file_name()?.to_str()?;
     if path.exists() || !name.contains(['*', '?']) {
@@ -88,9 +88,9 @@ fn pattern(path: &Path) -> Option<Vec<PathBuf>> {
     Some(names.into_iter().map(file).collect())
 }
 
-/// Whether a name fits a pattern, in which `*` stands for any text and `?` for one byte.
+/// Whether a name matches a pattern: `*` is any text, `?` is one byte.
 fn matches(pattern: &[u8], name: &[u8]) -> bool {
-    // Where the last `*` stood, and up to where it reached: the only place to go back to.
+    // The last `*` and the end of its text: the only point where matching resumes after a mismatch.
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {
         match pattern.get(p) {
@@ -109,7 +109,7 @@ fn matches(pattern: &[u8], name: &[u8]) -> bool {
     pattern[p..].iter().all(|&c| c == b'*')
 }
 
-/// Compares names by their texts and numbers, so that `b2` stands before `b10`.
+/// Compares names by texts and numbers, so that `b2` comes before `b10`.
 fn natural(a: &str, b: &str) -> Ordering {
     let parts = |text: &str| {
         let mut parts: Vec<(String, usize, String)> = vec![Default::default()];
@@ -136,12 +136,11 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("series"))
 }
 
-/// Whether a file lists others, and if so, whether these are frames.
 fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
     if is_json(path) {
         return Ok(Some(true));
     }
-    // A pipe can be read once only.
+    // A pipe can be read only once.
     if !path.is_file() {
         return Ok(None);
     }
@@ -153,7 +152,7 @@ fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
     }
     let (input, unpacking) = (&mut &head[..], &Unpacking::default());
     let mut xml = Xml { source: Source { input, name: &name, unpacking }, line: 1 };
-    // What is no XML is for the readers to refuse.
+    // A file that is not XML is refused by its reader.
     let kind = xml.tag().ok().flatten().filter(|tag| tag.name == "VTKFile");
     Ok(kind.and_then(|tag| match tag.get("type") {
         Some("Collection") => Some(true),
@@ -162,7 +161,6 @@ fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
     }))
 }
 
-/// The members that a list of files names.
 fn listed(path: &Path, framed: bool) -> anyhow::Result<Vec<Member>> {
     let file = File::open(path).context("cannot read it")?;
     ensure!(
@@ -188,7 +186,7 @@ fn listed(path: &Path, framed: bool) -> anyhow::Result<Vec<Member>> {
         let source = tag.get(if framed { "file" } else { "Source" });
         let file = folder.join(source.with_context(|| format!("{place}: <{key}> names no file"))?);
         let time = time_of(&tag, framed).with_context(|| place)?;
-        // Files of one time are parts of one frame.
+        // Files with the same time are parts of one frame.
         match members.last_mut().filter(|last| !framed || time.is_some() && last.time == time) {
             Some(last) => last.files.push(file),
             None => {
@@ -210,7 +208,7 @@ fn time_of(tag: &Tag, framed: bool) -> anyhow::Result<Option<f64>> {
     time.map(Some).with_context(|| format!("timestep=\"{}\" is no time", short(text)))
 }
 
-/// `{"files": [{"name": "a.vtp", "time": 0}, ...]}`.
+/// Reads `{"files": [{"name": "a.vtp", "time": 0}, ...]}`.
 fn of_json(reader: impl Read, folder: &Path) -> anyhow::Result<Vec<Member>> {
     #[derive(serde::Deserialize)]
     struct List {
@@ -230,7 +228,6 @@ fn of_json(reader: impl Read, folder: &Path) -> anyhow::Result<Vec<Member>> {
     Ok(members)
 }
 
-/// Refuses a list that goes back in time.
 fn in_order(members: &[Member]) -> anyhow::Result<()> {
     for [before, after] in members.array_windows() {
         let (Some(a), Some(b)) = (before.time, after.time) else { continue };
@@ -241,7 +238,6 @@ fn in_order(members: &[Member]) -> anyhow::Result<()> {
 }
 
 impl Series {
-    /// The scene whose pieces a file names.
     fn of_pieces(path: &Path, options: Options) -> anyhow::Result<Loaded> {
         let place = || path.display().to_string();
         let members = listed(path, false).with_context(place)?;
@@ -271,7 +267,7 @@ impl Series {
                 None => whole = Some((particles, about)),
             }
         }
-        // A member has a file: it was made with one.
+        // Every member has at least one file.
         let (particles, about) = whole.context("a frame of no files")?;
         let time = member.time.or(about.time);
         let file = match &member.files[..] {
@@ -285,7 +281,7 @@ impl Series {
 impl Reader<Loaded> for Series {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
         if self.next == 0 && self.framed {
-            // Files before the one that is wanted are not opened.
+            // Files before the wanted one are not opened.
             self.next = choice.first_of(self.members.len());
         }
         while let Some(member) = self.members.get(self.next) {

@@ -1,10 +1,10 @@
-//! Units of length behind the names of columns: `x [mm]`, `x (mm)`, `x_mm`.
+//! Units of length in column names: `x [mm]`, `x (mm)`, `x_mm`.
 
 use std::borrow::Cow;
 
 use crate::lines::among;
 
-/// Names of units, their family and the power of ten. Families do not turn into each other.
+/// Names of units, their family and power of ten. Units of different families cannot be converted.
 const UNITS: [(&str, &str, i32); 16] = [
     ("km", "m", 3),
     ("m meter meters metre metres", "m", 0),
@@ -24,25 +24,23 @@ const UNITS: [(&str, &str, i32); 16] = [
     ("ft", "ft", 0),
 ];
 
-/// The family and the power of ten of a unit.
 pub fn known(unit: &str) -> Option<(&'static str, i32)> {
     let found = UNITS.iter().find(|(names, ..)| among(names, unit));
     found.map(|&(_, family, power)| (family, power))
 }
 
-/// A name without the unit in brackets behind it, and that unit.
 pub fn split(name: &str) -> (&str, Option<&str>) {
     let Some(at) = name.find(['[', '(']) else { return (name.trim(), None) };
     let unit = name[at + 1..].trim_end_matches([']', ')', ' ']).trim();
     (name[..at].trim(), Some(unit).filter(|unit| !unit.is_empty()))
 }
 
-/// A name that ends in an underscore and a unit, as `x_mm`, without them, and the unit.
+/// Splits a name such as `x_mm` into the name and the unit.
 pub fn suffixed(name: &str) -> Option<(&str, &str)> {
     name.trim().rsplit_once('_').filter(|(_, unit)| known(unit).is_some())
 }
 
-/// A decimal number times a power of ten, as text: so it is rounded once, when it is read.
+/// Multiplies a written number by a power of ten in its text, so that it is rounded only once.
 pub fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
     let at = cell
         .iter()
@@ -53,7 +51,7 @@ pub fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
         [] => Some(0),
         [_, exponent @ ..] => std::str::from_utf8(exponent).ok().and_then(|text| text.parse().ok()),
     };
-    // Neither inf nor nan is a number times a power of ten.
+    // inf and nan are left unchanged.
     let numeral = digits.last().is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.');
     match written.and_then(|written: i32| written.checked_add(power)) {
         Some(exponent) if numeral => [digits, format!("e{exponent}").as_bytes()].concat().into(),
@@ -71,7 +69,7 @@ mod tests {
         for (cell, power, value) in [
             ("1000", -3, Some(1.0)),
             ("0.3", -3, Some(0.0003)),
-            // 0.9 * 0.001 is rounded twice, to another number.
+            // 0.9 * 0.001 is rounded twice, to a different number.
             ("0.9", -3, Some(0.0009)),
             ("-4.35E2", 3, Some(-435e3)),
             ("4.35e+2", -9, Some(4.35e-7)),

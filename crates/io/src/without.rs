@@ -1,4 +1,4 @@
-//! Contacts that are left out, by a column of the particles: `type=2`, or `type=1:2`.
+//! Contacts left out by a column of the particles: `type=2`, or `type=1:2`.
 
 use std::str::FromStr;
 
@@ -10,14 +10,14 @@ use crate::lines::{listed, number};
 use crate::particles::Columns;
 use crate::room::{room, room_for};
 
-/// Contacts of particles that have some value in a column, with all others or with those of some
-/// value.
+/// Leaves out contacts of particles that have a value in a column, with all other particles or with
+/// those of another value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Without {
     column: Word,
-    /// Values that are named; the others have number [`MOST`].
+    /// Named values; all other values get index [`MOST`].
     values: [Option<Word>; MOST],
-    /// For the number of a value, one bit for each of those with which contacts are left out.
+    /// For each value index, a bit mask of the values with which contacts are left out.
     with: [u16; MOST + 1],
 }
 
@@ -64,7 +64,6 @@ impl FromStr for Without {
 }
 
 impl Without {
-    /// The number of a value, which is named now if it was not before.
     fn named(&mut self, value: &str) -> Result<usize, String> {
         let value = Word::new(value)?;
         let number_of = |word: &Word| number(word.text().as_bytes());
@@ -83,7 +82,6 @@ impl Without {
         self.with[b] |= 1 << a;
     }
 
-    /// For the particles of a file with these columns; `place` stands in messages.
     pub fn groups(self, columns: &Columns, place: &str) -> anyhow::Result<Groups> {
         let name = self.column.text();
         let column = columns.names.iter().position(|known| known.trim() == name);
@@ -104,14 +102,12 @@ impl Without {
     }
 }
 
-/// Which particles have the values that are named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groups {
     without: Without,
     pub column: usize,
-    /// The values that are named, as texts and, if they are, as numbers.
+    /// Named values, as texts and as numbers if they are numbers.
     values: Vec<(String, Option<f64>)>,
-    /// The number of the value of each particle.
     of: Vec<u8>,
 }
 
@@ -133,14 +129,13 @@ impl Groups {
         Ok(())
     }
 
-    /// Is a contact of these particles left out?
     pub fn leave_out(&self, i: u32, j: u32) -> bool {
         let [a, b] = [i, j].map(|k| usize::from(self.of[k as usize]));
         self.without.with[a] >> b & 1 == 1
     }
 
-    /// Refuses values that no particle has, where no other frame may have them, and a column that
-    /// was not there for all.
+    /// Refuses values that no particle has, unless another frame may have them, and columns that
+    /// not all particles have.
     pub fn check(&self, particles: usize, frame: Frame, name: &str) -> anyhow::Result<()> {
         ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
         for (k, (value, _)) in self.values.iter().enumerate() {

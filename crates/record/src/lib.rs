@@ -1,5 +1,5 @@
-//! Records of measurements, what is asked of them, and what they say. No detector is known here:
-//! the wall is this crate, which does not depend on the core.
+//! Records of measurements, the experiments behind them, and findings from them. This crate does
+//! not depend on the core, so it cannot use a detector.
 
 pub mod cells;
 pub mod experiment;

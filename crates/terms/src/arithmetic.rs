@@ -1,6 +1,6 @@
-//! The axis of accuracy: in which number format a scene is stored and how contacts are decided.
+//! The number format in which a scene is stored, and how contacts are decided in it.
 
-/// How contacts are decided, and in which precision the scene is stored: the axis of accuracy.
+/// How contacts are decided, and in which number format the scene is stored.
 #[derive(
     Clone,
     Copy,
@@ -16,16 +16,16 @@
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Arithmetic {
-    /// Scene rounded to f32, |xi - xj|² <= (ri + rj)² evaluated in f32.
+    /// The scene is rounded to f32; |xi - xj|² <= (ri + rj)² is evaluated in f32.
     F32,
-    /// As f32, but coordinates are stored as a cell number and an offset from the cell's origin in
-    /// f32.
+    /// Like [`Arithmetic::F32`], but each coordinate is a cell number and an f32 offset from the
+    /// cell's origin.
     F32Cell,
-    /// f64 with the filters as the book prints them, without a safety margin: may lose contacts.
+    /// f64 with the filters as printed in the book, without a safety margin: contacts may be lost.
     Textbook,
     /// |xi - xj|² <= (ri + rj)² evaluated in f64.
     F64,
-    /// The exact sign for the given f64 numbers.
+    /// The exact sign of |xi - xj|² - (ri + rj)² for the given f64 numbers.
     #[default]
     Exact,
 }
@@ -40,12 +40,12 @@ impl Arithmetic {
         Arithmetic::Exact,
     ];
 
-    /// Those in which every detector must find exactly the pairs that the contact test accepts.
-    /// Textbook filters promise no such thing.
+    /// The arithmetics in which every detector must find exactly the pairs that the contact test
+    /// accepts. Textbook filters do not promise this.
     pub const SAFE: [Arithmetic; 4] =
         [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64, Arithmetic::Exact];
 
-    /// Its name, what it means, and how scenes are stored and tested.
+    /// Name, summary, storage and contact test.
     const fn entry(self) -> (&'static str, &'static str, Storage, Test) {
         match self {
             Arithmetic::F32 => {
@@ -78,40 +78,40 @@ impl Arithmetic {
         self.entry().0
     }
 
-    /// The meaning, in a phrase.
+    /// Description in one phrase, for help and reports.
     pub fn summary(self) -> &'static str {
         self.entry().1
     }
 
-    /// All names, for messages.
+    /// All names, separated by commas, for messages.
     pub fn names() -> String {
         Arithmetic::ALL.map(Arithmetic::name).join(", ")
     }
 
-    /// How a scene that is stored for this arithmetic is tested.
+    /// How a scene stored for this arithmetic is tested for contacts.
     pub const fn test(self) -> Test {
         self.entry().3
     }
 
-    /// In which number format it stores a scene.
+    /// The number format in which a scene is stored for this arithmetic.
     pub const fn storage(self) -> Storage {
         self.entry().2
     }
 
-    /// One of [`Arithmetic::SAFE`]?
+    /// Whether this is one of [`Arithmetic::SAFE`].
     pub fn is_safe(self) -> bool {
         Arithmetic::SAFE.contains(&self)
     }
 }
 
-/// In which number format centres and radii are kept.
+/// The number format in which centres and radii are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
     /// Rounded to f32.
     F32,
-    /// As given.
+    /// Unchanged f64 numbers.
     F64,
-    /// By cells: a cell number, and an offset from the cell's origin in f32.
+    /// A cell number, and an f32 offset from the cell's origin.
     Cell,
 }
 
@@ -127,7 +127,7 @@ impl std::fmt::Display for Arithmetic {
     }
 }
 
-/// A name that no arithmetic has.
+/// The error for a name that is not the name of an arithmetic.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no arithmetic '{0}'; the arithmetics are: {names}", names = Arithmetic::names())]
 pub struct UnknownArithmetic(pub String);
@@ -146,26 +146,26 @@ impl std::str::FromStr for Arithmetic {
 /// Whether the filters of a detection may lose pairs to rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Margin {
-    /// They lose none.
+    /// The filters lose no pair.
     Safe,
-    /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding
-    /// may separate a touching pair.
+    /// The filters are those printed in the book: cells of edge d, found by i = Int((x - xmin) /
+    /// d). Rounding may separate a touching pair.
     Textbook,
 }
 
 /// How a stored scene is tested for contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Test {
-    /// Rounded in the scene's own precision.
+    /// Rounded in the number format of the stored scene.
     Rounded,
-    /// Rounded, with filters that have no safety margin.
+    /// Rounded, with filters without a safety margin.
     Textbook,
     /// The exact sign for the stored numbers.
     Exact,
 }
 
 impl Test {
-    /// What a rounded test asks of filters; `None` for the exact test.
+    /// The margin that filters need for this test; `None` for the exact test.
     pub fn margin(self) -> Option<Margin> {
         match self {
             Test::Rounded => Some(Margin::Safe),
@@ -174,7 +174,7 @@ impl Test {
         }
     }
 
-    /// The same contact test with filters that lose nothing, by which answers are judged.
+    /// The same contact test with filters that lose no pair; answers are judged by it.
     pub fn safe(self) -> Test {
         if self == Test::Textbook { Test::Rounded } else { self }
     }

@@ -1,24 +1,24 @@
-//! The errors of an answer, and their causes.
+//! Errors of an answer, and their causes.
 
 use serde::{Deserialize, Serialize};
 
-/// How a set of pairs differs from another that is taken for true.
+/// The differences between a list of pairs and the list taken as true.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Touching pairs not reported.
+    /// Touching pairs that were not reported.
     pub missed: u64,
-    /// Reported pairs, of two particles, that do not touch.
+    /// Reported pairs of two different particles that do not touch.
     pub spurious: u64,
-    /// Pairs reported again.
+    /// Repeated reports of a pair.
     pub duplicate: u64,
     /// Particles reported as touching themselves.
     #[serde(default)]
     pub self_pairs: u64,
-    /// Of the pairs missed, the largest overlap, in mean radii of the couple; 0 where all missed
-    /// pairs are exactly tangent.
+    /// Largest overlap among the missed pairs, in mean radii of the pair; 0 if all are exactly
+    /// tangent.
     #[serde(default)]
     pub deepest_miss: f64,
-    /// Of the spurious pairs, the widest gap, in mean radii of the couple.
+    /// Widest gap among the spurious pairs, in mean radii of the pair.
     #[serde(default)]
     pub widest_false: f64,
 }
@@ -44,7 +44,7 @@ impl std::fmt::Display for Errors {
 }
 
 impl Errors {
-    /// Those of another answer as well: sums, and the deepest and widest of both.
+    /// Adds the errors of another answer: counts are summed, depths and gaps are maxima.
     pub fn add(&mut self, other: &Errors) {
         self.missed = self.missed.saturating_add(other.missed);
         self.spurious = self.spurious.saturating_add(other.spurious);
@@ -54,35 +54,35 @@ impl Errors {
         self.widest_false = self.widest_false.max(other.widest_false);
     }
 
-    /// Pairs that are there and should not be, or should be and are not.
+    /// Number of missed, spurious, duplicate and self pairs.
     pub fn wrong(&self) -> u64 {
         let others = self.duplicate.saturating_add(self.self_pairs);
         self.missed.saturating_add(self.spurious).saturating_add(others)
     }
 }
 
-/// The three causes of error (representation, predicate, search), each against the step before it.
-/// The aliases are the names in older records.
+/// Errors by cause. The serde aliases are the names in older records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Causes {
-    /// Representation: exact decisions on the scene as stored, against exact decisions on the
-    /// scene as given.
+    /// Error of representation: exact decisions on the stored scene, compared with exact decisions
+    /// on the given scene.
     #[serde(alias = "input")]
     pub representation: Errors,
-    /// Predicate: the arithmetic's own contact test on all pairs, against exact decisions, both on
-    /// the scene as stored.
+    /// Error of the predicate: the arithmetic's own contact test on all pairs, compared with exact
+    /// decisions, both on the stored scene.
     #[serde(alias = "arithmetic")]
     pub predicate: Errors,
-    /// Search: the detector's pairs, against the arithmetic's own contact test on all pairs.
+    /// Error of the search: the detector's pairs, compared with the arithmetic's own contact test
+    /// on all pairs.
     #[serde(alias = "algorithm")]
     pub search: Errors,
-    /// Predicate and search together, which may cancel: the detector's pairs, against exact
-    /// decisions on the scene as stored.
+    /// Errors of predicate and search together, which may cancel: the detector's pairs, compared
+    /// with exact decisions on the stored scene.
     pub stored: Errors,
 }
 
 impl Causes {
-    /// Those of another answer as well.
+    /// Adds the errors of another answer, cause by cause.
     pub fn add(&mut self, other: &Causes) {
         self.representation.add(&other.representation);
         self.predicate.add(&other.predicate);

@@ -1,23 +1,23 @@
-//! The grammar of names with parameters: `name:key=value,key=value`, as scenes, motions and
-//! detectors are written, and `name(over,key=value)`, as trackers are.
+//! The grammar of names with parameters. Scenes, motions and detectors are written
+//! `name:key=value,key=value`; trackers are written `name(over,key=value)`.
 
 use crate::nearest::hint;
 
-/// The parameters of a tracker itself; all others in its text belong to its detector.
+/// Parameters of a tracker; all other parameters in its text belong to its detector.
 pub const TRACKER: [&str; 3] = ["margin", "rule", "skin"];
 
-/// A name with parameters, as written. Blanks around names, keys and values are cut off.
+/// A name with parameters, as written. Blanks around names, keys and values are removed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec<'a> {
     /// The whole text, for messages.
     pub text: &'a str,
-    /// What stands before the colon or the parenthesis.
+    /// The text before the colon or the parenthesis.
     pub name: &'a str,
-    /// What a tracker is over: its detector with the detector's parameters.
+    /// The detector of a tracker, with the detector's parameters.
     pub over: Option<String>,
-    /// Keys and values, in the order given.
+    /// Keys and values, in the given order.
     pub params: Vec<(&'a str, String)>,
-    /// The first piece that has no place in the grammar.
+    /// The first piece that does not fit the grammar.
     pub stray: Option<&'a str>,
 }
 
@@ -30,8 +30,8 @@ pub struct Error {
 }
 
 impl<'a> Spec<'a> {
-    /// Splits `name:key=value,key=value`. A piece without `=` belongs to the value before it, so
-    /// that a path may hold commas.
+    /// Splits `name:key=value,key=value`. A piece without `=` belongs to the value before it,
+    /// because a path may contain commas.
     pub fn parse(text: &'a str) -> Spec<'a> {
         let (name, rest) = text.split_once(':').unwrap_or((text, ""));
         let mut spec = Spec { text, name: name.trim(), over: None, params: vec![], stray: None };
@@ -67,11 +67,11 @@ impl<'a> Spec<'a> {
         self.params.iter().find(|(known, _)| *known == key).map(|(_, value)| value.as_str())
     }
 
-    /// Checks that every piece has its place and no key stands there twice. `takes` says what may
-    /// be written.
+    /// Checks that every piece fits the grammar and no key occurs twice. `takes` describes the
+    /// allowed parameters, for the message.
     ///
     /// # Errors
-    /// The first piece or key of which this does not hold.
+    /// Names the first piece that does not fit, or the first key that occurs twice.
     pub fn form(&self, takes: &str) -> Result<(), Error> {
         if let Some(piece) = self.stray {
             return Err(self.error(format!("'{piece}' is not of the form key=value; {takes}")));
@@ -87,10 +87,10 @@ impl<'a> Spec<'a> {
         Error { text: self.text.into(), what }
     }
 
-    /// As [`Spec::form`]; all keys must be among these, too.
+    /// Checks the same as [`Spec::form`], and that all keys are among `known`.
     ///
     /// # Errors
-    /// The first piece or key of which this does not hold.
+    /// Those of [`Spec::form`], and the first unknown key.
     pub fn keys(&self, known: &[&str], takes: &str) -> Result<(), Error> {
         self.form(takes)?;
         match self.params.iter().find(|(key, _)| !known.contains(key)) {

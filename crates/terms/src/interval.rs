@@ -1,33 +1,33 @@
 //! A median and its confidence interval.
 
-/// A median with an interval that covers the true median with probability `coverage`.
+/// A median with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Interval {
     /// The sample median.
     pub median: f64,
-    /// Lower end: an observed value.
+    /// Lower end; one of the observed values.
     pub low: f64,
-    /// Upper end: an observed value.
+    /// Upper end; one of the observed values.
     pub high: f64,
-    /// Probability that such an interval covers the true median; 0 for a single value.
+    /// Probability that the interval covers the true median; 0 for a single value.
     pub coverage: f64,
-    /// How many values there were.
+    /// Number of observed values.
     pub count: usize,
 }
 
 impl Interval {
-    /// Is `value` outside?
+    /// Whether `value` lies outside the interval. A single value excludes nothing.
     pub fn excludes(&self, value: f64) -> bool {
         self.count > 1 && (value < self.low || value > self.high)
     }
 
-    /// The interval of `by` times the value, `by` being positive.
+    /// Returns the interval of `by` times the value, for positive `by`.
     pub fn scaled(self, by: f64) -> Interval {
         let Interval { median, low, high, .. } = self;
         Interval { median: by * median, low: by * low, high: by * high, ..self }
     }
 
-    /// The interval of exp(x), for an interval of x.
+    /// Returns the interval of exp(x), given the interval of x.
     pub fn exp(self) -> Interval {
         Interval { median: self.median.exp(), low: self.low.exp(), high: self.high.exp(), ..self }
     }

@@ -1,8 +1,8 @@
-//! What detectors and records must both name: operations that are counted, arithmetics, errors of
-//! an answer, statistics of scenes and motions; names with parameters as they are
-//! written, and which known name was meant; and numbers and words as every output prints them.
+//! Names and numbers shared by detectors and records: counted operations, arithmetics, errors of an
+//! answer, statistics of scenes and motions, the grammar of parameters, and the format of numbers
+//! and words in all output.
 //!
-//! Nothing here computes contacts. A crate that reads records needs this one, and no detector.
+//! This crate does not compute contacts, so reading records needs no detector.
 #![deny(missing_docs)]
 
 pub mod arithmetic;

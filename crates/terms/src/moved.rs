@@ -1,50 +1,49 @@
-//! Statistics of a motion from frame to frame.
+//! Statistics of a motion.
 
 use serde::{Deserialize, Serialize};
 
-/// What happens from one frame to the next, summed up or the most of it.
+/// Changes from frame to frame, summed over the frames or as the largest value.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
-    /// Particles.
+    /// Number of particles.
     pub particles: u64,
-    /// Frames.
+    /// Number of frames.
     pub frames: u64,
     /// Contacts, summed over the frames.
     pub contacts: u64,
-    /// Contacts of a frame that were not there in the frame before.
+    /// Contacts that were not in the frame before, summed over the frames.
     pub born: u64,
-    /// Contacts of a frame that are not there in the next.
+    /// Contacts that are not in the next frame, summed over the frames.
     pub ended: u64,
-    /// Pairs that touch at some time between two frames and in neither of them, if bodies go
-    /// straight from one to the other: exactly, for the numbers as given, in a box with images
-    /// rounded to f64.
+    /// Pairs that touch between two frames but in neither of them, if particles move in straight
+    /// lines. Exact for the given numbers; in a periodic box, images are rounded to f64.
     pub tunnelled: u64,
-    /// Why they were not counted between some frames.
+    /// Why `tunnelled` leaves out some steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncounted: Option<String>,
-    /// How far particles go in a frame.
+    /// Displacements per frame.
     pub way: Way,
 }
 
-/// Ways of particles from one frame to the next, in diameters of the largest body; in a box to the
-/// nearest image.
+/// Displacements of particles from one frame to the next, in diameters of the largest particle; in
+/// a periodic box, to the nearest image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Way {
-    /// The longest.
+    /// Longest displacement.
     pub longest: f64,
-    /// All together.
+    /// Sum of all displacements.
     pub sum: f64,
-    /// Particles that stayed exactly where they were, summed over the frames.
+    /// Number of particles that did not move at all, summed over the frames.
     pub at_rest: u64,
 }
 
 impl Moved {
-    /// Steps from one frame to the next.
+    /// Number of steps from one frame to the next.
     pub fn steps(&self) -> u64 {
         self.frames.saturating_sub(1)
     }
 
-    /// The mean way of a particle in a frame, in diameters of the largest body.
+    /// Mean displacement of a particle per frame, in diameters of the largest particle.
     pub fn mean_way(&self) -> f64 {
         match self.steps() * self.particles {
             0 => 0.0,
@@ -52,7 +51,7 @@ impl Moved {
         }
     }
 
-    /// The share of particles that stay exactly where they are from one frame to the next.
+    /// Share of particles that do not move at all from one frame to the next.
     pub fn share_at_rest(&self) -> f64 {
         match self.steps() * self.particles {
             0 => 1.0,

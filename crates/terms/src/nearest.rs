@@ -1,7 +1,6 @@
-//! The nearest name to one that is not known, for messages.
+//! Suggestions for misspelled names.
 
-/// `; did you mean x?` for the name with the fewest letters to insert, remove, replace or swap;
-/// empty if that is half of them or more. Capitals, and _ for -, are no difference.
+/// Returns `; did you mean x?` for the nearest known name, or an empty text if none is near.
 pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     match nearest(name, known) {
         Some(near) => format!("; did you mean {near}?"),
@@ -9,7 +8,8 @@ pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String 
     }
 }
 
-/// The name that is meant, if there is one.
+/// Returns the known name with the fewest letters to insert, remove, replace or swap, if they are
+/// fewer than half of the letters. Case is ignored, and `_` counts as `-`.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |name: &str| name.trim().to_lowercase().replace('_', "-");
     let (name, letters) = (plain(name), name.trim().chars().count());

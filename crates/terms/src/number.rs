@@ -1,9 +1,8 @@
-//! Numbers and words as every output prints them: four significant digits, percentages, ratios with
-//! their interval, wrapped lines.
+//! The format of numbers in all output.
 
 use crate::interval::Interval;
 
-/// A number with about four significant digits; whole numbers below 10^7 in full.
+/// Formats a number with about four significant digits; whole numbers below 10^7 in full.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
@@ -30,18 +29,18 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A depth or a gap, which everywhere is relative to the mean radius of the two particles.
+/// Formats a depth or a gap, given in mean radii of the two particles.
 pub fn mean_radii(depth: f64) -> String {
     format!("{} mean radii", number(depth))
 }
 
-/// The same in a table.
+/// Formats a depth or a gap as [`mean_radii`], but short, for tables.
 pub fn radii(depth: f64) -> String {
     format!("{} r", number(depth))
 }
 
-/// A whole number as people write it: `1000000`, `1e6`, `1_000_000`. None if it is not one from 0
-/// to 2^53, or to 2^64 in digits.
+/// Parses a whole number such as `1000000`, `1e6` or `1_000_000`. The limit is 2^53, or 2^64 - 1 if
+/// written in digits alone.
 pub fn whole(text: &str) -> Option<u64> {
     let text = text.trim().replace('_', "");
     let real = || {
@@ -52,7 +51,7 @@ pub fn whole(text: &str) -> Option<u64> {
     text.parse().ok().or_else(real)
 }
 
-/// Bytes as people write them: a whole number, or one with a unit such as `4GiB`, `512 MiB` or
+/// Parses a number of bytes: a whole number, or a number with a unit such as `4GiB`, `512 MiB` or
 /// `1.5GB`.
 pub fn bytes(text: &str) -> Option<u64> {
     let text = text.trim();
@@ -76,7 +75,7 @@ pub fn bytes(text: &str) -> Option<u64> {
     (bytes >= 0.0 && bytes < u64::MAX as f64).then_some(bytes as u64)
 }
 
-/// A fraction as a percentage.
+/// Formats a fraction as a percentage.
 pub fn percent(fraction: f64) -> String {
     let value = 100.0 * fraction;
     if value == 0.0 {
@@ -92,7 +91,7 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Digits behind the point of a ratio: at least two that are not 0.
+/// Digits after the decimal point of a ratio, so that at least two significant digits are shown.
 fn digits(ratio: f64) -> usize {
     match ratio {
         _ if ratio >= 10.0 => 1,
@@ -102,18 +101,18 @@ fn digits(ratio: f64) -> usize {
     }
 }
 
-/// A ratio without its interval: `1.25`.
+/// Formats a ratio without its interval, such as `1.25`.
 pub fn times(ratio: f64) -> String {
     format!("{ratio:.*}", digits(ratio))
 }
 
-/// `1.25 (1.20 to 1.31)`.
+/// Formats a ratio with its interval, such as `1.25 (1.20 to 1.31)`.
 pub fn with_interval(ratio: &Interval) -> String {
     let digits = digits(ratio.median);
     format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
 }
 
-/// `1 cell`, `2 cells`.
+/// Formats a count with its noun, such as `1 cell` or `2 cells`.
 pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

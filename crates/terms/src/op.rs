@@ -1,4 +1,4 @@
-//! The elementary operations that are counted.
+//! The operations that are counted.
 
 macro_rules! operations {
     ($($(#[$doc:meta])* $op:ident = $name:literal,)*) => {
@@ -24,38 +24,39 @@ macro_rules! operations {
 }
 
 operations! {
-    /// One coordinate of one particle turned into a cell index.
+    /// Conversion of one coordinate of one particle to a cell index.
     Integerise = "integerise",
-    /// A particle put on a list.
+    /// Insertion of a particle into a list.
     ListPush = "list_push",
-    /// A step from one particle of a list to the next (the step that finds the end is not counted).
+    /// Step from one particle of a list to the next; finding the end is not counted.
     ListStep = "list_step",
-    /// A head or a link set back to "empty".
+    /// Reset of a list head or link to "empty".
     ListReset = "list_reset",
-    /// A look at the head of a cell or list, to see whether it is empty or already visited.
+    /// Test whether a cell or list is empty or already visited.
     CellProbe = "cell_probe",
-    /// A look at cells of another class of sizes than the body's own.
+    /// Look at the cells of another size class than the particle's own.
     LevelProbe = "level_probe",
-    /// A comparison of two keys (integerised coordinates), in a sort or a search.
+    /// Comparison of two keys (integer coordinates) in a sort or a search.
     KeyCompare = "key_compare",
-    /// A visit to a node of a tree.
+    /// Visit of a tree node.
     NodeVisit = "node_visit",
-    /// A particle moved by a sort.
+    /// Move of a particle by a sort.
     Move = "move",
-    /// A test of two bounding volumes other than the bodies' own.
+    /// Test of two bounding volumes other than those of single particles.
     BoundTest = "bound_test",
-    /// A contact test of two bodies.
+    /// Contact test of two particles.
     ContactTest = "contact_test",
-    /// A contact test that floating point could not decide and exact arithmetic did (also counted
-    /// as a contact test).
+    /// Contact test that needed exact arithmetic because floating point could not decide; also
+    /// counted as `contact_test`.
     ExactTest = "exact_test",
-    /// An image of a particle made, so that a periodic box becomes a scene.
+    /// Creation of a periodic image of a particle.
     GhostMade = "ghost_made",
-    /// Two neighbours exchanged by an insertion sort that repairs the order of an earlier frame.
+    /// Exchange of two neighbours by an insertion sort that repairs the order of an earlier frame.
     Swap = "swap",
-    /// A particle taken out of the list of an earlier frame and put on another (also counted as put
-    /// on a list).
+    /// Move of a particle from its list in an earlier frame to another list; also counted as
+    /// `list_push`.
     Reinsert = "reinsert",
-    /// A box of an earlier frame made again, because bodies have left it or a box in it has grown.
+    /// Update of a bounding box from an earlier frame, because a particle left it or a box inside
+    /// it grew.
     Refit = "refit",
 }

@@ -1,13 +1,13 @@
-//! Text from outside, made harmless where it is printed: file names, messages of runners, names of
+//! Escaping of text from outside before it is printed: file names, messages of runners, names of
 //! columns, lines of files.
 //!
-//! A terminal obeys escape sequences, and a log of continuous integration takes `::error::` or
-//! `::add-mask::` at the beginning of a line, and `##[error]` anywhere, for a command.
+//! Terminals obey escape sequences. Logs of continuous integration obey `::error::` or
+//! `::add-mask::` at the start of a line, and `##[error]` anywhere.
 
 use std::borrow::Cow;
 
-/// One line of text: control characters and line breaks become U+FFFD, and workflow commands are
-/// taken apart.
+/// Escapes one line of text: control characters and line breaks become U+FFFD, and workflow
+/// commands are broken up.
 pub fn line(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_control) || commands(text) {
         Cow::Owned(apart(&text.replace(is_control, "\u{fffd}")))
@@ -16,7 +16,7 @@ pub fn line(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Several lines of text: as [`line()`], but line feeds and tabs stay.
+/// Escapes several lines of text like [`line()`], but keeps line feeds and tabs.
 pub fn lines(text: &str) -> Cow<'_, str> {
     let harmful = |c: char| is_control(c) && !matches!(c, '\n' | '\t');
     if text.chars().any(harmful) || text.split('\n').any(commands) {
@@ -27,8 +27,8 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Text for a cell of a CSV file. A spreadsheet takes what begins with one of `= + - @`, a tab or a
-/// carriage return for a formula, unless it is a number: an apostrophe before it makes it text.
+/// Escapes text for a cell of a CSV file by an apostrophe in front. Spreadsheets take a cell that
+/// begins with `=`, `+`, `-`, `@`, a tab or a carriage return for a formula, unless it is a number.
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
     let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
     if formula && text.parse::<f64>().is_err() {
@@ -38,7 +38,7 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Does a terminal obey it, or does it change the order or the end of a line?
+/// Whether the character controls a terminal, or changes the order or the end of a line.
 fn is_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
@@ -56,8 +56,8 @@ fn apart(line: &str) -> String {
     }
 }
 
-/// Text for HTML and XML, between tags or in a quoted attribute; characters that neither may hold
-/// become U+FFFD.
+/// Escapes text for HTML and XML, between tags or in a quoted attribute. Characters that neither
+/// allows become U+FFFD.
 pub fn html(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -75,8 +75,8 @@ pub fn html(text: &str) -> String {
     out
 }
 
-/// Puts values in the places `{{name}}` of a template; nothing inside a value is replaced. Places
-/// without a value are left out.
+/// Replaces each `{{name}}` of a template by its value, or by nothing if there is no value. Values
+/// are not searched for further names.
 pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut out = String::new();
     let mut rest = template;

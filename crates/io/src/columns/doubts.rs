@@ -1,4 +1,4 @@
-//! Names that may mean something else than a size, and units that differ.
+//! Column names that only look like sizes, and columns in different units.
 
 use anyhow::ensure;
 
@@ -7,7 +7,7 @@ use crate::Notice;
 use crate::lines::short;
 use crate::units::{known, split, suffixed};
 
-/// Names that, beside a column called r or d, make it something else, and what it then is.
+/// Column names next to which r or d is not a size, the doubtful name, and its likely meaning.
 const BESIDE: [(&[&str], &str, &str); 5] = [
     (&["g", "b"], "r", "red, beside g and b"),
     (&["ra", "dec"], "r", "a magnitude or a distance, beside ra and dec"),
@@ -16,7 +16,6 @@ const BESIDE: [(&[&str], &str, &str); 5] = [
     (&["b", "v"], "r", "a magnitude, beside b and v"),
 ];
 
-/// Why a column that is called like a size may be none, with the remedy.
 pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> {
     let plain = |name: &str| split(name).0.to_ascii_lowercase();
     let (size, names) = (plain(name), names.iter().map(|name| plain(name.as_ref())));
@@ -32,7 +31,6 @@ pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> 
 }
 
 impl Columns {
-    /// Makes the units of coordinates and sizes one, by powers of ten, and says so.
     pub(super) fn one_unit(&mut self) -> anyhow::Result<()> {
         let used = |meaning: &Column| !matches!(meaning, Column::Other | Column::Id);
         let places = (0..self.meaning.len()).filter(|&k| used(&self.meaning[k]));

@@ -1,4 +1,4 @@
-//! Columns of a text: what they mean, and particles of their rows.
+//! Columns of a text file: their meaning, and particles from their rows.
 
 mod doubts;
 mod rows;
@@ -13,18 +13,15 @@ pub use rows::Rows;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
-    /// x, y or z, as 0, 1 or 2.
+    /// Axis 0, 1 or 2 for x, y or z.
     Axis(usize),
     Radius,
     Diameter,
-    /// The file's own number of the particle.
     Id,
-    /// Something else, which is skipped.
     Other,
 }
 
 impl Column {
-    /// Returns the meaning of a column with this name.
     pub fn named(name: &str) -> Column {
         match units::split(name).0.to_ascii_lowercase().as_str() {
             "x" => Column::Axis(0),
@@ -47,7 +44,6 @@ impl Column {
         }
     }
 
-    /// A size must be finite and not negative; a diameter is halved.
     pub fn size(self, value: f64) -> Result<f64, &'static str> {
         match value {
             _ if !value.is_finite() => Err("is not a finite number"),
@@ -58,16 +54,15 @@ impl Column {
     }
 }
 
-/// The columns of a file of text, by meaning, and their names for messages.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     pub meaning: Vec<Column>,
     pub names: Vec<String>,
-    /// Lines may have more columns than these.
+    /// Whether lines may have further columns.
     pub or_more: bool,
-    /// The user chose the column of sizes, so its name is not doubted.
+    /// Whether the user chose the column of sizes; then its name is trusted.
     pub sizes_chosen: bool,
-    /// Powers of ten by which columns are multiplied; empty if none is.
+    /// The power of ten that each column is multiplied by; empty if all are 0.
     pub powers: Vec<i32>,
     pub notices: Vec<Notice>,
 }
@@ -77,7 +72,7 @@ impl Columns {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
         let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
         let is_axis = |meaning: &Column| matches!(meaning, Column::Axis(_));
-        // ParaView calls the places Points:0, Points:1, Points:2, where nothing else is called so.
+        // ParaView names coordinates Points:0, Points:1, Points:2.
         if !meaning.contains(&Column::Axis(0)) {
             for (meaning, name) in meaning.iter_mut().zip(&names) {
                 let name = name.to_ascii_lowercase().replace('_', ":");
@@ -103,14 +98,13 @@ impl Columns {
         (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
     }
 
-    /// An empty frame of these columns, with the meaning that the options give them.
+    /// Returns an empty frame; the options may assign the columns.
     pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
         let mut columns = self.chosen(place, options)?;
         let particles = columns.particles(place, options)?;
         Ok(Rows { columns, particles })
     }
 
-    /// With the meaning that the options give them, if they do.
     pub fn chosen(self, place: &str, options: Options) -> anyhow::Result<Columns> {
         match options.columns {
             Some(chosen) => chosen.apply(self, place),
@@ -118,8 +112,8 @@ impl Columns {
         }
     }
 
-    /// Settles what the columns mean: the radius that is given counts before a column of sizes, and
-    /// units are made one. Gives an empty set of particles of that kind.
+    /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
+    /// the options replaces columns of sizes; units are converted to one.
     pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
         self.leave_out_sizes(options.radius);
         self.leave_out_doubts();
@@ -137,7 +131,6 @@ impl Columns {
         Ok(particles)
     }
 
-    /// Forgets what columns of sizes mean if the radius is given, and says so.
     fn leave_out_sizes(&mut self, given: Option<f64>) {
         let Some(given) = given else { return };
         for (meaning, name) in self.meaning.iter_mut().zip(&self.names) {
@@ -148,7 +141,6 @@ impl Columns {
         }
     }
 
-    /// Beside a column that is a size for sure, one that may be red is red.
     fn leave_out_doubts(&mut self) {
         let doubt = |(meaning, name): (&Column, &String)| match meaning {
             Column::Radius | Column::Diameter => Some(doubts::of_size(name, &self.names).is_some()),
@@ -163,7 +155,6 @@ impl Columns {
         }
     }
 
-    /// Checks that there are x and y, nothing twice, and no doubtful size.
     fn check(&self, place: &str) -> anyhow::Result<()> {
         let named = |column: Column| {
             let all = self.meaning.iter().zip(&self.names);
@@ -219,7 +210,6 @@ impl Columns {
         }
     }
 
-    /// The number in a cell of column `k`, in the unit of the others.
     fn value(&self, k: usize, cell: &[u8]) -> Option<f64> {
         match self.powers.get(k) {
             None | Some(0) => number(cell),
@@ -227,7 +217,7 @@ impl Columns {
         }
     }
 
-    /// Adds the particle of one line. `between` says what separates the cells.
+    /// Adds the particle of one line. `between` describes the separator, for messages.
     pub fn push<'a>(
         &self,
         particles: &mut Particles,
@@ -248,7 +238,7 @@ impl Columns {
                 Column::Id => {
                     match whole(cell) {
                         Some(value) => id = value,
-                        // Nobody may need them; whoever does is told that there are none.
+                        // Ids are dropped without an error because they may not be needed.
                         None => particles.ids = None,
                     }
                 }
@@ -298,17 +288,16 @@ impl Columns {
             }
         }
         if let Some(groups) = &mut particles.groups {
-            // As many cells as columns: looked at above.
+            // The number of cells was checked above.
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
         }
         particles.push(point, radius, id).with_context(place)
     }
 }
 
-/// What to do about 1,5 for 1.5.
 pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
 
-/// What to do about the names of rows, above which R writes nothing.
+/// Remedy for row names, which R's write.table writes without a header.
 const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
                          write.table writes it, give row.names = FALSE there, or col.names = NA";
 

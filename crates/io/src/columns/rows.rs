@@ -1,4 +1,4 @@
-//! Particles of rows: of lines whose cells are between blanks, and of records of a binary file.
+//! Particles from rows: lines with cells between blanks, and records of binary files.
 
 use anyhow::{Context, ensure};
 
@@ -8,14 +8,13 @@ use crate::lines::{Lines, Separator, Source, listed, short};
 use crate::particles::{Particles, loaded};
 use crate::scalars::Kind;
 
-/// The columns of a frame, and the particles of the rows that were read.
 pub struct Rows {
     pub columns: Columns,
     pub particles: Particles,
 }
 
 impl Rows {
-    /// Returns a frame without rows, whose columns cannot be read: `names` gives them.
+    /// Returns a frame without rows whose columns are `names`, for a file that does not name them.
     pub fn none(names: &str, has_radii: bool) -> Rows {
         let columns = Columns::named(names.split(' '));
         Rows { columns, particles: Particles::new(3, has_radii) }
@@ -25,16 +24,15 @@ impl Rows {
         loaded(format, self.particles, self.columns.radius())
     }
 
-    /// Adds the particle of a line whose cells are between blanks.
     pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
         let Rows { columns, particles } = self;
         let between = || format!(" ({})", listed(&columns.names));
         columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
     }
 
-    /// Adds the particles of the next `count` records of a binary file; `what` names a record, such
-    /// as "vertex". `fields` are the types of the columns (`None` if not a number) and their sizes
-    /// in bytes. Returns how many records were read.
+    /// Adds the particles of the next `count` records of a binary file, and returns the number of
+    /// records read. `what` names a record in messages, such as "vertex". `fields` are the type
+    /// (`None` if not a number) and size in bytes of each column.
     pub fn push_records(
         &mut self,
         source: &mut Source<'_>,
@@ -61,7 +59,7 @@ impl Rows {
         Ok(count)
     }
 
-    /// Adds the particle of a record; `value` gives the number of a column, if it is one.
+    /// Adds the particle of a record; `value(k)` is the number in column k, if there is one.
     fn push_values(
         &mut self,
         place: impl Fn() -> String,

@@ -1,14 +1,14 @@
-//! LAMMPS and LIGGGHTS dumps: frames of `ITEM:` sections, columns named by `ITEM: ATOMS`, in any
+//! LAMMPS and LIGGGHTS dumps: frames of `ITEM:` sections. `ITEM: ATOMS` names the columns, in any
 //! order.
 //!
-//! * Coordinates are `x y z`, else unwrapped `xu yu zu`, else scaled `xs ys zs` or `xsu ysu zsu`,
-//!   which the box turns into lengths: lo + s (hi - lo), rounded three times, or with the vectors
-//!   of a tilted (triclinic) box, lo + xs a + ys b + zs c, rounded at every step.
+//! * Coordinates are `x y z`, else unwrapped `xu yu zu`, else scaled `xs ys zs` or `xsu ysu zsu`.
+//!   Scaled ones become lengths as lo + s (hi - lo), rounded three times. In a tilted (triclinic)
+//!   box they become lo + xs a + ys b + zs c, rounded at every step.
 //! * The size is a column `radius` or `diameter` (or `r`, `d`). Particles keep the order of the
-//!   file, whatever their ids are.
-//! * The box is that of the header: `pp ff ff` says along which axes it repeats (dumps before 2010
-//!   do not), `xy xz yz` that it is tilted, and that the bounds are those of the box along the axes
-//!   around it; `abc origin` brings three vectors of any direction, and the corner.
+//!   file, not of their ids.
+//! * In the header of the box, `pp ff ff` gives the periodic axes; dumps before 2010 lack it. `xy
+//!   xz yz` announces a tilted box, whose bounds are those of its bounding box. `abc origin`
+//!   announces three free vectors and the corner.
 //!
 //! Format: <https://docs.lammps.org/dump.html>, <https://docs.lammps.org/Howto_triclinic.html>.
 
@@ -29,11 +29,9 @@ struct Dump<'a> {
     lines: Lines<'a>,
     options: Options,
     header: Header,
-    /// Some frame has begun.
     any: bool,
 }
 
-/// What stands before the atoms of a frame, and is for that frame only.
 #[derive(Default)]
 struct Header {
     n: Option<u64>,
@@ -112,7 +110,6 @@ impl Framed for Dump<'_> {
 }
 
 impl Header {
-    /// Takes an item that is not the atoms, with its lines.
     fn take(&mut self, item: &str, lines: &mut Lines<'_>, options: Options) -> anyhow::Result<()> {
         if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
             self.bounds = Some(bounds(lines, kind, options)?);
@@ -128,7 +125,7 @@ impl Header {
             "{}: this is a dump of grid cells, not of atoms; write one of style custom",
             lines.place()
         );
-        // A time step, a time, units: one line each.
+        // Each of these items has one line.
         next(lines)?;
         match item {
             "NUMBER OF ATOMS" => self.n = Some(lines.count(lines.line(), "the number of atoms")?),
@@ -149,7 +146,6 @@ fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The rows of one frame, and what they hold.
 struct Atoms {
     rows: Rows,
     scaled: bool,
@@ -171,7 +167,7 @@ impl Atoms {
         );
         let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
-        // Whoever chooses xs has scaled coordinates, too.
+        // A chosen column xs also holds scaled coordinates.
         let chosen = |name: &str| {
             let k = columns.names.iter().position(|other| other == name);
             k.is_some_and(|k| columns.meaning[k] == Column::Axis(0))
@@ -300,21 +296,19 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result
     })
 }
 
-/// Turns the last particle's scaled coordinates into lengths.
 fn scale_last(bounds: &Declared, particles: &mut Particles) {
     let Declared { vectors: Some(vectors), origin, .. } = bounds else { return };
     let Some(last) = particles.len().checked_sub(1) else { return };
     let scaled = particles.centre(last);
     for axis in 0..3 {
-        // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
+        // Terms of 0 are left out to avoid rounding, and NaN from 0 times infinity.
         let terms = scaled.iter().zip(vectors).filter(|(_, vector)| vector[axis] != 0.0);
         let length = terms.fold(origin[axis], |sum, (s, vector)| sum + s * vector[axis]);
         particles.set(last, axis, length);
     }
 }
 
-/// Along which axes the letters of LAMMPS say that a box repeats: `pp ff sm`, p for both of its
-/// ends; or what is wrong with them.
+/// Parses boundary letters such as `pp ff sm` into periodic axes; `pp` is periodic.
 fn letters(flags: &[&str]) -> Result<[bool; 3], &'static str> {
     let mut periodic = [false; 3];
     if flags.len() != 3 {

@@ -1,10 +1,10 @@
-//! GSD, as HOOMD writes it: frames of named arrays, found by an index.
+//! GSD files of HOOMD: frames of named arrays, found by an index.
 //!
-//! Read are `particles/position`, `particles/diameter`, `configuration/box` and
-//! `configuration/dimensions`, `configuration/step`. An array that a frame leaves out is that of
-//! frame 0, and where that has none either, HOOMD's default: diameter 1. The box repeats along all
-//! its vectors, and its middle is the origin. Numbers are f32, which widen without error, and the
-//! vectors of a tilted box are products of two, which f64 holds.
+//! The reader uses `particles/position`, `particles/diameter`, `configuration/box`,
+//! `configuration/dimensions` and `configuration/step`. A missing array is taken from frame 0,
+//! otherwise HOOMD's default is used: diameter 1. The box is periodic along all vectors and centred
+//! at the origin. Numbers are f32, which f64 holds exactly. Vectors of a tilted box are products of
+//! two f32, which f64 holds exactly too.
 //!
 //! Format: <https://gsd.readthedocs.io/en/stable/file-layer.html>,
 //! <https://gsd.readthedocs.io/en/stable/schema-hoomd.html>.
@@ -68,12 +68,11 @@ struct File {
     frames: u64,
 }
 
-/// The number of a little-endian field.
 fn word(bytes: &[u8], at: usize) -> Option<u64> {
     bytes.get(at..)?.first_chunk().map(|bytes| u64::from_le_bytes(*bytes))
 }
 
-/// Bytes of a number: u64, u32 and f32, u8.
+/// Bytes per number of a GSD type: 4 is u64, 3 is u32, 9 is f32, all others are bytes.
 fn width(kind: u8) -> usize {
     match kind {
         4 => 8,
@@ -104,17 +103,17 @@ impl File {
             matches!(version, 1 | 2),
             "{name} is GSD of version {version}; versions 1 and 2 are read"
         );
-        // Sizes are checked against the bytes that are there.
+        // Checks the size against the bytes of the file before it reserves memory.
         let part = |from: u64, count: u64, size: u64| {
             let end = from.checked_add(count.checked_mul(size)?)?;
             bytes.get(usize::try_from(from).ok()?..usize::try_from(end).ok()?)
         };
         let list = part(list, labels, 64).with_context(torn)?;
-        // Names fill 64 bytes each in version 1, and follow each other in version 2.
+        // Names fill 64 bytes each in version 1, and end with a zero byte in version 2.
         let until_zero = |name: &[u8]| name.split(|&b| b == 0).next().unwrap_or_default().to_vec();
         let names: Vec<Vec<u8>> = match version {
             1 => list.chunks(64).map(until_zero).collect(),
-            // Chunks number their names by 16 bits.
+            // Index entries refer to names by 16 bits.
             _ => list.split(|&b| b == 0).take(1 << 16).map(<[u8]>::to_vec).collect(),
         };
         let mut chunks = Vec::new();
@@ -139,7 +138,6 @@ impl File {
         Ok(File { bytes, chunks, names, frames })
     }
 
-    /// The array of a frame, or else that of frame 0.
     fn chunk(&self, frame: u64, name: &str) -> Option<Chunk> {
         let id = self.names.iter().position(|known| known == name.as_bytes())?;
         [frame, 0].into_iter().find_map(|frame| {
@@ -149,7 +147,6 @@ impl File {
         })
     }
 
-    /// The bytes of an array of this kind and number of columns.
     fn data(&self, chunk: Chunk, name: &str, kind: u8, columns: u32) -> anyhow::Result<&[u8]> {
         ensure!(
             chunk.kind == kind && chunk.columns == columns,
@@ -166,7 +163,6 @@ impl File {
         })
     }
 
-    /// The numbers of an array of f32, if it is there.
     fn floats(&self, frame: u64, name: &str, columns: u32) -> anyhow::Result<Option<Vec<f64>>> {
         let Some(chunk) = self.chunk(frame, name) else { return Ok(None) };
         let data = self.data(chunk, name, 9, columns)?;
@@ -177,7 +173,6 @@ impl File {
         Ok(Some(numbers))
     }
 
-    /// The first number of an array of whole numbers, if it is there.
     fn whole(&self, frame: u64, name: &str, kind: u8) -> anyhow::Result<Option<u64>> {
         let Some(chunk) = self.chunk(frame, name) else { return Ok(None) };
         let data = self.data(chunk, name, kind, 1)?;
@@ -233,17 +228,16 @@ impl File {
     }
 }
 
-/// The box of HOOMD: its lengths, and its tilts in parts of them.
+/// Builds HOOMD's box from its lengths and its tilts relative to them.
 fn boxed(numbers: &[f64], dim: usize) -> anyhow::Result<Declared> {
     let [x, y, z, xy, xz, yz] = *numbers else {
         bail!("configuration/box has {} numbers; six are expected", numbers.len())
     };
     ensure!(numbers.iter().all(|x| x.is_finite()), "configuration/box is {numbers:?}");
-    // Discs leave the third vector out.
+    // Scenes of discs ignore the third vector.
     let (z, xz, yz) = if dim == 2 { (0.0, 0.0, 0.0) } else { (z, xz, yz) };
     let vectors = [[x, 0.0, 0.0], [xy * y, y, 0.0], [xz * z, yz * z, z]];
     let origin = [0, 1, 2].map(|k| -0.5 * vectors.iter().map(|vector| vector[k]).sum::<f64>());
-    // Products of two f32 are exact in f64.
     let periodic = Some([true, true, dim == 3]);
     Ok(Declared { vectors: Some(vectors), origin, periodic, ..Declared::default() })
 }

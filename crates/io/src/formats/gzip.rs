@@ -1,11 +1,9 @@
-//! gzip, as people compress dumps with it: unpacked while it is read. And what holds for everything
-//! that is unpacked.
+//! Streaming decompression, and the limit on how much a file may expand.
 //!
-//! **Bombs.** Deflate makes a thousand times less of what repeats itself. Coordinates do not: real
-//! files shrink to a half or a tenth. Where more than [`MOST`] times the bytes that the file had so
-//! far are made of it, beyond [`FREE`] bytes, it is refused, so that time and memory stay in
-//! proportion to the file. What is unpacked within something unpacked counts as well, and all parts
-//! of a file count together: neither layers nor many small parts make more of it.
+//! **Bombs.** Deflate shrinks repetitive data a thousandfold, but real files of coordinates only to
+//! a half or a tenth. A file is refused if it expands to more than [`FREE`] bytes and more than
+//! [`MOST`] times its compressed bytes so far. So time and memory stay proportional to the file.
+//! Nested compression and all parts of a file count together.
 
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
@@ -13,12 +11,11 @@ use std::io::{self, BufRead, Read};
 use flate2::bufread::MultiGzDecoder;
 
 pub(crate) const MAGIC: &[u8] = b"\x1f\x8b";
-/// Most bytes unpacked for each byte read.
+/// Maximum number of bytes unpacked per byte read.
 const MOST: u64 = 200;
-/// Bytes unpacked before anybody asks.
+/// Bytes that are unpacked without a check.
 const FREE: u64 = 64 << 20;
 
-/// How much was read of a file, and how much was unpacked from it.
 #[derive(Debug, Default)]
 pub(crate) struct Unpacking {
     taken: Cell<u64>,
@@ -26,17 +23,14 @@ pub(crate) struct Unpacking {
 }
 
 impl Unpacking {
-    /// The file itself, whose bytes are counted.
     pub fn file<R>(&self, inner: R) -> Counted<'_, R> {
         Counted { inner, unpacking: self }
     }
 
-    /// What a decoder makes of it, held to the number of bytes that the file had.
     pub fn unpacked<R>(&self, inner: R) -> Unpacked<'_, R> {
         Unpacked { inner, unpacking: self }
     }
 
-    /// The bytes of a stream compressed with gzip.
     pub fn gzip<R: BufRead>(&self, reader: R) -> Unpacked<'_, MultiGzDecoder<R>> {
         self.unpacked(MultiGzDecoder::new(reader))
     }

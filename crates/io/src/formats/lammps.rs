@@ -1,14 +1,14 @@
-//! LAMMPS data files: a header with the number of atoms and the box, then sections; `Atoms` holds
-//! the particles.
+//! LAMMPS data files: a header with the number of atoms and the box, then sections. The section
+//! `Atoms` holds the particles.
 //!
-//! The columns follow from the atom style, which stands behind the section's name: `Atoms #
-//! sphere`. In the styles of spheres the size is a *diameter*, which is halved; the others need a
-//! radius from the options. Without a style the number of columns must leave no doubt, or the
-//! options choose the columns. In a hybrid style x, y and z follow the type, and then come the
-//! other columns of its parts.
+//! The atom style determines the columns; it follows the section name, as in `Atoms # sphere`.
+//! Styles of spheres have a *diameter*, which is halved; other styles need a radius from the
+//! options. Without a style, the number of columns must be unambiguous, or the options must choose
+//! the columns. In a hybrid style, x, y and z follow the type, before the other columns of its
+//! parts.
 //!
-//! The box is that of the header: `xlo xhi`, with `xy xz yz` where it is tilted, or the vectors
-//! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not say whether it repeats.
+//! The box is given by `xlo xhi` and so on, with `xy xz yz` if it is tilted, or by the vectors
+//! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not state which axes are periodic.
 //!
 //! Format: <https://docs.lammps.org/read_data.html>.
 
@@ -19,7 +19,7 @@ use crate::lines::{Lines, Source, short, shown, words};
 use crate::particles::{Column, Columns, Rows};
 use crate::{About, Declared, Loaded, Notice, Options};
 
-/// The columns of each style; image flags may follow.
+/// Columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
     ("sphere", "id type diameter density x y z"),
     ("granular", "id type diameter density x y z"),
@@ -39,7 +39,6 @@ const STYLES: [(&str, &str); 16] = [
     ("sph", "id type rho e cv x y z"),
 ];
 
-/// A line `100 atoms` in the header tells.
 pub fn tells(head: &[u8]) -> bool {
     head.split(|&b| b == b'\n').take(40).any(|line| is_count(line).is_some())
 }
@@ -53,7 +52,7 @@ fn is_count(line: &[u8]) -> Option<&[u8]> {
 pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut lines = Lines::new(source);
     let (mut n, mut header) = (None, Header::default());
-    // The first line is a title, whatever it holds.
+    // The first line is a title and is ignored.
     lines.advance()?;
     let title = is_count(lines.line()).map(shown);
     while lines.advance_over_blanks()? {
@@ -105,7 +104,6 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     bail!("{} has no section Atoms; is it a LAMMPS data file?", lines.source.name)
 }
 
-/// The lines of the header that make the box.
 #[derive(Default)]
 struct Header {
     ranges: [Option<[f64; 2]>; 3],
@@ -115,7 +113,6 @@ struct Header {
 }
 
 impl Header {
-    /// Takes the line, if it is one of them.
     fn take(&mut self, lines: &Lines<'_>, options: Options) -> anyhow::Result<bool> {
         let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
         let words: Vec<&[u8]> = words(line).collect();
@@ -169,7 +166,7 @@ fn atoms(
     let styled = style.map(|style| styled(style, options));
     let mut rows = match styled {
         Some(Ok(columns)) => Some(columns.rows(&place, options)?),
-        // Whoever says what the columns hold need not say the style.
+        // The style is not needed if the options choose the columns.
         Some(Err(error)) if !chosen => return Err(error.context(place)),
         _ => None,
     };
@@ -200,7 +197,7 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
     let mut columns = match parts.next() {
         Some("hybrid") => {
             let mut names: Vec<&str> = "id type x y z".split(' ').collect();
-            // The columns behind one that is not known may be anything.
+            // Columns after an unknown part may hold anything.
             for part in parts.map_while(of) {
                 let new: Vec<&str> = part.split(' ').filter(|name| !names.contains(name)).collect();
                 names.extend(new);
@@ -217,7 +214,8 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
             ),
         },
     };
-    // Old versions order the columns of a hybrid otherwise: one radius for all is believed.
+    // Old versions of LAMMPS order the columns of hybrid styles differently, so a radius from the
+    // options takes precedence.
     if style.starts_with("hybrid") && options.radius.is_some() {
         let sizes = columns.meaning.iter_mut().filter(|it| **it == Column::Diameter);
         sizes.for_each(|meaning| *meaning = Column::Other);
@@ -226,7 +224,6 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
     Ok(columns)
 }
 
-/// The columns of a file that names no style, if their number leaves no doubt.
 fn unstyled(count: usize) -> anyhow::Result<Columns> {
     let names = match count {
         5 => "id type x y z",
@@ -236,8 +233,7 @@ fn unstyled(count: usize) -> anyhow::Result<Columns> {
     Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
 }
 
-/// How to read so many columns: the option for each style that has them, with image flags or
-/// without.
+/// Lists the option for each style that has `count` columns, with or without image flags.
 fn choices(count: usize) -> String {
     let mut known: Vec<(String, Vec<&str>)> = Vec::new();
     for (style, names) in STYLES {

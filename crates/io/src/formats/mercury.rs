@@ -1,9 +1,9 @@
-//! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` (in 2D also
-//! without zmin and zmax) and N lines.
+//! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` and N lines. In
+//! 2D, zmin and zmax may be missing.
 //!
-//! Spheres have 14 columns or more: position and velocity (three each), radius, orientation and
-//! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity
-//! species. Format: the MercuryDPM documentation, "data file".
+//! Spheres have at least 14 columns: position, velocity, radius, orientation, angular velocity,
+//! species. Discs have 8: x y vx vy radius angle angular-velocity species. Format: the MercuryDPM
+//! documentation, "data file".
 
 use anyhow::{Context, bail, ensure};
 
@@ -17,7 +17,8 @@ use crate::{About, Declared, Loaded, Options};
 const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";
 const PLANE: &str = "x y vx vy radius angle omega species";
 
-/// Six or eight numbers, the first of them whole, and 8 or at least 14 in the next line.
+/// Recognises six or eight numbers, the first of them whole, before a line of 8 or 14 to 16
+/// numbers.
 pub fn tells(head: &[u8]) -> bool {
     let mut lines = head.split(|&b| b == b'\n').filter(|line| !line.trim_ascii().is_empty());
     let (first, second) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
@@ -40,7 +41,6 @@ struct Data<'a> {
     header: Header,
 }
 
-/// The header line of a frame, which precedes its rows.
 #[derive(Default)]
 struct Header {
     n: u64,
@@ -95,7 +95,6 @@ impl Framed for Data<'_> {
     }
 }
 
-/// Returns the columns of a frame, chosen by the number of cells in its first row.
 fn columns(lines: &Lines<'_>) -> anyhow::Result<Columns> {
     Ok(match words(lines.line()).count() {
         8 => Columns::named(PLANE.split(' ')),
@@ -106,7 +105,6 @@ fn columns(lines: &Lines<'_>) -> anyhow::Result<Columns> {
     })
 }
 
-/// The domain of a frame: least coordinates, then largest.
 fn domain(
     lines: &Lines<'_>,
     bounds: &[f64],
@@ -119,6 +117,6 @@ fn domain(
     let bounds = Some(bounds).filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
     in_order(bounds.as_deref().unwrap_or_default(), options.boundaries)
         .with_context(|| lines.source.name.to_string())?;
-    // It stands in no data file whether the domain repeats.
+    // The format does not state whether the domain is periodic.
     Ok(bounds.map(|bounds| Declared::between(&bounds, None)))
 }

@@ -1,4 +1,4 @@
-//! The table of formats: the one place where they are registered, and how they are told apart.
+//! The table of formats, and the choice of a format for a file.
 
 mod csv;
 mod dump;
@@ -24,14 +24,12 @@ use crate::pairs::fstat;
 use crate::{Loaded, Notice, Options};
 
 pub struct Format {
-    /// Its name on the command line.
     pub key: &'static str,
     /// Contents of a file in this format, for the help.
     pub help: &'static str,
-    /// Name of the format in messages.
     pub name: &'static str,
     pub endings: &'static [&'static str],
-    /// With what every such file begins, for messages; empty where anything may stand first.
+    /// The start of every such file, for messages; empty if files may start with anything.
     pub begins: &'static str,
     tells: fn(&[u8]) -> bool,
     read: Read,
@@ -67,7 +65,6 @@ impl std::str::FromStr for &'static Format {
 }
 
 impl Format {
-    /// The frames of a file of this format.
     pub fn open<'a>(&self, source: Source<'a>, options: Options) -> Opened<'a> {
         match self.read {
             Read::Whole(read) => Box::new(Once::new(move || read(source, options))),
@@ -76,7 +73,7 @@ impl Format {
     }
 }
 
-/// All formats. The first whose bytes tell is taken.
+/// All formats, in the order in which their `tells` is tried.
 pub static FORMATS: [Format; 11] = [
     Format {
         key: "npy",
@@ -179,7 +176,6 @@ pub static FORMATS: [Format; 11] = [
     },
 ];
 
-/// The format of a file that begins with `head`.
 pub fn find(
     head: &[u8],
     name: &str,
@@ -216,7 +212,7 @@ fn told(
          file beside it for the particles"
     );
     let ended = FORMATS.iter().find(|format| format.endings.contains(&ending));
-    // A name that says csv or xyz is believed: what tells data files could stand in columns, too.
+    // The endings csv and xyz are trusted, because columns may look like a data file.
     let believed = ended.filter(|format| matches!(format.key, "csv" | "xyz"));
     let strict =
         |format: &&Format| believed.is_none() || !format.begins.is_empty() && format.key != "vtp";
@@ -243,8 +239,8 @@ fn told(
     key.parse().map_err(anyhow::Error::msg)
 }
 
-/// Returns a notice if an unused column or array may tell frames apart, judging by its name. Dumps
-/// and similar formats have frames of their own.
+/// Returns a notice if the name of an unused column or array hints at frames. Formats with frames
+/// of their own need none.
 pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
     let table = format == "CSV" || format == "YADE text";
     let arrays = ["NumPy", "PLY"].iter().any(|name| format.starts_with(name));

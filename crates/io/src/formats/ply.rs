@@ -1,9 +1,8 @@
-//! PLY: the element `vertex` with properties x, y, z and `radius`, `r`, `diameter` or `d`; text, or
-//! binary of either byte order.
+//! PLY, as text or binary in either byte order: the element `vertex` with properties x, y, z and
+//! `radius`, `r`, `diameter` or `d`.
 //!
-//! `scalar_radius` and the like, as CloudCompare names them, are understood without `scalar_`.
-//! Elements before the vertices may hold no lists; those behind are not read. Format:
-//! <http://paulbourke.net/dataformats/ply/>.
+//! The prefix `scalar_` of CloudCompare is ignored. Elements before the vertices must not contain
+//! lists; later elements are not read. Format: <http://paulbourke.net/dataformats/ply/>.
 
 use anyhow::{Context, bail, ensure};
 
@@ -13,7 +12,6 @@ use crate::particles::{Column, Columns, Rows};
 use crate::scalars::Kind;
 use crate::{Loaded, Options};
 
-/// One `element` of the header.
 struct Element {
     name: String,
     count: u64,
@@ -39,7 +37,7 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut columns = named(vertex).chosen(&place, options)?;
     for ((meaning, kind), label) in columns.meaning.iter_mut().zip(&vertex.kinds).zip(&vertex.names)
     {
-        // A byte named r is red.
+        // Bytes named r are red, not radii.
         if *kind == Kind::U8 && label.eq_ignore_ascii_case("r") && !columns.sizes_chosen {
             *meaning = Column::Other;
         }
@@ -80,7 +78,6 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     Ok(rows.read("PLY, binary"))
 }
 
-/// The properties of the vertices, as columns.
 fn named(vertex: &Element) -> Columns {
     Columns::named(vertex.names.iter().map(|name| match name.strip_prefix("scalar_") {
         Some(inner) if Column::named(inner) != Column::Other => inner,
@@ -102,7 +99,7 @@ fn joined(elements: &[Element]) -> Cells {
     cells
 }
 
-/// The byte order (none for text), and the elements.
+/// Returns whether numbers are big-endian (`None` for text), and the elements.
 fn header(lines: &mut Lines<'_>) -> anyhow::Result<(Option<bool>, Vec<Element>)> {
     let (mut layout, mut elements): (_, Vec<Element>) = (None, Vec::new());
     lines.advance()?;

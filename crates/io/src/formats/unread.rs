@@ -1,4 +1,4 @@
-//! Formats that are known and not read: what each is called, by what it is known, and the way out.
+//! Known formats that are not supported: how they are recognised, and the remedy for each.
 
 use anyhow::bail;
 
@@ -28,7 +28,7 @@ const KRATOS: &str = "write its nodes and their RADIUS as CSV with a header x,y,
 const ESYS: &str = "write the lines between BeginParticles and EndParticles as CSV with a header \
                     x,y,z,r";
 
-/// Formats recognised by bytes at a fixed place: name with its article, place, bytes, and remedy.
+/// Formats recognised by bytes at a fixed offset: name with its article, offset, bytes, remedy.
 const BYTES: [(&str, usize, &[u8], &str); 37] = [
     ("compressed with bzip2", 0, b"BZh", UNPACK),
     ("compressed with xz", 0, b"\xfd7zXZ\0", UNPACK),
@@ -69,8 +69,8 @@ const BYTES: [(&str, usize, &[u8], &str); 37] = [
     ("a geometry of ESyS-Particle (geo)", 0, b"LSMGeometry", ESYS),
 ];
 
-/// Format that is recognised by a function: name with its article, function, and remedy. The first
-/// that fits is named.
+/// A format recognised by a function: name with its article, function, remedy. The first match
+/// counts.
 type Form = (&'static str, fn(&[u8]) -> bool, &'static str);
 const FORMS: [Form; 19] = [
     ("an Excel workbook", excel, TABLE),
@@ -111,8 +111,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     BYTES.iter().map(|it| it.0).chain(FORMS.iter().map(|it| it.0))
 }
 
-/// Refuses a file in one of these formats by its name. `way` is the way out where the file should
-/// hold other things than particles.
+/// Refuses a file in one of these formats, by name. `way` replaces the remedy if the file should
+/// not hold particles.
 pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> {
     let begins = |at: usize, bytes: &[u8]| head.get(at..).is_some_and(|it| it.starts_with(bytes));
     let mut bytes = BYTES.iter().filter(|(_, at, bytes, _)| begins(*at, bytes));
@@ -120,14 +120,13 @@ pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> 
     let bytes = bytes.next().map(|&(name, .., out)| (name, out));
     let form = || forms.next().map(|&(name, _, out)| (name, out));
     let Some((name, out)) = bytes.or_else(form) else { return Ok(()) };
-    // A compressed file, or a saved page instead of the file, may hold either.
+    // These remedies fit any content: unpack the file, or fetch the real one.
     let way = way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8].contains(&out)).unwrap_or(out);
     let way = way.replace("FILE", file);
     let read = if name.starts_with("compressed") { "" } else { ", which is not read" };
     bail!("{file} is {name}{read}: {way}")
 }
 
-/// The lines of the beginning, without blanks around them.
 fn lines(head: &[u8]) -> impl Iterator<Item = &[u8]> {
     head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii)
 }
@@ -136,7 +135,6 @@ fn has(head: &[u8], part: &[u8]) -> bool {
     head.windows(part.len()).any(|window| window == part)
 }
 
-/// The name of the first file of a zip archive.
 fn zipped(head: &[u8]) -> Option<&[u8]> {
     let rest = head.strip_prefix(b"PK\x03\x04")?;
     let length = rest.get(22..24)?;
@@ -163,7 +161,8 @@ fn trackmate(head: &[u8]) -> bool {
     first && heads.next().is_some_and(|line| has(line, b"Spot ID"))
 }
 
-/// A count of triangles, each of 50 bytes, of which the last two are 0, behind 80 bytes.
+/// Recognises binary STL: an 80-byte title, a count, and triangles of 50 bytes that end with two
+/// zero bytes.
 fn stl(head: &[u8]) -> bool {
     let zero = |k: usize| head.get(84 + 50 * k + 48..84 + 50 * k + 50) == Some(&[0, 0]);
     let unit = |k: usize| {
@@ -175,7 +174,7 @@ fn stl(head: &[u8]) -> bool {
         let square: f32 = normal.iter().map(|x| x * x).sum();
         (square - 1.0).abs() < 1e-3
     };
-    // The bytes of other binary files are no unit vectors, five times.
+    // Five unit normals in a row are unlikely in other binary files.
     (0..5).all(|k| zero(k) && unit(k))
 }
 
@@ -189,17 +188,17 @@ fn json(head: &[u8]) -> bool {
     }
 }
 
-/// A record of fixed columns stands first.
+/// Recognises PDB by a record of fixed columns at the start.
 fn pdb(head: &[u8]) -> bool {
     let records =
         "HEADER    |TITLE     |COMPND   |REMARK |CRYST1 |MODEL     |ATOM  |HETATM|EXPDTA    ";
     let first = head.split(|&b| b == b'\n').next().unwrap_or_default();
-    // Titles and models are short; a line of atoms is not.
+    // Titles may be short; lines of atoms are not.
     let least = if first.starts_with(b"ATOM") || first.starts_with(b"HETATM") { 21 } else { 10 };
     first.len() >= least && records.split('|').any(|it| first.starts_with(it.as_bytes()))
 }
 
-/// A title, a number, and lines of which columns 21 to 44 are three numbers with a point.
+/// Recognises GRO: a title, a count, and lines with decimal numbers in columns 21 to 44.
 fn gro(head: &[u8]) -> bool {
     let mut lines = head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_end);
     let (_, count, atom) = (lines.next(), lines.next(), lines.next().unwrap_or_default());
@@ -217,7 +216,7 @@ fn gro(head: &[u8]) -> bool {
         && words(numbers).all(|word| word.contains(&b'.') && number(word).is_some())
 }
 
-/// A section in brackets, behind comments.
+/// Recognises a GROMACS topology: a section in brackets after comments.
 fn itp(head: &[u8]) -> bool {
     let first = lines(head).find(|line| !matches!(line, [] | [b';' | b'#', ..]));
     let name = |line: &[u8]| line.strip_prefix(b"[")?.strip_suffix(b"]").map(<[u8]>::to_vec);
@@ -228,7 +227,8 @@ fn itp(head: &[u8]) -> bool {
     first.and_then(name).is_some_and(is_word)
 }
 
-/// A title, a scale, three vectors, names, counts, and how the coordinates are meant.
+/// Recognises a VASP POSCAR: title, scale, three vectors, names, counts, and the kind of
+/// coordinates.
 fn poscar(head: &[u8]) -> bool {
     let lines: Vec<&[u8]> = lines(head).take(9).collect();
     let numbers = |k: usize| {
@@ -244,7 +244,7 @@ fn poscar(head: &[u8]) -> bool {
     cell && (numbers(5).is_some() && meant(6) || numbers(6).is_some() && meant(7))
 }
 
-/// Two corners, each behind a v.
+/// Recognises OBJ by two vertices, each on a line that starts with `v`.
 fn obj(head: &[u8]) -> bool {
     let corner = |line: &[u8]| {
         let rest = line.strip_prefix(b"v ").unwrap_or_default();

@@ -1,8 +1,8 @@
-//! VTK legacy: `POINTS` of a POLYDATA, UNSTRUCTURED_GRID or STRUCTURED_GRID data set, text or
-//! binary (big-endian).
+//! Legacy VTK: `POINTS` of a POLYDATA, UNSTRUCTURED_GRID or STRUCTURED_GRID data set, as text or
+//! big-endian binary.
 //!
-//! The size is a SCALARS or FIELD array of the points named `radius`, `r`, `diameter` or `d`, or of
-//! the cells if each is one point. Points that polygons or larger cells join are refused. Format:
+//! The size is a SCALARS or FIELD array named `radius`, `r`, `diameter` or `d`, of the points or of
+//! cells that are one point each. Points joined by polygons or larger cells are refused. Format:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>.
 
 use anyhow::{Context, bail, ensure};
@@ -23,7 +23,7 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
         tuples: 0,
     };
     file.lines.advance()?;
-    // A title, whatever it says.
+    // The title is ignored.
     file.lines.advance()?;
     ensure!(
         file.lines.advance()?,
@@ -57,13 +57,14 @@ struct Vtk<'a> {
     arrays: Arrays,
     binary: bool,
     points: u64,
-    /// What the arrays that follow have tuples for, and how many.
+    /// Whether the arrays that follow belong to points or cells; `tuples` is their length.
     of: Of,
     tuples: u64,
 }
 
 impl Vtk<'_> {
-    /// One part of the file, which begins with the words of this line. False if no more is needed.
+    /// Reads the section that starts with the words of this line. Returns false if the rest of the
+    /// file is not needed.
     fn section(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<bool> {
         let place = self.lines.place();
         match (first, rest) {
@@ -86,7 +87,7 @@ impl Vtk<'_> {
                 self.same_number(n)?;
             }
             ("CELL_DATA", [n, ..]) => {
-                // Behind the sizes of points nothing of it is needed.
+                // Cell data are not needed if the points have sizes.
                 if self.of == Of::Points && !self.arrays.wants_cells(self.options) {
                     return Ok(false);
                 }
@@ -109,7 +110,6 @@ impl Vtk<'_> {
         Ok(true)
     }
 
-    /// The numbers that points or cells have.
     fn attributes(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<()> {
         match (first, rest) {
             ("GLOBAL_IDS", [name, kind]) => {
@@ -157,7 +157,6 @@ impl Vtk<'_> {
             components.with_context(|| format!("{place}: SCALARS have 1 to 4 components"))?;
         let target = self.arrays.target(self.of, name, kind, components, self.options);
         let target = target.with_context(|| place)?;
-        // The line LOOKUP_TABLE is part of it.
         ensure!(
             self.lines.advance()?
                 && self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE"),
@@ -167,7 +166,7 @@ impl Vtk<'_> {
         self.array(target, kind, components.saturating_mul(self.tuples), name)
     }
 
-    /// A grid of more than one row has cells between its points.
+    /// Counts one cell for a grid of points, unless it is a single row.
     fn grid(&mut self, sizes: &[&str]) {
         let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
         match sizes.iter().filter(long).count() {
@@ -202,7 +201,6 @@ impl Vtk<'_> {
         Ok(())
     }
 
-    /// Takes the numbers of an array, which begin on the next line.
     fn array(
         &mut self,
         mut target: Target,
@@ -243,7 +241,7 @@ impl Vtk<'_> {
         self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what)
     }
 
-    /// One array of a FIELD: `name components tuples type`.
+    /// Reads one array of a FIELD: `name components tuples type`.
     fn field(&mut self) -> anyhow::Result<()> {
         let name = self.lines.source.name;
         loop {
@@ -251,7 +249,7 @@ impl Vtk<'_> {
                 self.lines.advance_over_blanks()?,
                 "{name} is cut off in a FIELD; write it again"
             );
-            // What describes the array before may stand between two.
+            // METADATA of the array before may stand here.
             if !self.lines.line().starts_with(b"METADATA") {
                 break;
             }
@@ -279,7 +277,7 @@ impl Vtk<'_> {
         self.array(target, kind, components.saturating_mul(tuples), label)
     }
 
-    /// Cells: before version 5 `size` numbers, since then offsets and connectivity.
+    /// Reads cells: before version 5 as `size` numbers, since then as offsets and connectivity.
     fn cells(&mut self, n: &str, size: &str, what: &str) -> anyhow::Result<()> {
         let n = self.count(n, "the number of cells")?;
         let size = self.count(size, "a number of indices")?;
@@ -314,8 +312,8 @@ impl Vtk<'_> {
         Ok(())
     }
 
-    /// Do the indices follow at once? Nobody but the next bytes can tell. Blank lines may stand
-    /// before them in text; in a binary file the next byte is of a number, or the O of OFFSETS.
+    /// Whether the cells are written as before version 5, judged by the next bytes. In text, blank
+    /// lines may come first; in binary, the next byte belongs to a number or is the O of OFFSETS.
     fn old_cells(&mut self) -> anyhow::Result<bool> {
         loop {
             let Source { input, name, .. } = &mut self.lines.source;

@@ -1,6 +1,6 @@
-//! As much XML as VTK files need: tags with attributes, read from front to back in bounded memory.
-//! What stands between tags is left to the caller: it may be gigabytes of numbers, or raw bytes,
-//! which no XML library would take.
+//! A reader for the XML of VTK files: tags with attributes, from front to back in bounded memory.
+//! The caller reads what stands between tags, because it may be gigabytes of numbers or raw bytes
+//! that no XML library accepts.
 
 use std::io::Read;
 
@@ -10,7 +10,6 @@ use crate::lines::{Source, short, shown};
 
 const LONGEST_TAG: usize = 1 << 16;
 
-/// `<name key="value">`, `</name>` or `<name/>`.
 #[derive(Debug)]
 pub(crate) struct Tag {
     pub name: String,
@@ -25,7 +24,6 @@ impl Tag {
     }
 }
 
-/// The file, with the number of the line.
 pub(crate) struct Xml<'a> {
     pub source: Source<'a>,
     pub line: u64,
@@ -36,7 +34,7 @@ impl Xml<'_> {
         format!("{}:{}", self.source.name, self.line)
     }
 
-    /// The next byte without taking it; none at the end.
+    /// Returns the next byte without consuming it, or `None` at the end.
     pub fn peek(&mut self) -> anyhow::Result<Option<u8>> {
         let Source { input, name, .. } = &mut self.source;
         let next = input.fill_buf().with_context(|| format!("cannot read {name}"))?;
@@ -52,7 +50,7 @@ impl Xml<'_> {
         Ok(byte)
     }
 
-    /// The next tag; comments, declarations and text before it are passed over.
+    /// Returns the next tag; skips comments, declarations and text before it.
     pub fn tag(&mut self) -> anyhow::Result<Option<Tag>> {
         loop {
             loop {
@@ -93,7 +91,7 @@ impl Xml<'_> {
         }
     }
 
-    /// The next word of the text before the next tag; none where that begins.
+    /// Returns the next word of text, or `None` at the next tag.
     pub fn word<'b>(&mut self, word: &'b mut Vec<u8>) -> anyhow::Result<Option<&'b [u8]>> {
         word.clear();
         while let Some(byte) = self.peek()? {
@@ -131,8 +129,8 @@ fn parse(text: &str) -> anyhow::Result<Tag> {
     Ok(tag)
 }
 
-/// The bytes of a text in base64, up to the next tag. Padding ends a group, and another may follow.
-/// No letter is read before it is needed.
+/// Decodes base64 text up to the next tag. After padding another group may follow. Letters are read
+/// only when needed.
 pub(crate) struct Base64<'a, 'b> {
     xml: &'a mut Xml<'b>,
     letters: u64,
@@ -149,7 +147,6 @@ impl<'a, 'b> Base64<'a, 'b> {
         self.letters
     }
 
-    /// Decodes four letters; false where the text ends.
     fn group(&mut self) -> anyhow::Result<bool> {
         let (mut bits, mut count, mut padding) = (0, 0, 0);
         while count < 4 {

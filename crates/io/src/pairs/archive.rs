@@ -1,5 +1,6 @@
-//! npz: arrays `i` and `j` of whole numbers, named as the columns of a table are, with images as
-//! `sx`, `sy`, `sz` or as one array `S` of shape (pairs, 2) or (pairs, 3); or one array of pairs.
+//! Contact lists in npz archives: arrays `i` and `j` of whole numbers, named like the columns of a
+//! table, or one array of pairs. Images are arrays `sx`, `sy`, `sz`, or one array `S` of shape
+//! (pairs, 2) or (pairs, 3).
 
 use anyhow::{Context, bail, ensure};
 
@@ -15,16 +16,15 @@ use crate::lines::{Source, listed, short};
 use crate::notice::Notice;
 use crate::room::room;
 
-/// Names that numpy.savez gives to arrays without a name.
+/// Names that numpy.savez gives to unnamed arrays.
 const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
 
 #[derive(Default)]
 struct Arrays {
-    /// Columns and their names, of whole numbers.
     names: Vec<String>,
     columns: Vec<Vec<i64>>,
     others: Vec<String>,
-    /// What arrays of pairs hold, or why it is not read.
+    /// Two-dimensional arrays: name, and list or the reason why it is not a list.
     tables: Vec<(String, anyhow::Result<List>)>,
 }
 
@@ -37,7 +37,7 @@ pub(super) fn read(mut source: Source<'_>, chosen: &[&str]) -> anyhow::Result<Li
 impl Arrays {
     fn member(&mut self, mut source: Source<'_>, name: &str) -> anyhow::Result<()> {
         let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
-        // Texts and objects need not be understood.
+        // Unused arrays may be of any type.
         let Ok(header) = npy::header(&mut source) else { return Ok(()) };
         match header.columns {
             None => match columns(&mut source, &header, 1)?.and_then(|mut it| it.pop()) {
@@ -111,7 +111,6 @@ impl Arrays {
         Ok(list)
     }
 
-    /// The pairs of the one array that holds some.
     fn table(&mut self, name: &str) -> anyhow::Result<List> {
         let good = self.tables.iter().filter(|(_, list)| list.is_ok()).count();
         let all: Vec<&str> = self.tables.iter().map(|(label, _)| &**label).collect();
@@ -133,7 +132,7 @@ impl Arrays {
     }
 }
 
-/// So many columns of an array in either order; none if a number is not whole.
+/// Reads `count` columns of an array in C or Fortran order; `None` if a number is not whole.
 fn columns(
     source: &mut Source<'_>,
     header: &Header,

@@ -1,7 +1,12 @@
-//! npy: rows of two numbers, the pair; with images in a box of four (discs) or five (spheres).
-//! Where all frames are wanted, of three, five or six, and the first is the frame. Fortran order
-//! and arrays whose rows are i and j (shape (2, pairs)) hold one number of all pairs after the
-//! other: they are read whole.
+//! Contact lists in npy arrays, one pair per row.
+//!
+//! | columns | content |
+//! |---|---|
+//! | 2 | i, j |
+//! | 4 or 5 | i, j, and the image of j in 2D or 3D |
+//! | 3, 5 or 6 | the frame before these, if all frames are read |
+//!
+//! Arrays in Fortran order, or of shape (2, pairs), are read whole.
 
 use anyhow::{bail, ensure};
 
@@ -13,7 +18,6 @@ use crate::lines::Source;
 use crate::notice::Notice;
 use crate::room::room;
 
-/// Rows that are read at once.
 const ROWS: u64 = 4096;
 
 pub(super) struct Array<'a> {
@@ -21,27 +25,23 @@ pub(super) struct Array<'a> {
     header: Option<Header>,
     shape: Shape,
     notices: Vec<Notice>,
-    /// Frame, pair and image of some rows.
+    /// Frame, pair and image of the rows read last.
     rows: Vec<[i64; 6]>,
-    /// The next of them.
     at: usize,
-    /// Rows before them.
     before: u64,
 }
 
 #[derive(Clone, Copy, Default)]
 struct Shape {
     pairs: u64,
-    /// Numbers of each pair.
     columns: usize,
-    /// Whether each row begins with its frame.
     framed: bool,
-    /// One number of all pairs stands after the other.
     by_column: bool,
 }
 
 impl Shape {
-    /// With a notice where the array could be read another way; none where it holds no pairs.
+    /// Returns how the array stores pairs, with a notice if it is ambiguous; `None` if it holds no
+    /// pairs.
     fn of(header: &Header, all: bool) -> Option<(Shape, Option<Notice>)> {
         let fits = |columns: u64| matches!(columns, 2 | 4 | 5) || all && matches!(columns, 3 | 6);
         let framed = |columns: u64| all && matches!(columns, 3 | 5 | 6);
@@ -53,7 +53,7 @@ impl Shape {
         };
         let rows = header.rows;
         let columns = match header.columns {
-            // Nothing has no columns.
+            // An empty array has no columns to check.
             None | Some(0) if rows == 0 || header.columns.is_some() => {
                 return Some((Shape { columns: 2, ..Shape::default() }, None));
             }
@@ -74,12 +74,10 @@ impl Shape {
         fits(rows).then(|| (shape(columns, rows, !header.fortran), None))
     }
 
-    /// The place of the first number in a row of frame, pair and image.
     fn first(&self) -> usize {
         usize::from(!self.framed)
     }
 
-    /// A whole number, of the pair `k`.
     fn checked(&self, name: &str, k: u64, column: usize, value: f64) -> anyhow::Result<i64> {
         ensure!(
             value.fract() == 0.0 && value.abs() < 9e15,
@@ -96,12 +94,11 @@ impl<'a> Array<'a> {
         Array { source, header: None, shape, notices, rows, at: 0, before: 0 }
     }
 
-    /// The array behind a header that was read.
+    /// Reads the array after its header.
     pub fn behind(source: Source<'a>, header: Header) -> Array<'a> {
         Array { header: Some(header), ..Array::new(source) }
     }
 
-    /// Reads one number of all pairs after the other.
     fn by_column(&mut self) -> anyhow::Result<()> {
         let Array { source, header: Some(header), rows, shape, .. } = self else { return Ok(()) };
         let (name, first) = (source.name, shape.first());
@@ -119,7 +116,6 @@ impl<'a> Array<'a> {
         Ok(())
     }
 
-    /// Reads more rows, when those that were read are taken.
     fn more(&mut self) -> anyhow::Result<()> {
         let Array { source, header: Some(header), rows, at, before, shape, .. } = self else {
             return Ok(());

@@ -1,5 +1,4 @@
-//! Which columns of a table hold the two particles and the image of the second, and which are not
-//! looked at.
+//! The columns of a table that hold the two particles and the image of the second.
 
 use std::collections::HashMap;
 
@@ -8,15 +7,14 @@ use anyhow::{Context, ensure};
 use crate::lines::{Lines, among, listed, short, shown, whole};
 use crate::pairs::{List, push};
 
-/// How the two particles are called.
 const PAIRS: [[&str; 2]; 5] =
     [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];
-/// How images are called, before the letter or the number of an axis, in small letters and figures
-/// alone: `sx`, `S_x`, `shift[0]`, `Periodic Image.X`.
+/// Names of image columns, before the letter or number of an axis: `sx`, `S_x`, `shift[0]`,
+/// `Periodic Image.X`. Compared in lower case, letters and digits only.
 const IMAGES: &str =
     "s shift cellshift unitshift unitcellshift image periodicimage pbcshift celloffset";
 const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"], ["1", "2", "3"]];
-/// What else holds whole numbers, and no images.
+/// Columns of whole numbers that are known not to be images.
 const HARMLESS: &str = "index type ptype ntype patom natom id";
 
 const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
@@ -26,14 +24,13 @@ const REMEDY: &str = "; name the columns of the two particles with --pairs-colum
 pub struct Other {
     /// Its name, or its number from 1.
     pub name: String,
-    /// The list says what it is called, and that is not an image.
+    /// Whether its name shows that it is not an image.
     pub named: bool,
-    /// It holds whole numbers alone, and nothing says that it is no image.
+    /// Whether it could be an image: all numbers are whole, and its name does not exclude it.
     pub whole: bool,
 }
 
 impl Other {
-    /// The column of that number from 0.
     pub(super) fn unnamed(k: usize) -> Other {
         Other { name: (k + 1).to_string(), named: false, whole: false }
     }
@@ -42,20 +39,20 @@ impl Other {
 #[derive(Clone, Default)]
 pub(super) struct Columns {
     pair: [usize; 2],
-    /// None, two or three.
+    /// No column, or one per axis.
     image: Vec<usize>,
-    /// Nobody says that those are images: they are until a number is not whole.
+    /// Whether the image columns were guessed. A number that is not whole refutes the guess.
     guessed: bool,
     ids: bool,
     others: Vec<(usize, Other)>,
-    /// Which of the others have held whole numbers alone.
+    /// Indices into `others` of the columns with whole numbers only.
     whole: Vec<usize>,
     count: usize,
 }
 
 impl Columns {
-    /// By their names; by those that were `chosen`, which may be numbers from 1, and nothing else
-    /// is asked about then. None where no pair is named.
+    /// Finds the columns by name, or uses the `chosen` ones, which may be numbers from 1. Returns
+    /// `None` if no pair is found.
     pub fn named(
         names: &[String],
         chosen: &[&str],
@@ -95,7 +92,8 @@ impl Columns {
         Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
-    /// The first two of so many that have no names. Two or three more may be images.
+    /// Takes the first two of `count` unnamed columns as the pair, and two or three further ones as
+    /// images.
     pub fn bare(count: usize) -> Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };
@@ -107,12 +105,11 @@ impl Columns {
         self.pair
     }
 
-    /// The columns of the image: none, two or three.
     pub fn image(&self) -> &[usize] {
         &self.image
     }
 
-    /// What this column holds is known otherwise.
+    /// Ignores a column whose meaning is known otherwise.
     pub fn known(&mut self, column: usize) {
         let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
         self.others.remove(m);
@@ -158,7 +155,7 @@ impl Columns {
         Ok(())
     }
 
-    /// What is to be said of the columns when all lines are read.
+    /// Passes to the list what its rows have shown about the columns.
     pub fn end(self, list: &mut List) {
         list.flat = self.image.len() == 2;
         list.named_ids = self.ids;
@@ -176,24 +173,21 @@ fn unnamed(k: usize) -> (usize, Other) {
     (k, Other::unnamed(k))
 }
 
-/// Whether an array of this name holds images, one in each row.
 pub(super) fn is_image(name: &str) -> bool {
     among(IMAGES, &plain(name))
 }
 
-/// Small letters and figures alone.
+/// Returns the letters and digits of a name, in lower case.
 fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_ascii_alphanumeric()).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// The first two columns of a compute of LAMMPS.
 fn of_one_compute(names: &[String]) -> Option<(usize, usize)> {
     let first = names.iter().position(|name| name.ends_with("[1]"))?;
     let second = names[first].replace("[1]", "[2]");
     Some((first, names.iter().position(|name| *name == second)?))
 }
 
-/// The columns of images: none, two or three.
 fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<usize>> {
     let mut places = HashMap::new();
     for (k, name) in names.iter().enumerate() {
@@ -205,7 +199,7 @@ fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<us
             match at {
                 [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),
                 [Some(x), Some(y), None] => return Ok(vec![x, y]),
-                // s1 alone may be anything.
+                // A column s1 alone may be anything.
                 [None, None, None] => {}
                 _ => ensure!(
                     axes != AXES[0],

@@ -1,6 +1,7 @@
-//! Two columns of whole numbers, and those of images: by a header, which may be a comment, or the
-//! first ones. Rows may say their frame. Comments begin with `#` or, as in MATLAB, with `%`, and
-//! may stand behind a row.
+//! Contact lists in tables: two columns of whole numbers, and optional image and frame columns.
+//!
+//! The columns are named by a header, which may be a comment, or are the first ones. Comments start
+//! with `#` or, as in MATLAB, with `%`, and may follow a row.
 
 use anyhow::{Context, ensure};
 
@@ -16,48 +17,40 @@ pub(super) struct Csv<'a> {
     lines: Lines<'a>,
     chosen: &'a [&'a str],
     layout: Layout,
-    /// The columns, and what the rows of this list have shown of them.
     columns: Option<Columns>,
-    /// The line at hand is still to be taken.
     ahead: bool,
-    /// Whether a row was taken.
     any: bool,
     /// Comment before the current row that names a frame.
     divided: Option<String>,
     notices: Vec<Notice>,
 }
 
-/// The part of a line before a comment.
 fn uncommented(line: &[u8]) -> &[u8] {
     let end = line.iter().position(|c| matches!(c, b'#' | b'%')).unwrap_or(line.len());
     line[..end].trim_ascii_end()
 }
 
-/// Names alone: each cell begins with a letter or `_`.
 fn is_header(names: &[String]) -> bool {
     let named = |name: &String| name.starts_with(|c: char| c.is_alphabetic() || c == '_');
     names.iter().all(|name| named(name) && number(name.as_bytes()).is_none())
 }
 
-/// Names of the two particles, whatever the other columns are called.
 fn is_pair(names: &[String]) -> bool {
     matches!(Columns::named(names, &[], String::new), Ok(Some(_)))
 }
 
-/// How the lines of a table are read.
 #[derive(Default)]
 struct Layout {
     separator: Separator,
-    /// None if the file has no rows.
+    /// `None` if the file has no rows.
     columns: Option<Columns>,
-    /// The column that says the frame, if there is one.
     label: Option<Label>,
 }
 
 #[derive(Clone, Copy)]
 struct Label {
     column: usize,
-    /// It is a time step, not the number of the frame.
+    /// Whether it is a time step instead of a frame number.
     is_step: bool,
 }
 
@@ -90,7 +83,6 @@ impl<'a> Csv<'a> {
         Csv { lines, chosen, layout, columns, ahead: false, any: false, divided, notices: vec![] }
     }
 
-    /// Reads up to the first pair, and learns what the columns hold.
     fn header(&mut self) -> anyhow::Result<()> {
         let Csv { lines, chosen, .. } = self;
         while self.layout.columns.is_none() && lines.advance()? {
@@ -100,7 +92,7 @@ impl<'a> Csv<'a> {
             }
             let comment = uncommented(line).is_empty();
             let line = if comment { line[1..].trim_ascii() } else { line };
-            // A name may hold a sign of its own, as in 'overlap %' and 'Pair #,i,j'.
+            // A name may contain a sign, as in 'overlap %' or 'Pair #,i,j'.
             let end = line.windows(2).position(|two| two == b" #").unwrap_or(line.len());
             let bare = uncommented(&line[..end]);
             let in_name = words(bare).count() < 2

@@ -1,4 +1,4 @@
-//! `ITEM: ENTRIES` of a LAMMPS dump local.
+//! Contact lists in a LAMMPS dump local: `ITEM: ENTRIES`.
 
 use anyhow::{Context, bail, ensure};
 
@@ -30,7 +30,6 @@ impl Reader<List> for Dump<'_> {
                     short(&text)
                 );
             };
-            // The header of a frame has begun, and its entries have not come.
             open = !item.starts_with("ENTRIES");
             if item.starts_with("NUMBER OF") {
                 ensure!(

@@ -1,5 +1,6 @@
-//! MercuryDPM `.fstat`: `time i j x y z overlap ...`, indices from 0, walls negative; each contact
-//! of two particles from both sides. Frames begin with lines that begin with #.
+//! Contact lists in MercuryDPM `.fstat`: `time i j x y z overlap ...`, with indices from 0 and
+//! negative numbers for walls. Each contact of two particles occurs in both directions. Frames
+//! start with lines that start with #.
 
 use anyhow::{Context, ensure};
 
@@ -11,8 +12,8 @@ use contactbench_core::sink::splitmix64;
 
 const FORMAT: &str = "MercuryDPM fstat";
 
-/// Whether these are three lines that begin with `#`, and then lines of 14 numbers; where it is
-/// less sure that the file is a list, the `#` must have numbers behind them.
+/// Recognises three lines that start with `#`, before lines of 14 numbers. If `strictly`, the lines
+/// with `#` must contain numbers.
 pub(crate) fn tells(head: &[u8], strictly: bool) -> bool {
     let lines = || head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
     let mut data = lines().filter(|line| !line.is_empty() && !line.starts_with(b"#"));
@@ -27,7 +28,7 @@ pub(crate) fn tells(head: &[u8], strictly: bool) -> bool {
 
 pub(super) struct Fstat<'a> {
     lines: Lines<'a>,
-    /// The line at hand begins a frame.
+    /// Whether the current line starts a frame.
     ahead: bool,
 }
 
@@ -36,11 +37,9 @@ impl<'a> Fstat<'a> {
         Fstat { lines, ahead: false }
     }
 
-    /// Reads on to the next frame, or to the end, and adds the contacts.
     fn frame(&mut self, list: &mut List, keep: bool) -> anyhow::Result<()> {
         let Fstat { lines, ahead } = self;
         let mut in_header = lines.line().starts_with(b"#");
-        // The first line is at hand.
         loop {
             if lines.line().starts_with(b"#") {
                 if !in_header {
@@ -101,8 +100,8 @@ fn row(lines: &Lines<'_>, list: &mut List) -> anyhow::Result<()> {
     push(list, pair, None, String::new)
 }
 
-/// Where all are there from both sides, one side is taken: then fingerprints of the pairs as they
-/// stand and of the pairs turned round are the same, whatever their order.
+/// If every contact occurs in both directions, keeps one. This is tested by comparing fingerprints
+/// of the pairs and of the reversed pairs, which do not depend on order.
 fn one_side(list: &mut List) {
     let mix = |i: i64, j: i64| splitmix64(splitmix64(i as u64) ^ j as u64);
     let sum = |sum: [u64; 2], &[i, j]: &[i64; 2]| {

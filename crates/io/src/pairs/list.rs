@@ -1,4 +1,4 @@
-//! A contact list as it was read, and what it needs beside a box or without one.
+//! A contact list, and its checks against the box of the particles.
 
 use anyhow::ensure;
 
@@ -9,36 +9,33 @@ use crate::notice::Notice;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct List {
     pub format: &'static str,
-    /// The number of its frame, where the file has frames.
     pub frame: Option<u64>,
-    /// Its time step, where the file says it.
     pub step: Option<i64>,
-    /// Rows say their frame: one of which no row speaks has no pairs.
+    /// Whether rows contain their frame; then a frame without rows has no pairs.
     pub sparse: bool,
-    /// Couples of numbers, in file order.
     pub pairs: Vec<[i64; 2]>,
-    /// Which image of the second particle it is, for each, where the list says so: so many vectors
-    /// of the box are added to its place.
+    /// Image of the second particle of each pair: how often each box vector is added to its
+    /// position. `None` if the list has no images.
     pub images: Option<Vec<[i32; 3]>>,
-    /// They are named along the first two vectors alone.
+    /// Whether images have two numbers.
     pub flat: bool,
-    /// Nothing says that they are images but their number: the columns have no names.
+    /// Whether unnamed columns were taken as images only because of their number.
     pub guessed: bool,
     pub others: Vec<Other>,
-    /// Contacts with walls, which were left out.
+    /// Number of contacts with walls, which were left out.
     pub walls: u64,
-    /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
+    /// Whether numbers are LAMMPS ids instead of positions in a file.
     pub ids: bool,
-    /// The columns are called `id1` and `id2`: the ids of the particles, if their file has any.
+    /// Whether the columns are called `id1` and `id2`, which means ids if the particles have any.
     pub named_ids: bool,
-    /// Every contact stands there from both sides (MercuryDPM), and was taken once.
+    /// Whether every contact occurred in both directions (MercuryDPM), and one was kept.
     pub both_sides: bool,
     pub notices: Vec<Notice>,
 }
 
 impl List {
-    /// Refuses a list for a box that repeats along some axes if it names images along too few, or
-    /// has columns that may name images and are not known to.
+    /// Refuses a list whose images have too few axes for the periodic box, or with columns that may
+    /// be images but are not known to be.
     pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
         ensure!(
             self.images.is_none() || !self.flat || dim == 2 || !periodic[2],
@@ -68,7 +65,6 @@ impl List {
         Ok(())
     }
 
-    /// Adds the doubt about a comment among the pairs that names a frame, once.
     pub(super) fn divided(&mut self, comment: &str) {
         let words = format!(
             "the comment '{}' among the pairs may begin another frame, and all pairs are taken as \
@@ -80,7 +76,6 @@ impl List {
         }
     }
 
-    /// The list as one of a scene without a box: columns that may be images are something else.
     pub fn without_box(&mut self) {
         if std::mem::take(&mut self.guessed) {
             self.images = None;

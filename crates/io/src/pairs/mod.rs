@@ -1,9 +1,9 @@
-//! Contact lists that other codes wrote: CSV, npy, MercuryDPM `.fstat`, LAMMPS dump local.
+//! Reads contact lists of other programs: CSV, npy, npz, MercuryDPM `.fstat`, LAMMPS dump local.
 //!
-//! A list names particles by numbers, whose meaning is the caller's business: indices from 0 or 1,
-//! or the ids of the particles' file. A file may hold a list for each of several frames: the
-//! sections of a dump, those of an `.fstat` file, or rows in order of a column `frame` (from 0) or
-//! `step`; in npy the first of three, five or six columns, where all frames are wanted.
+//! A list names particles by numbers, which the caller interprets: indices from 0 or 1, or ids. A
+//! file may hold one list per frame: sections of a dump or `.fstat` file, or rows in the order of a
+//! column `frame` (from 0) or `step`. In npy, the first of three, five or six columns is the frame,
+//! if all frames are read.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -28,7 +28,7 @@ mod list;
 pub use columns::Other;
 pub use list::{List, columns_of};
 
-/// The contact lists of a file, one after the other: no more than one is held at a time.
+/// The contact lists of a file. Only one list is in memory at a time.
 pub struct Lists<'a> {
     reader: Box<dyn Reader<List> + 'a>,
     choice: Choice,
@@ -37,7 +37,7 @@ pub struct Lists<'a> {
 }
 
 impl Lists<'_> {
-    /// Frames that are not there are lists without pairs: so it is where rows say their frame.
+    /// Whether missing frames are lists without pairs, because rows contain their frame.
     pub fn is_sparse(&self) -> bool {
         self.choice.sparse
     }
@@ -50,7 +50,7 @@ impl Lists<'_> {
     }
 }
 
-/// An error ends them.
+/// Iteration ends after an error.
 impl Iterator for Lists<'_> {
     type Item = anyhow::Result<List>;
 
@@ -64,13 +64,12 @@ impl Iterator for Lists<'_> {
     }
 }
 
-/// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
-/// none, the two of the particles, or these and the two or three of the image.
+/// Reads a contact list. `columns` chooses columns of a LAMMPS dump or CSV file: none, the two
+/// particles, or these and the two or three of the image.
 pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
     lists(path, columns, frame, |lists| lists.chosen())
 }
 
-/// As [`read`], from a stream.
 pub fn from(
     reader: impl BufRead,
     name: &str,
@@ -80,7 +79,6 @@ pub fn from(
     lists_from(reader, name, columns, frame, |lists| lists.chosen())
 }
 
-/// Hands the lists of a file that are chosen to `body`, which takes them one by one.
 pub fn lists<T>(
     path: &Path,
     columns: &[&str],
@@ -97,7 +95,6 @@ pub fn lists<T>(
     lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
 }
 
-/// The lists of several files, one a frame.
 struct Files<'a> {
     files: Vec<PathBuf>,
     notice: Option<Notice>,
@@ -107,7 +104,7 @@ struct Files<'a> {
 
 impl Reader<List> for Files<'_> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        // Files before the one that is wanted are not opened.
+        // Files before the wanted one are not opened.
         self.next = self.next.max(choice.first_of(self.files.len()));
         let Some(file) = self.files.get(self.next) else { return Ok(None) };
         let frame = self.next as u64;
@@ -121,7 +118,6 @@ impl Reader<List> for Files<'_> {
     }
 }
 
-/// As [`lists`], from a stream.
 pub fn lists_from<T>(
     reader: impl BufRead,
     name: &str,
@@ -172,25 +168,22 @@ trait Rows {
     /// Reads what precedes the rows; sets [`Choice::sparse`] if rows contain their frame.
     fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()>;
 
-    /// Goes to the next row. Returns the frame or the step in the row, 0 if it has neither, and
-    /// `None` at the end.
+    /// Reads the next row. Returns its frame or step, 0 if it has neither, or `None` at the end.
     fn advance(&mut self) -> anyhow::Result<Option<i64>>;
 
     fn place(&self) -> String;
 
     fn take(&mut self, list: &mut List) -> anyhow::Result<()>;
 
-    /// Returns an empty list, before its rows are read.
     fn list(&mut self) -> List;
 
-    /// Adds to the list what its rows have shown about the columns.
     fn end(&mut self, list: &mut List);
 }
 
 struct Table<R> {
     rows: R,
     begun: bool,
-    /// Frame or step of the current row, which is not taken yet.
+    /// Frame or step of the current row, if that is not used yet.
     ahead: Option<i64>,
     last: Option<i64>,
 }
@@ -246,7 +239,7 @@ impl<R: Rows> Reader<List> for Table<R> {
     }
 }
 
-/// Adds a pair, with its image if there is one; these are numbered in 32 bits.
+/// Adds a pair with its image, if there is one; image numbers must fit in 32 bits.
 fn push(
     list: &mut List,
     pair: [i64; 2],

@@ -1,24 +1,23 @@
-//! Coordinates that were cut to few digits.
+//! Detects coordinates that were rounded to few digits.
 
 use super::Particles;
 
-/// Coordinates of at most so many significant digits were cut to them: %g writes six.
+/// At most this many significant digits count as few, because %g writes six.
 const FEW_DIGITS: usize = 6;
-/// Coordinates of so many particles are looked at for this.
 pub(crate) const LOOKED_AT: usize = 1000;
 
-/// How many coordinates have how many significant digits; the last place is of all that have more
-/// than are few.
+/// Number of coordinates by significant digits; the last entry counts all with more than
+/// [`FEW_DIGITS`].
 pub type Counts = [u32; FEW_DIGITS + 2];
 
-/// Counts one more, as it is written.
 pub fn count(counts: &mut Counts, cell: &[u8]) {
     counts[significant(cell).min(FEW_DIGITS + 1)] += 1;
 }
 
 impl Particles {
-    /// The most significant digits that a coordinate has, where they are few and half of many have
-    /// so many or one less: those of a lattice are short, too, and need no more.
+    /// Returns the largest number of significant digits, if it is small and at least half of many
+    /// coordinates have it or one less. The second condition excludes lattices, whose coordinates
+    /// are short anyway.
     pub(crate) fn cut_to(&self) -> Option<u32> {
         let [few @ .., more] = &self.digits;
         let most = few.iter().rposition(|&count| count > 0).filter(|&most| most >= 4)?;
@@ -28,8 +27,6 @@ impl Particles {
     }
 }
 
-/// The significant digits of a number as it is written: from the first that is not 0 to the last
-/// that is not.
 fn significant(cell: &[u8]) -> usize {
     let digits = cell.iter().take_while(|byte| !matches!(byte, b'e' | b'E' | b'd' | b'D'));
     let (mut count, mut zeros) = (0, 0);

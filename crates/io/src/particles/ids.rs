@@ -1,11 +1,8 @@
-//! Particles by the file's own ids.
-
 use anyhow::{Context, bail};
 
 use super::{Particles, with_points};
 
 impl Particles {
-    /// A copy of the ids, for whoever needs them longer than the particles.
     pub fn ids_copied(&self) -> anyhow::Result<Option<Vec<i64>>> {
         let copied = |ids: &[i64]| {
             let mut copy = Vec::new();
@@ -17,7 +14,6 @@ impl Particles {
         self.ids.as_deref().map(copied).transpose()
     }
 
-    /// Puts the particles in the order of their ids, if there are any.
     pub fn sort_by_id(&mut self) -> anyhow::Result<()> {
         let Some(ids) = &mut self.ids else { return Ok(()) };
         let n = ids.len();

@@ -1,5 +1,5 @@
-//! Particles as they are read: centres and radii that grow with the bytes of the file, never with
-//! what it promises.
+//! Particles while they are read. Memory grows with the bytes of the file, whatever number its
+//! header announces.
 
 pub(super) mod digits;
 mod ids;
@@ -27,7 +27,6 @@ impl Default for Centres {
     }
 }
 
-/// Evaluates one expression for the points of either dimension.
 macro_rules! with_points {
     ($centres:expr, $points:ident => $body:expr) => {
         match $centres {
@@ -38,7 +37,6 @@ macro_rules! with_points {
 }
 pub(crate) use with_points;
 
-/// The point of the first coordinates in a row.
 fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
     Point::from(std::array::from_fn(|k| row[k]))
 }
@@ -47,23 +45,20 @@ fn point<const D: usize>(row: &[f64]) -> Point<f64, D> {
 pub struct Particles {
     pub centres: Centres,
     pub radii: Option<Vec<f64>>,
-    /// The file's own numbers of the particles, if they were asked for and are there.
+    /// The file's own numbers of the particles, if it has them and the options ask for them.
     pub ids: Option<Vec<i64>>,
-    /// Whose contacts are left out, where that was asked for.
     pub groups: Option<Groups>,
-    /// The box that repeats; none where boundaries are open, or taken as open.
+    /// The periodic box; `None` in open space.
     pub lattice: Option<Lattice>,
-    /// The file has one, whether that repeats or not.
+    /// Whether the file has a box, periodic or not.
     pub has_box: bool,
-    /// What the file leaves open, to be said to whoever named it.
+    /// Assumptions to report to the user.
     pub notices: Vec<Notice>,
-    /// Names of columns or arrays that are not used: one of them may hold the sizes.
+    /// Names of unused columns or arrays, for the message about missing radii.
     pub(crate) unused: Vec<String>,
     pub source: Option<RadiusSource>,
-    /// The number of the first particle in the file, if these are the part that was asked for; none
-    /// if they are all.
+    /// Index in the file of the first particle, if only a part was read.
     pub first: Option<u64>,
-    /// How many of the coordinates looked at have how many significant digits.
     pub(super) digits: digits::Counts,
 }
 
@@ -85,18 +80,16 @@ impl Particles {
         if matches!(self.centres, Centres::Plane(_)) { 2 } else { 3 }
     }
 
-    /// Has the file a radius for each?
     pub fn has_radii(&self) -> bool {
         self.radii.is_some()
     }
 
-    /// Spheres of which all have the same z, 0?
     pub fn is_flat(&self) -> bool {
         matches!(&self.centres, Centres::Space(points)
             if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
     }
 
-    /// Coordinates of particle `k`; z is 0 in the plane.
+    /// Coordinates of particle `k`; z is 0 for discs.
     pub fn centre(&self, k: usize) -> [f64; 3] {
         let mut centre = [0.0; 3];
         with_points!(&self.centres, points => {
@@ -105,7 +98,7 @@ impl Particles {
         centre
     }
 
-    /// Changes a coordinate of particle `k`; one that discs do not have stays.
+    /// Sets a coordinate of particle `k`; z of a disc is ignored.
     pub fn set(&mut self, k: usize, axis: usize, x: f64) {
         with_points!(&mut self.centres, points => {
             points[k].iter_mut().skip(axis).take(1).for_each(|to| *to = x);
@@ -133,7 +126,6 @@ impl Particles {
         Ok(())
     }
 
-    /// Adds rows of coordinates, and of radii behind them if there are any.
     pub fn extend(&mut self, numbers: &[f64], columns: usize) -> anyhow::Result<()> {
         let (rows, dim) = (numbers.chunks_exact(columns), self.dim());
         with_points!(&mut self.centres, points => {
@@ -147,7 +139,7 @@ impl Particles {
         Ok(())
     }
 
-    /// Adds the particles of a further file of the same scene; `name` stands in messages.
+    /// Adds the particles of another file of the same scene; `name` is used in messages.
     pub fn append(&mut self, other: Particles, name: &str) -> anyhow::Result<()> {
         let n = self.len() + other.len();
         ensure!(n <= u32::MAX as usize, "more than 2^32 - 1 = {} particles", u32::MAX);
@@ -178,8 +170,7 @@ impl Particles {
         Ok(())
     }
 
-    /// Particles of which coordinates and sizes came one after the other; `name` stands in
-    /// messages.
+    /// Builds particles from lists of centres and radii; `name` is used in messages.
     pub(crate) fn from_columns(
         points: Vec<Point<f64, 3>>,
         radii: Option<Vec<f64>>,
@@ -232,7 +223,6 @@ impl Particles {
         Ok(())
     }
 
-    /// The scene with open boundaries. Radii must be in the file or given.
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
         if let Some(lattice) = &self.lattice {
             bail!(
@@ -244,8 +234,6 @@ impl Particles {
         self.given(name, radius).map(|given| given.scene)
     }
 
-    /// The particles, and the box in which they repeat: none where boundaries are open. Radii must
-    /// be in the file or given.
     pub fn given(self, name: &str, radius: Option<f64>) -> anyhow::Result<Given> {
         let radii = match (self.radii, radius) {
             (None, None) => bail!("{name} holds no radii{}", without_radii(&self.unused)),
@@ -263,8 +251,8 @@ impl Particles {
     }
 }
 
-/// Appends a list of further particles, of which there are `count` then; none is left where it is
-/// not of all.
+/// Appends a list for further particles, now `count` in all. Without a value for every particle,
+/// the list is dropped.
 fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> anyhow::Result<()> {
     if all.is_none() && more.is_none() {
         return Ok(());
@@ -276,13 +264,11 @@ fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> an
     Ok(())
 }
 
-/// The radius that is given counts, and not the sizes of that column or array.
 pub(crate) fn unused_sizes(label: &str, given: f64) -> Notice {
     Notice::Assumed(format!("the sizes in '{}' are not used: the radius is {given}", short(label)))
 }
 
-/// What to do about particles without radii; of the names that are there those like a size come
-/// first.
+/// Remedy for particles without radii; names like those of sizes come first.
 fn without_radii(names: &[String]) -> String {
     let like = |name: &&String| {
         let name = name.to_ascii_lowercase();

@@ -1,8 +1,8 @@
-//! Frames one after the other, and those of files whose last frame is being written.
+//! Reading frames, also from files whose last frame is incomplete.
 
 use super::*;
 
-/// The frame that is chosen, by the x of its first particle, its number, and the number of frames.
+/// Returns x of the first particle, the number of the chosen frame, and the number of frames.
 fn one(bytes: &[u8], frame: Frame, survey: bool) -> Result<(f64, u64, u64), String> {
     let options = Options { frame, survey, ..HALF };
     let read = load_from(bytes, "p", "", options).map_err(|error| format!("{error:#}"));
@@ -32,7 +32,6 @@ fn one_frame_is_read_by_the_code_that_reads_all() {
         let all = "p: one frame is wanted here; give --frame a number from 0, or last";
         assert_eq!(refused(Frame::All), all);
     }
-    // An error ends them, whatever follows.
     let torn = &b"1\n\nA 0 0 0\n1\n\nA x 0 0\n1\n\nA 5 0 0\n"[..];
     let options = Options { frame: Frame::All, ..HALF };
     let count = frames_from(torn, "p", "xyz", options, |frames| Ok(frames.take(9).count()));
@@ -52,7 +51,6 @@ fn radii_are_sorted_with_ids() {
     assert!(sorted("id,x,y,r\n1,0,2,11\n1,0,1,10\n").unwrap_err().starts_with("the id 1 stands"));
 }
 
-/// Two whole frames of each format, and one that is being written.
 fn growing() -> [(&'static str, String, usize); 4] {
     let dump = |step: u64| {
         format!(
@@ -93,7 +91,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                         let words = notice.words(Place::Argument);
                         words.contains("is whole") || words.contains("no line feed")
                     };
-                    // A table is read to its end, for the order of its rows.
+                    // A table is read to its end, to check the order of its rows.
                     let through = survey || ending == "csv";
                     assert_eq!(particles.notices.iter().any(said), through, "{ending} {cut}");
                 }
@@ -110,13 +108,12 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
             assert!(format!("{:#}", end.unwrap_err()).ends_with(&whole));
             assert_eq!(count, 2, "{ending} {cut}");
         }
-        // The remedy of the message.
         let some: String = text.split_inclusive('\n').take(lines).collect();
         let options = Options { radius: (!ending.is_empty()).then_some(0.5), ..NONE };
         let last = Options { frame: Frame::Last, ..options };
         let (particles, _) = load_from(some.as_bytes(), "p", ending, last).unwrap();
         assert_eq!(particles.centre(0)[0], 1.0);
-        // The last number of all may be cut, and nothing else shows it.
+        // Without its line feed, the last number may be cut.
         let cut = &text.as_bytes()[..text.len() - 1];
         let (particles, _) = load_from(cut, "p", ending, last).unwrap();
         let words = |notice: &Notice| notice.words(Place::Argument).contains("no line feed");

@@ -1,6 +1,5 @@
-//! Tests of reading one file (`cases`), several files (`series`), long arrays and written pairs
-//! (`npy`), and frames that are still being written (`frames`). No bytes may make a reader panic
-//! (`refused`).
+//! Tests of the readers: files (`cases`), several files (`series`), long arrays and written pairs
+//! (`npy`), incomplete files (`frames`), damaged files (`refused`).
 
 mod cases;
 mod frames;
@@ -20,13 +19,11 @@ fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static
     from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
 }
 
-/// A file that another program wrote.
 fn data(name: &str) -> Vec<u8> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     std::fs::read(root.join("tests/data").join(name)).unwrap()
 }
 
-/// Coordinates and radii of all particles, one list each.
 fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
     with_scene!(scene, scene => {
         let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());

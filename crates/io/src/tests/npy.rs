@@ -1,9 +1,9 @@
-//! Arrays of NumPy: particles in, pairs out.
+//! Reading and writing NumPy arrays.
 
 use super::*;
 use contactbench_core::periodic::ImagePair;
 
-/// Writes pairs of particles that need not be there.
+/// Writes pairs of particles that do not exist.
 fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     let scene = read(b"x,y,r\n", "csv", NONE).unwrap();
     let style = write::Style::plain(&scene);
@@ -14,7 +14,7 @@ fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     )
 }
 
-/// Parts are all rows, each once, wherever pieces of the stream end.
+/// The parts contain all rows, each once, wherever blocks of the stream end.
 #[test]
 fn a_part_of_an_array_is_its_rows_and_says_which() {
     let part = |bytes: &[u8], part: [u64; 2]| {
@@ -27,7 +27,6 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
         let mut seen = 0;
         for k in 0..3 {
             let particles = part(&bytes, [k, 3]);
-            // Of fewer rows than parts all are kept.
             assert_eq!(particles.first, (n >= 3).then_some(seen), "{n} {k}");
             for row in 0..particles.len() {
                 let first = 3.0 * (seen + row as u64) as f64;
@@ -41,7 +40,7 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
     assert_eq!((part(&columns, [1, 3]).first, part(&columns, [1, 3]).len()), (None, 3));
 }
 
-/// Files are read and written by pieces of 16 to 64 KiB.
+/// Files are read and written in blocks of 16 to 64 KiB.
 #[test]
 fn files_of_several_pieces_are_whole() {
     let list: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();

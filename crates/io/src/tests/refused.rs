@@ -1,10 +1,9 @@
-//! What is wrong with a file is said with its place, and never by a panic.
+//! Errors name their place, and no file makes a reader panic.
 
 use rand::{RngExt, SeedableRng};
 
 use super::*;
 
-/// The rest is in `cases`.
 #[test]
 fn long_lines_options_and_missing_files_are_refused() {
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
@@ -22,8 +21,7 @@ fn long_lines_options_and_missing_files_are_refused() {
     assert!(message.starts_with("cannot read p"), "{message}");
 }
 
-/// Damaged files give scenes or sentences, never a panic. The seed is fixed, so that a failure
-/// comes back.
+/// The seed is fixed so that failures are reproducible.
 #[test]
 fn damaged_bytes_never_panic() {
     let files: [(&[u8], &str); 6] = [

@@ -1,4 +1,4 @@
-//! Several files as one trajectory, or as one scene.
+//! Several files as one trajectory or one scene.
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// The x of all particles, the number, the time and the file's name of each frame; then the error.
+/// For each frame: x of all particles, number, time, file; and the error at the end.
 type Told = (Vec<(Vec<f64>, u64, Option<f64>)>, String);
 
 fn all(path: &Path, options: Options) -> Told {
@@ -66,7 +66,6 @@ fn files_of_a_pattern_are_frames_in_the_order_of_their_numbers() {
     assert!(refused(&pattern, Frame::Only).contains("a second frame begins"));
     let none = folder.path().join("walk_*.csv");
     assert!(refused(&none, Frame::Last).contains("no file matches the pattern"));
-    // A frame that cannot be read is named by its file.
     std::fs::write(folder.path().join("run_11.csv"), "x,y,r\n1,2\n").unwrap();
     let (told, end) = all(&pattern, NONE);
     assert!(told.len() == 2 && end.contains("run_11.csv:2: 2 columns"), "{end}");

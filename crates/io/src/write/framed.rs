@@ -1,5 +1,4 @@
-//! Contacts of one frame or of several in one file: a row for each, with the number of the frame
-//! before it where there are several.
+//! Writes contacts of one or several frames to one file, one row per contact.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -12,19 +11,15 @@ use super::{PairFormat, format, whole};
 use crate::formats::npy;
 use contactbench_core::periodic::ImagePair;
 
-/// Takes the contacts of one frame after the other.
 pub struct Framed<'a> {
     out: &'a mut dyn Write,
     format: PairFormat,
-    /// The number of the frame stands before each row.
     numbered: bool,
-    /// The columns, from the first frame on.
+    /// The columns; `None` before the first frame.
     names: Option<Vec<&'static str>>,
-    /// The type of the numbers of npy.
     kind: &'static str,
-    /// Beginning of the message for an error of the system.
     cannot: &'static str,
-    /// Number of rows, if it is known beforehand.
+    /// Number of rows, if known in advance.
     count: Option<usize>,
     rows: usize,
     row: Vec<Number>,
@@ -120,7 +115,7 @@ fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
             }
             (PairFormat::Npy, _, Number::Real(real)) => out.extend(real.to_le_bytes()),
             (PairFormat::Npy, "<i8", Number::Whole(whole)) => out.extend(whole.to_le_bytes()),
-            // The low bits are those of i32 and of u32.
+            // These low bits are the same for i32 and u32.
             (PairFormat::Npy, _, Number::Whole(whole)) => out.extend((whole as u32).to_le_bytes()),
             (_, _, number) => {
                 out.extend((k > 0).then_some(b','));
@@ -138,7 +133,6 @@ fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
     }
 }
 
-/// An error of the system, with the file.
 pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
     match error.is::<io::Error>() {
         true => error.context(format!("cannot write {}", path.display())),
@@ -146,9 +140,9 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
     }
 }
 
-/// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
-/// output. Rows contain their frame if `numbered`; `count` is the number of rows, if it is known.
-/// The file is there as a whole or not at all: see [`whole`].
+/// Writes to a file whose ending gives the format, `.csv` or `.npy`; without a path, writes CSV to
+/// standard output. Rows contain their frame if `numbered`; `count` is the number of rows, if
+/// known. The file is replaced only when complete; see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,
     numbered: bool,
@@ -169,7 +163,7 @@ pub fn framed<T>(
             whole(path, |out| body(&mut Framed::new(out, format, numbered, count)))
                 .map_err(|error| of_file(error, path))
         }
-        // Its header says how many rows there are.
+        // The npy header contains the number of rows, so rows go to a temporary file first.
         PairFormat::Csv | PairFormat::Npy => {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
             let rows = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));

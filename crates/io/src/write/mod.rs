@@ -1,11 +1,14 @@
-//! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
-//! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
-//! of shape (pairs, 2 + dim) in i32, or lines to the image; by id, or with more columns, if asked
-//! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]);
-//! scenes as CSV, extended XYZ or npy.
+//! Writes pairs and scenes to files.
 //!
-//! Pairs are written as given: see [`contactbench_core::sink::normalise`] for the order in which
-//! lists are published. Numbers are the shortest that read back to the same bits.
+//! | format | pairs | in a periodic box |
+//! |---|---|---|
+//! | CSV | `i,j` | `i,j,sx,sy[,sz]`, with the image of j |
+//! | npy | (pairs, 2), u32 | (pairs, 2 + dim), i32 |
+//! | legacy VTK | lines | lines to the image |
+//!
+//! [`Style`] adds ids and further columns, [`framed()`] the frame. Scenes are written as CSV,
+//! extended XYZ or npy. Numbers are the shortest that read back to the same bits. Pairs keep their
+//! order; [`contactbench_core::sink::normalise`] gives the usual one.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -27,26 +30,19 @@ pub use row::{Extra, Style};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairFormat {
-    /// `i,j` and one pair per line.
     Csv,
-    /// NumPy, u32.
     Npy,
-    /// VTK legacy, text: centres with radii, and a line from centre to centre.
+    /// Legacy VTK as text: centres with radii, and a line between the centres of each pair.
     Vtk,
 }
 
-/// What a file of a scene can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
-    /// `x,y[,z],r` and one particle per line.
     Csv,
-    /// Extended XYZ; discs have two coordinates.
     Xyz,
-    /// NumPy, f64: coordinates, and the radius last.
     Npy,
 }
 
-/// Returns the choice for the ending of a file's name; `what` names the contents in messages.
 fn by_ending<T: Copy, const N: usize>(
     path: &Path,
     what: &str,
@@ -60,13 +56,12 @@ fn by_ending<T: Copy, const N: usize>(
     }
 }
 
-/// The format of a file of pairs, by its ending; asked before the work is done.
+/// Returns the format for the ending of a pair file. Callers check it before the work starts.
 pub fn format(path: &Path) -> anyhow::Result<PairFormat> {
     let all = [("csv", PairFormat::Csv), ("npy", PairFormat::Npy), ("vtk", PairFormat::Vtk)];
     by_ending(path, "pairs must be .csv, .npy or .vtk", all)
 }
 
-/// The format of a file of a scene, by its ending; asked before the work is done.
 pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
     use SceneFormat::{Csv, Npy, Xyz};
     let all = [("csv", Csv), ("xyz", Xyz), ("extxyz", Xyz), ("npy", Npy)];
@@ -80,12 +75,12 @@ pub(crate) fn create(
     whole(path, write).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Writes a file that is there as a whole or not at all: beside its place first, under a name that
-/// begins with a dot, and when it is complete it takes its own. What stood there before stays until
-/// then. A pipe or a device is written to as it is.
+/// Writes a file completely or not at all. The data go to a temporary file in the same folder,
+/// whose name starts with a dot; when complete, it replaces the target. Pipes and devices are
+/// written directly.
 ///
 /// # Errors
-/// As of the system, and what `write` says; the file is then as it was before.
+/// I/O errors, and those of `write`. The target is then unchanged.
 pub fn whole<T, E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, E>,
@@ -96,7 +91,7 @@ pub fn whole<T, E: From<io::Error>>(
         out.flush()?;
         Ok(done)
     };
-    // A link is followed: the file that it names is written, not the link.
+    // A symbolic link is followed, so that the link itself stays.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let before = std::fs::metadata(path).ok();
     if before.as_ref().is_some_and(|before| !before.is_file()) {
@@ -107,7 +102,7 @@ pub fn whole<T, E: From<io::Error>>(
     prefix.push(path.file_name().unwrap_or_default());
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(".part");
-    // Such as any new file has, but for the process's mask.
+    // The usual mode of a new file, before the process's mask.
     #[cfg(unix)]
     let new: std::fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]
@@ -121,10 +116,8 @@ pub fn whole<T, E: From<io::Error>>(
     Ok(done)
 }
 
-/// Appends to a file, which is made if there is none.
-///
-/// # Errors
-/// In one sentence, with the option that names another place.
+/// Appends to a file, which is created if needed. The error names the `option` that chooses another
+/// file.
 pub fn append(path: &Path, text: &str, option: &str) -> anyhow::Result<()> {
     let file = File::options().create(true).append(true).open(path);
     file.and_then(|mut file| file.write_all(text.as_bytes())).with_context(|| {
@@ -132,8 +125,6 @@ pub fn append(path: &Path, text: &str, option: &str) -> anyhow::Result<()> {
     })
 }
 
-/// Writes contacts to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format; without one
-/// CSV to standard output.
 pub fn contacts(
     path: Option<&Path>,
     contacts: impl ExactSizeIterator<Item = ImagePair>,
@@ -150,8 +141,7 @@ pub fn contacts(
     framed(path, false, Some(contacts.len()), |out| out.frame(0, style, contacts))
 }
 
-/// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format. Only extended
-/// XYZ holds a box.
+/// Writes a scene to a file whose ending gives the format. Only extended XYZ stores the box.
 pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
     let format = scene_format(path)?;
     ensure!(
@@ -162,7 +152,7 @@ pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
     create(path, |out| scene_to(out, format, given))
 }
 
-/// Writes a scene; a box is left out but in extended XYZ.
+/// Writes a scene; formats other than extended XYZ omit the box.
 pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::Result<()> {
     let lattice = given.lattice.as_ref();
     with_scene!(&given.scene, scene => match format {
@@ -177,14 +167,13 @@ pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::
     })
 }
 
-/// The numbers of one particle, the radius last.
 fn row<T: Real, const D: usize>(scene: &Scene<'_, T, D>, k: usize) -> impl Iterator<Item = f64> {
     array(&scene.centres()[k]).map(|x| x.wide()).into_iter().chain([scene.radius(k).wide()])
 }
 
 fn line(out: &mut dyn Write, row: impl Iterator<Item = f64>, separator: &str) -> io::Result<()> {
     for (k, x) in row.enumerate() {
-        // {:?} is the shortest form that reads back, with an exponent where that is shorter.
+        // {:?} prints the shortest form that reads back, with an exponent if that is shorter.
         write!(out, "{}{x:?}", if k == 0 { "" } else { separator })?;
     }
     out.write_all(b"\n")
@@ -219,7 +208,6 @@ fn scene_xyz<T: Real, const D: usize>(
     })
 }
 
-/// Writes a row of f64 for each particle, with or without its radius.
 pub(crate) fn scene_npy<T: Real, const D: usize>(
     out: &mut dyn Write,
     scene: &Scene<'_, T, D>,
@@ -240,9 +228,9 @@ fn npy_rows<T: Real, const D: usize>(
     })
 }
 
-/// Points with radii, and a line for each contact; of one across the box two lines, from i to the
-/// image of j and from j to that of i. Images are points of their own behind the particles, of
-/// radius 0, and with 1 for `image`. Discs lie in the plane z = 0.
+/// Writes points with radii, and a line for each contact. A contact across the box gets two lines:
+/// from i to the image of j, and from j to the image of i. Images are extra points after the
+/// particles, with radius 0 and `image` 1. Discs have z = 0.
 fn vtk<T: Real, const D: usize>(
     out: &mut dyn Write,
     contacts: impl ExactSizeIterator<Item = ImagePair>,

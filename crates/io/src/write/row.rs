@@ -1,5 +1,4 @@
-//! The columns of a contact: its two particles by place or by id, the image, and what was asked for
-//! beside them.
+//! The columns of a written contact: two particles by index or id, the image, and extra columns.
 
 use std::io::{self, Write};
 
@@ -13,14 +12,11 @@ use contactbench_core::with_scene;
 pub enum Extra {
     /// The overlap as a length and, as `depth`, in mean radii of the two particles.
     Overlap,
-    /// The unit vector from the first particle to the second.
     Normal,
-    /// The ids of the two particles.
     Ids,
 }
 
 impl Extra {
-    /// All, with their names and what they hold.
     pub const ALL: [(Extra, &'static str, &'static str); 3] = [
         (
             Extra::Overlap,
@@ -35,11 +31,9 @@ impl Extra {
 #[derive(Clone, Copy, Debug)]
 pub struct Style<'a> {
     pub scene: &'a AnyScene<'a>,
-    /// The scene in its periodic box, if it has one.
     pub periodic: Option<&'a Periodic<'a>>,
-    /// Ids of the particles, if they have any.
     pub ids: Option<&'a [i64]>,
-    /// Contacts are named by the ids, the smaller first, and stand in their order.
+    /// Whether contacts use ids, smaller first, and are sorted by them.
     pub by_id: bool,
     pub extras: &'a [Extra],
 }
@@ -50,19 +44,17 @@ pub(super) enum Number {
     Real(f64),
 }
 
-/// A contact in the other direction. Unlike those that detectors report, contacts are written in
-/// either: the image is that of the second particle, `j`.
+/// Reverses a contact. Unlike reported contacts, written ones may have either direction; the image
+/// belongs to the second particle, `j`.
 pub(super) fn turned(ImagePair { i, j, image }: ImagePair) -> ImagePair {
     ImagePair { i: j, j: i, image: image.map(i32::wrapping_neg) }
 }
 
 impl<'a> Style<'a> {
-    /// Writes pairs as places in the file, without further columns.
     pub fn plain(scene: &'a AnyScene<'a>) -> Style<'a> {
         Style { scene, periodic: None, ids: None, by_id: false, extras: &[] }
     }
 
-    /// Numbers of an image: none in open space.
     pub(super) fn images(&self) -> usize {
         self.periodic.map_or(0, |_| self.scene.dim())
     }
@@ -90,7 +82,6 @@ impl<'a> Style<'a> {
         self.ids.and_then(|ids| ids.get(k as usize)).copied().unwrap_or(i64::from(k))
     }
 
-    /// Contacts in the order and the directions in which they are written.
     pub(super) fn directed(
         &self,
         contacts: impl Iterator<Item = ImagePair>,
@@ -111,7 +102,6 @@ impl<'a> Style<'a> {
         Ok(all)
     }
 
-    /// The numbers of a contact, in the order of the names.
     pub(super) fn row(&self, contact: ImagePair, row: &mut Vec<Number>) {
         let ImagePair { i, j, image } = contact;
         let ids = [self.id(i), self.id(j)];
@@ -130,7 +120,6 @@ impl<'a> Style<'a> {
         }
     }
 
-    /// The overlap as a length, and in mean radii.
     pub(super) fn overlap(&self, ImagePair { i, j, image }: ImagePair) -> [f64; 2] {
         with_scene!(self.scene, scene => {
             let [a, b] = [i as usize, j as usize];
@@ -144,7 +133,7 @@ impl<'a> Style<'a> {
         })
     }
 
-    /// The unit vector from the first to the second; 0 where their centres are the same.
+    /// Returns the unit vector from the first particle to the second; 0 if their centres coincide.
     pub(super) fn normal(&self, ImagePair { i, j, image }: ImagePair) -> [f64; 3] {
         let mut way = [0.0; 3];
         with_scene!(self.scene, scene => {
@@ -156,7 +145,7 @@ impl<'a> Style<'a> {
                 (0..3).for_each(|k| way[k] += f64::from(times) * vector[k]);
             }
         }
-        // The largest is taken out, so that no square overflows or vanishes.
+        // Scaled by the largest component, so that squares neither overflow nor underflow.
         let most = way.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if most == 0.0 || !most.is_finite() {
             return [0.0; 3];
@@ -166,7 +155,6 @@ impl<'a> Style<'a> {
         unit.map(|x| x / length)
     }
 
-    /// The id of each point of a VTK file, as an array of numbers of its points.
     pub(super) fn vtk_ids(
         &self,
         out: &mut dyn Write,
@@ -179,7 +167,6 @@ impl<'a> Style<'a> {
         points.into_iter().try_for_each(|k| writeln!(out, "{}", self.id(k)))
     }
 
-    /// What stands beside each line of a VTK file, as arrays of numbers of its cells.
     pub(super) fn vtk_lines(&self, out: &mut dyn Write, lines: &[ImagePair]) -> io::Result<()> {
         if self.has(Extra::Overlap) || self.has(Extra::Normal) {
             writeln!(out, "CELL_DATA {}", lines.len())?;

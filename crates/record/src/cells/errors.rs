@@ -1,22 +1,20 @@
-//! Rates of errors against exact decisions.
+//! Error rates of a cell, compared with exact decisions.
 
 use crate::cells::Cell;
 use contactbench_terms::errors::Causes;
 
-/// Pairs that touch in exact arithmetic in the scene as given.
 pub fn true_contacts(cell: &Cell) -> f64 {
     let known = cell.values.get("true_contacts").copied();
     known.unwrap_or_else(|| cell.stats.true_contacts(cell.id.n))
 }
 
-/// Wrong pairs per true contact, against the scene as given; without true contacts every wrong pair
-/// counts as one.
+/// Wrong pairs per true contact of the given scene. Without true contacts, the number of wrong
+/// pairs.
 pub fn rate(cell: &Cell) -> Option<f64> {
     Some(cell.errors?.wrong() as f64 / true_contacts(cell).max(1.0))
 }
 
-/// The same against the scene as stored: what deciding and looking did wrong, per contact of that
-/// scene.
+/// Wrong pairs per contact of the stored scene: errors of predicate and search only.
 pub fn stored_rate(cell: &Cell) -> Option<f64> {
     let Causes { representation, stored, .. } = cell.causes?;
     let contacts =
@@ -59,7 +57,7 @@ mod tests {
         assert!(column::errors().all(|error| cell.variable(&error.name, None).is_some()));
         assert_eq!((rate(cell), stored_rate(cell)), (Some(28.0 / 250.0), Some(1.0 / 235.0)));
         assert_eq!(rate(find("exact", 0.0)), Some(0.0));
-        // A hostile record may have such counts.
+        // A forged record may contain such counts.
         let most = Errors { missed: u64::MAX, spurious: 1, ..Errors::default() };
         assert_eq!(most.wrong(), u64::MAX);
     }

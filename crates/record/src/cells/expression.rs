@@ -1,7 +1,7 @@
-//! What an expression of a claim or figure gives for a cell.
+//! The value of an expression for a cell.
 //!
-//! Variables are what was measured, numbers of the key, and numeric parameters of the scene, with
-//! minus signs as underscores: `per-cluster` is `per_cluster`.
+//! Variables are measured columns, numbers of the cell's id, and numeric parameters of the scene.
+//! In their names, minus becomes underscore: `per-cluster` is `per_cluster`.
 
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ impl Expression {
         self.at(cell, None).map_or(Reading::Missing, Reading::Value)
     }
 
-    /// The value for a cell, whatever its outcome, with this time in place of the median.
+    /// The value for a cell, whatever its outcome. `time_ns` replaces the median time.
     pub fn at(&self, cell: &Cell, time_ns: Option<f64>) -> Option<f64> {
         self.evaluate(|name| cell.variable(name, time_ns)).filter(|value| value.is_finite())
     }

@@ -1,4 +1,4 @@
-//! Naming cells: what must be said of a cell to tell it from the others at hand, and no more.
+//! Short names of cells: only what distinguishes them from the other cells shown.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::record::id::{CellId, FIELDS, MACHINE, OVER, Projection, split_contend
 use crate::record::value::AxisValue;
 use contactbench_terms::number;
 
-/// The value on an axis, the detector with its parameters.
+/// Like [`CellId::axis`], but the detector includes its parameters.
 fn shown(id: &CellId, name: &str) -> Option<AxisValue> {
     if name == "detector" { Some(id.contender().as_str().into()) } else { id.axis(name) }
 }
@@ -17,14 +17,14 @@ fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
     cells.map(|cell| shown(&cell.id, name)).collect::<BTreeSet<_>>().len() > 1
 }
 
-/// What may be swept together: a scene in its dimension. Two files are two scenes, and what two
-/// machines measured is not one.
+/// Cells that may form one sweep have the same family. Different files and different machines are
+/// different families.
 pub fn family(id: &CellId) -> (&str, u32, [Option<String>; 2]) {
     (&id.scene, id.dim, ["path", MACHINE].map(|name| id.axis(name).map(|value| value.to_string())))
 }
 
-/// The scene's name: of a file its own, without folders; where there are several machines, with the
-/// machine.
+/// The scene's name. A file is named without its folder; with several machines, the machine is
+/// added.
 pub fn scene(id: impl Into<Projection>) -> String {
     let id = id.into();
     let text = |name: &str| id.axis(name).map(|value| value.to_string());
@@ -40,8 +40,8 @@ pub fn scene(id: impl Into<Projection>) -> String {
     }
 }
 
-/// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other axes where they
-/// are not the usual ones.
+/// For example `packed, 2D, N = 1000, s = 20`: `swept` parameters, and other axes if they are not
+/// at their default.
 pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
     let id = id.into();
     let mut title = scene(&id);
@@ -49,7 +49,7 @@ pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
     title += &text("dim").map_or(String::new(), |dim| format!(", {dim}D"));
     title += &text("n").map_or(String::new(), |n| format!(", N = {n}"));
     for (name, value) in id.parameters() {
-        // Those of the scene's name are said by it.
+        // The scene's name already contains these two.
         if swept.contains(name) && !["path", MACHINE].contains(&name.as_str()) {
             title += &format!(", {name} = {value}");
         }
@@ -60,8 +60,7 @@ pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
             .map_or(String::new(), |order| format!(", {order}"))
 }
 
-/// The parameters that differ within one scene and dimension. (Those of detectors are said with
-/// the detector.)
+/// The parameters that differ within one scene and dimension, except those of detectors.
 pub fn swept(cells: &[&Cell]) -> Vec<String> {
     let mut scenes: BTreeMap<(&str, u32), Vec<BTreeMap<String, AxisValue>>> = BTreeMap::new();
     for cell in cells {
@@ -78,8 +77,6 @@ pub fn swept(cells: &[&Cell]) -> Vec<String> {
     names.into_iter().collect()
 }
 
-/// The fields in which cells differ, and the parameters that are swept: those that differ within
-/// one scene and dimension. (That two scenes have different parameters goes without saying.)
 pub fn varying(cells: &[&Cell]) -> Vec<String> {
     let mut names = swept(cells);
     names.extend(
@@ -88,7 +85,6 @@ pub fn varying(cells: &[&Cell]) -> Vec<String> {
             .filter(|name| differ(cells.iter().copied(), name))
             .map(|name| name.to_string()),
     );
-    // what is compared first, then where
     names.sort_by_key(|name| {
         ["detector", "arithmetic", "scene", "dim", "n"]
             .iter()
@@ -98,7 +94,7 @@ pub fn varying(cells: &[&Cell]) -> Vec<String> {
     names
 }
 
-/// `nbs, packed, 2D, n = 1000, s = 2`, of these fields.
+/// For example `nbs, packed, 2D, n = 1000, s = 2`, from these fields.
 pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
     let id = id.into();
     let part = |name: &String| match (name.as_str(), id.axis(name)?) {
@@ -110,8 +106,7 @@ pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
     if parts.is_empty() { "its only cell".into() } else { parts.join(", ") }
 }
 
-/// What these are called where all are trackers over the same detector: by rule and skin.
-/// Otherwise by their names.
+/// Shortens names of trackers to rule and skin if all have the same detector.
 pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> String {
     let over: BTreeSet<Option<AxisValue>> =
         names.map(|name| split_contender(name).1.remove(OVER)).collect();
@@ -127,7 +122,7 @@ pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> Strin
     }
 }
 
-/// Some of all detectors: `all`, `all but direct`, or the names.
+/// `all`, `all but direct`, or a list of names.
 pub fn group(names: &[&str], all: &[&str]) -> String {
     let others: Vec<&str> = all.iter().filter(|name| !names.contains(name)).copied().collect();
     match others.len() {
@@ -137,7 +132,7 @@ pub fn group(names: &[&str], all: &[&str]) -> String {
     }
 }
 
-/// `s = 2..200, n = 100..10000` for the numbers that vary, and how many of the rest.
+/// For example `s = 2..200, n = 100..10000` for the numbers that vary, and counts of other values.
 pub fn over(cells: &[&Cell]) -> String {
     let mut parts = Vec::new();
     for name in varying(cells).iter().filter(|name| *name != "experiment") {

@@ -1,4 +1,4 @@
-//! What the provenance of a record says about the machine: the sizes of its caches.
+//! Cache sizes of the machine, from the provenance of a record.
 
 use serde_json::Value;
 
@@ -11,7 +11,6 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Reads what there is; records of other versions may say less.
     pub fn from_provenance(provenance: Option<&Value>) -> Machine {
         let field = |name: &str| provenance.and_then(|fields| fields.get(name));
         let size =

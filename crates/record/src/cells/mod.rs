@@ -1,5 +1,4 @@
-//! Cells: all passes and blocks of one measurement, with the variables that expressions and filters
-//! see.
+//! Cells: all passes and blocks of one measurement.
 
 pub mod errors;
 pub mod expression;
@@ -28,34 +27,32 @@ use contactbench_terms::scene::Stats;
 pub struct Cell {
     pub id: CellId,
     pub role: Role,
-    /// How each pass ended, with the reason.
     pub passes: BTreeMap<Pass, (Outcome, String)>,
-    /// Did a sample meet a limit, or crash? There are none after it.
+    /// Whether a sample reached a limit or crashed; later samples are then missing.
     pub ended: bool,
     /// Nanoseconds per detection, by block.
     pub times: Blocks,
-    /// In which of those blocks the machine was slow; none where nobody looked.
+    /// Whether the machine was slow in each block; empty if that was not watched.
     pub slow: BTreeMap<Block, bool>,
-    /// Other nanoseconds than those of a detection, by column and block.
+    /// Times other than that of a detection, in nanoseconds, by column and block.
     pub others_ns: BTreeMap<&'static str, Blocks>,
-    /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
+    /// Nanoseconds per detection of each round, by block, if builds were timed in turns.
     pub rounds: Vec<Blocks>,
-    /// The same as the times of as many copies with one thread each, at work beside each other;
-    /// empty where that was not measured.
+    /// Nanoseconds per detection of several single-threaded copies that ran at the same time; empty
+    /// if not measured.
     pub copies_ns: Blocks,
-    /// The same of each copy alone, one after the other.
+    /// The same for each copy alone, one after the other.
     pub alone_ns: Blocks,
-    /// Why there are no copies, or not in all blocks.
+    /// Why copies are missing in some or all blocks.
     pub copies_failure: Option<(Outcome, String)>,
-    /// What was measured besides times, by column.
     pub values: BTreeMap<&'static str, f64>,
     pub errors: Option<Errors>,
     pub causes: Option<Causes>,
     pub stats: Stats,
 }
 
-/// The cell that each row belongs to. Times of several machines are not values of one thing: where
-/// rows of several are together, the machine is an axis.
+/// Returns the cell of each row. If the rows are from several machines, the machine is an axis,
+/// because their times are not comparable.
 pub fn ids(rows: &[Row]) -> impl Iterator<Item = (CellId, &Row)> {
     let several = rows.iter().any(|row| row.id.machine != rows[0].id.machine);
     rows.iter().map(move |row| {
@@ -64,8 +61,8 @@ pub fn ids(rows: &[Row]) -> impl Iterator<Item = (CellId, &Row)> {
     })
 }
 
-/// Puts the rows of each cell together, in the order of the ids. Of rows measured twice (a resumed
-/// run), the later counts.
+/// Groups rows into cells, in the order of ids. If a measurement occurs twice (in a resumed run),
+/// the later row counts.
 pub fn cells(rows: &[Row]) -> Vec<Cell> {
     let mut latest: BTreeMap<Measurement, &Row> = BTreeMap::new();
     for (id, row) in ids(rows) {
@@ -86,8 +83,6 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
     cells.into_values().collect()
 }
 
-/// The cells of each machine apart, with its name where there are several: for what is said of a
-/// machine and not of a scene.
 pub fn by_machine<'a>(cells: &[&'a Cell]) -> Vec<(Option<String>, Vec<&'a Cell>)> {
     let mut machines: BTreeMap<Option<String>, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
@@ -133,8 +128,8 @@ impl Cell {
         self.values.extend(repeating.filter_map(|column| Some((&*column.name, column.read(row)?))));
     }
 
-    /// How the cell ended, as far as these passes go. A wrong answer in any pass makes the whole
-    /// cell wrong; a pass that was never reached shares the fate of the pass that failed before it.
+    /// The outcome as far as the `needed` passes go. A wrong answer in any pass makes the whole
+    /// cell wrong. A pass that never ran has the outcome of the pass that failed before it.
     pub fn outcome(&self, needed: &[Pass]) -> (Outcome, &str) {
         let worst = |passes: &mut dyn Iterator<Item = &'_ (Outcome, String)>| {
             passes.max_by_key(|pass| severity(pass.0)).map(|pass| (pass.0, pass.1.clone()))
@@ -156,49 +151,46 @@ impl Cell {
         self.outcome(&[])
     }
 
-    /// The median time with its interval over the blocks; none unless all blocks ended well.
+    /// The median time over blocks; `None` unless all blocks ended well.
     pub fn time(&self) -> Option<Interval> {
         self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
     }
 
-    /// The median time of the blocks in which the machine was not slow; none where nobody looked,
-    /// or where it always was.
+    /// The median time of the blocks in which the machine was not slow; `None` if there are none.
     pub fn quiet_time(&self) -> Option<f64> {
         self.time()?;
         let quiet = self.times.iter().filter(|&(block, _)| self.slow.get(block) == Some(&false));
         median(&quiet.map(|(_, &time)| time as f64).collect::<Vec<_>>())
     }
 
-    /// The ratio of its time to another's, paired by block; and within a block by round, where both
-    /// took turns.
+    /// The ratio of this cell's time to the other's, paired by block, and by round if both were
+    /// timed in turns.
     pub fn ratio(&self, to: &Cell) -> Option<Interval> {
         let rounds: Vec<_> = self.rounds.iter().zip(&to.rounds).collect();
         if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
     }
 
-    /// The same ratio of the first detections in new processes.
     pub fn cold_ratio(&self, to: &Cell) -> Option<Interval> {
         ratio(self.first_times(), to.first_times())
     }
 
-    /// Frames of its scene, over which counts and contacts are summed; 1 at rest.
+    /// Number of frames over which counts and contacts are summed; 1 for a scene at rest.
     pub fn frames(&self) -> f64 {
         let moves = self.values.contains_key("mean_way");
         let frames = self.id.axis("frames").filter(|_| moves).and_then(|frames| frames.number());
         frames.unwrap_or(1.0).max(1.0)
     }
 
-    /// A list that is not built in time, and missed contacts: by its rule it may.
+    /// Whether the cell is a tracker that misses contacts because its rule allows late builds.
     pub fn misses_by_rule(&self) -> bool {
         self.id.detector_params.contains_key("rule") && self.overall().0 == Outcome::Lossy
     }
 
-    /// The median time of a wrong answer: never compared with anything, but shown, marked.
+    /// The median time of a wrong answer, which is shown with a mark but never compared.
     pub fn wrong_time(&self) -> Option<f64> {
         self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
     }
 
-    /// Nanoseconds of the first detection of each process, by block.
     pub fn first_times(&self) -> &Blocks {
         static NONE: Blocks = Blocks::new();
         self.others_ns.get(FIRST).unwrap_or(&NONE)
@@ -208,7 +200,6 @@ impl Cell {
         interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
     }
 
-    /// A variable, with this time in place of the median where one is given.
     pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
         match Column::find(name) {
             Some(column) if column.name == TIME => time_ns.or_else(|| Some(self.time()?.median)),
@@ -228,7 +219,6 @@ impl Cell {
     }
 }
 
-/// Which outcome speaks for a cell whose rows differ.
 fn severity(outcome: Outcome) -> u8 {
     match outcome {
         Outcome::Ok => 0,
@@ -297,7 +287,6 @@ mod tests {
         assert_eq!(of(&lab, "peak_bytes"), Reading::Not(Outcome::Timeout));
         lab.fail(Pass::Memory, Outcome::Wrong, "digest");
         assert_eq!(of(&lab, "contact_test"), Reading::Not(Outcome::Wrong));
-        // A row measured again replaces the first.
         let mut lab = Lab::new("e", "packed");
         lab.time(&[100]).time(&[700]);
         assert_eq!(of(&lab, "time_ns"), Reading::Value(700.0));
@@ -314,7 +303,6 @@ mod tests {
                 .collect::<Vec<_>>()
         });
         assert_eq!(apart, [("a".into(), 100.0), ("b".into(), 300.0)]);
-        // One machine is no parameter, whatever its name.
         assert_eq!(cells(&lab.rows()[..2])[0].id.axis("machine"), None);
     }
 }

@@ -1,8 +1,8 @@
 //! Filters of claims and figures: `where = { detector = "nbs", s = [2, 20], n = ">= 1000" }`.
 //!
-//! All entries must match. A value matches an equal one (2 and 2.0 are equal), a list matches if
-//! one of its values does, and a text that begins with <, <=, >, >=, = or != and goes on with a
-//! number is a comparison.
+//! All entries must match. A value matches an equal value (2 equals 2.0); a list matches if one of
+//! its values does. A text that starts with <, <=, >, >=, = or !=, followed by a number, is a
+//! comparison.
 
 use anyhow::bail;
 
@@ -12,8 +12,7 @@ use crate::record::column::Column;
 use crate::record::id::{CellId, MACHINE, variable};
 use crate::record::value::AxisValue;
 
-/// The cells that match; an error if an entry names neither a field nor a parameter nor a variable
-/// of any cell.
+/// Returns the matching cells; fails if no cell has a field, parameter or variable of that name.
 pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a Cell>> {
     for name in filter.keys().map(|name| variable(name)) {
         let known = |cell: &Cell| cell.id.axis(&name).is_some();
@@ -31,7 +30,6 @@ pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a C
     Ok(cells.iter().filter(|cell| matches(cell, filter)).collect())
 }
 
-/// Does a cell match? It does not if it lacks what is asked for.
 pub fn matches(cell: &Cell, filter: &Where) -> bool {
     filter.iter().all(|(name, wanted)| {
         let name = variable(name);
@@ -40,7 +38,7 @@ pub fn matches(cell: &Cell, filter: &Where) -> bool {
     })
 }
 
-/// May a cell that is planned match? What is measured of it is not known yet.
+/// Whether a planned cell may match; measured values count as matching.
 pub fn may_match(id: &CellId, filter: &Where) -> bool {
     filter.iter().all(|(name, wanted)| {
         let name = variable(name);
@@ -66,7 +64,7 @@ fn close(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
 
-/// `>= 2` and its like; a text without a comparison is a number to be equal to.
+/// Evaluates a comparison such as `>= 2`; a text without a sign must be an equal number.
 fn compare(found: f64, wanted: &str) -> bool {
     let wanted = wanted.trim();
     for (sign, holds) in [

@@ -1,4 +1,4 @@
-//! Cells in the order of tables: a group per scene without its N, a line per contender, a column
+//! Cells arranged for tables: one group per scene without its N, one line per subject, one column
 //! per N.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,31 +10,26 @@ use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 
-/// Who is compared: the same in all scenes.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Line {
-    /// The detector, with its parameters.
     pub detector: String,
     pub arithmetic: String,
     pub threads: u32,
     pub role: Role,
 }
 
-/// The cells of a contender at one N: one per seed, in the order of seeds.
+/// The cells of a subject at one N, one per seed, in the order of seeds.
 pub type Seeds<'a> = Vec<&'a Cell>;
 
 pub struct Group<'a> {
-    /// `packed, 3D, morton`.
+    /// For example `packed, 3D, morton`.
     pub title: String,
-    /// Its cells, by contender and N.
     pub lines: BTreeMap<Line, BTreeMap<u64, Seeds<'a>>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct BySize<T> {
-    /// The scene, without its N.
     pub title: String,
-    /// All N, ascending.
     pub sizes: Vec<u64>,
     pub lines: Vec<LineValues<T>>,
 }
@@ -46,7 +41,6 @@ pub struct LineValues<T> {
     pub values: Vec<Option<T>>,
 }
 
-/// Makes the groups, in the order of keys. The control that reports nothing is left out.
 pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
     let swept = label::swept(cells);
     let mut groups: BTreeMap<Projection, Group<'a>> = BTreeMap::new();
@@ -60,8 +54,8 @@ pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
     groups.into_values().collect()
 }
 
-/// The labels of lines among these cells: with the arithmetic if there are several, and with the
-/// threads if they are not one.
+/// Returns the label of a line: the arithmetic is included if there are several, and the threads if
+/// not 1.
 pub fn labels(cells: &[&Cell]) -> impl Fn(&Line) -> String + Copy {
     let several = cells.iter().any(|cell| cell.id.arithmetic != cells[0].id.arithmetic);
     move |line| {
@@ -100,7 +94,7 @@ impl<'a> Group<'a> {
         self.lines.get(line)?.get(&n)
     }
 
-    /// The fastest of those that are right, are no controls, and have one thread.
+    /// The fastest correct subject that is not a control and has one thread.
     pub fn fastest(&self, n: u64) -> Option<(&Line, f64)> {
         self.fastest_of(n, |_| true)
     }
@@ -120,8 +114,8 @@ impl<'a> Group<'a> {
         timed
     }
 
-    /// A value per line and N of this group, with the lines in the order of the last `rank` that
-    /// they have; lines without any value are left out.
+    /// Returns a value per line and N. Lines are sorted by their last `rank`; lines without values
+    /// are left out.
     pub fn by_size<T>(
         &self,
         label: impl Fn(&Line) -> String,
@@ -136,7 +130,6 @@ impl<'a> Group<'a> {
                 lines.push(LineValues { line: line.clone(), name: label(line), values });
             }
         }
-        // How many N before the end, and the rank there.
         let last = |line: &LineValues<T>| {
             let mut ranks = line.values.iter().rev().map(|value| value.as_ref().and_then(&rank));
             let k = ranks.clone().position(|rank| rank.is_some());
@@ -150,30 +143,26 @@ impl<'a> Group<'a> {
     }
 }
 
-/// The median over seeds of the median times; none if any of them did not end well.
+/// The median over seeds of the median times; `None` if one of them did not end well.
 pub fn time(cells: &Seeds<'_>) -> Option<f64> {
     let times: Option<Vec<f64>> = cells.iter().map(|cell| Some(cell.time()?.median)).collect();
     median(&times?)
 }
 
-/// How the cells of a line ended, as far as times go: the worst of the seeds, with its reason.
 pub fn outcome<'a>(cells: &Seeds<'a>) -> (Outcome, &'a str) {
     let found = cells.iter().map(|cell| cell.outcome(&[Pass::Time]));
     found.max_by_key(|(outcome, _)| (!outcome.is_good(), *outcome)).unwrap_or((Outcome::Ok, ""))
 }
 
-/// The ratio of two lines' times, each cell against that of the same seed, in each block the median
-/// over the seeds.
+/// The ratio of two subjects' times: within each block, the median over seeds of the ratio.
 pub fn ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
     ratio_of(a, |cell| &cell.times, b, |cell| &cell.times)
 }
 
-/// The same ratio of the first detections of the processes, which find their memory untouched.
 pub fn cold_ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
     ratio_of(a, Cell::first_times, b, Cell::first_times)
 }
 
-/// The same of other numbers per block.
 pub fn ratio_of<'a>(
     a: &Seeds<'a>,
     of_a: fn(&Cell) -> &Blocks,

@@ -1,16 +1,15 @@
-//! The states of a machine: which samples were taken while it was slow.
+//! Detects samples that were taken while the machine was slow.
 //!
-//! Beside each sample a fixed loop was timed ([`Row::pulse_ns`]). Of those of a processor a tenth
-//! is shorter than its quiet pulse; where the loop took [`SLOW`] times as long, the machine was
-//! slow, and the sample is of another machine, as it were. It stays in the medians, since nobody
-//! chooses when to measure; beside them stand those of the quiet samples.
+//! A fixed loop is timed beside each sample ([`Row::pulse_ns`]). Its quiet time on a processor is
+//! the first decile of these times. If the loop takes [`SLOW`] times as long, the machine was slow.
+//! Such samples stay in the medians; medians of the quiet samples are reported beside them.
 
 use std::collections::BTreeMap;
 
 use crate::record::row::{Pass, Row};
 
-/// From so many quiet pulses on a machine is slow. A loop of a millisecond varies by a tenth from
-/// one time to the next where nothing else is at work.
+/// Multiple of the quiet time at which the machine counts as slow. On an idle machine, a loop of
+/// one millisecond varies by a tenth.
 pub const SLOW: f64 = 1.25;
 
 type Where<'a> = (Option<&'a str>, Option<u32>);
@@ -33,7 +32,7 @@ impl<'a> States<'a> {
         States { limits: pulses.into_iter().map(|(name, all)| (name, limit(all))).collect() }
     }
 
-    /// Was the machine slow when this was timed? None where nobody looked.
+    /// Whether the machine was slow during this row; `None` if that was not watched.
     pub fn is_slow(&self, row: &Row) -> Option<bool> {
         Some(pulse(row)? as f64 > *self.limits.get(&place(row))?)
     }

@@ -1,5 +1,4 @@
-//! Made-up rows for the tests of everything right of the record, with a clock that says what it is
-//! told.
+//! Made-up rows with chosen times, for tests of claims and reports.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +13,7 @@ use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
 use crate::record::value::AxisValue;
 
-/// Writes rows for one cell after another; the setters change the cell that the next rows belong
-/// to.
+/// Builds rows. Setters change the cell of the rows that follow.
 pub struct Lab {
     base: Row,
     rows: Vec<Row>,
@@ -46,7 +44,6 @@ impl Lab {
     pub fn rows(&self) -> Vec<Row> {
         self.rows.clone()
     }
-    /// Returns what `finding` returns for the cells of the rows.
     pub fn find<T>(&self, finding: impl FnOnce(&[&Cell]) -> T) -> T {
         finding(&cells(&self.rows).iter().collect::<Vec<_>>())
     }
@@ -55,7 +52,6 @@ impl Lab {
         self.base.id.dim = dim;
         self
     }
-    /// The detector, with parameters if it has any, in the role that its name says.
     pub fn detector(&mut self, spec: &str) -> &mut Lab {
         self.base.id = self.base.id.clone().with_contender(spec);
         self.base.role = role_of(&self.base.id.detector);
@@ -85,7 +81,6 @@ impl Lab {
         self.base.id.params.insert(name.into(), AxisValue::from(value.into()));
         self
     }
-    /// The fraction of the scene that bodies fill.
     pub fn filled(&mut self, packing_fraction: f64) -> &mut Lab {
         self.base.stats.packing_fraction = packing_fraction;
         self
@@ -105,14 +100,12 @@ impl Lab {
         }
         self
     }
-    /// What was timed beside each of the last rows, in their order.
     pub fn pulses(&mut self, pulses: &[u64]) -> &mut Lab {
         let first = self.rows.len() - pulses.len();
         let rows = self.rows[first..].iter_mut();
         rows.zip(pulses).for_each(|(row, &pulse)| row.pulse_ns = Some(pulse));
         self
     }
-    /// Times of copies beside each other.
     pub fn copies(&mut self, blocks: &[u64]) -> &mut Lab {
         self.timed(Pass::Ceiling, blocks)
     }
@@ -153,20 +146,16 @@ fn role_of(name: &str) -> Role {
     }
 }
 
-/// An experiment with these claims and figures, in TOML.
 pub fn experiment(rest: &str) -> Experiment {
     let head = "name = 'e'\ntitle = 'A title'\nquestion = 'Which is fastest?'\nreading = 'Lower \
                 is better.'\ndetectors = []\nscene = []\n";
     read(&format!("{head}{rest}"))
 }
 
-/// An experiment of this text; no name in it is looked up.
 pub fn read(text: &str) -> Experiment {
     Document::read(text).unwrap_or_else(|error| panic!("{error:#}")).0
 }
 
-/// The plan of these detectors, all in exact arithmetic with one thread, on scenes with 100
-/// particles of this generator and these parameters.
 pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
     let entrant = |name: &&str| Entrant {
         name: name.to_string(),

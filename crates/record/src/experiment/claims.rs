@@ -1,4 +1,4 @@
-//! Claims: what an experiment expects, checked from the record.
+//! Claims: expectations of an experiment that are checked against the record.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,6 @@ use crate::experiment::List;
 use crate::experiment::expression::Expression;
 use crate::stats::growth::Model;
 
-/// Which rows: a field, parameter or variable, and the values that it may have.
 pub type Where = BTreeMap<String, List<toml::Value>>;
 
 #[derive(Clone, Debug, Deserialize)]
@@ -24,16 +23,15 @@ pub struct Claim {
     pub set: Set,
     #[serde(default)]
     pub source: String,
-    /// What it answers to the experiment's question if it holds: `yes`, say.
+    /// The answer to the experiment's question if the claim holds, such as `yes`.
     #[serde(default)]
     pub answers: String,
 }
 
-/// When the limit of a claim was set. One that was chosen with the data at hand proves less.
+/// When the limit of a claim was set. A limit chosen after seeing the data proves less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Set {
-    /// The experiment does not say.
     #[default]
     Unknown,
     Published,
@@ -41,46 +39,40 @@ pub enum Set {
     After,
 }
 
-/// What is checked, in every cell or over all of them. Claims about times (`faster`, and any
-/// expression with `time_ns`) are of one machine and gate nothing; all others are checked from
-/// counts, bytes and digests.
+/// The condition of a claim. Claims about times (`faster`, or an expression with `time_ns`) hold
+/// for one machine only and never affect the exit code.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum ClaimKind {
-    /// The largest value over the smallest, less 1, is at most `within`.
+    /// The largest value divided by the smallest, minus 1, is at most `within`.
     Constant {
         value: Expression,
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// The two sides differ by at most `within`, relative to `to`, in every cell.
+    /// In every cell, both sides differ by at most `within`, relative to `to`.
     Equal {
         value: Expression,
         to: Expression,
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// `value` <= `to` in every cell; with `than` that of another detector in the same scene.
+    /// `value` <= `to` in every cell.
     AtMost {
         value: Expression,
         to: Expression,
-        /// Whose `to`; the cell's own without.
         #[serde(default)]
         than: Option<String>,
     },
-    /// The value grows with n as `model` says.
     Model {
-        /// Counts or bytes, not times.
         #[serde(deserialize_with = "timeless")]
         value: Expression,
-        /// N, N log N or N^2.
         #[serde(deserialize_with = "model")]
         model: Model,
     },
-    /// The ratio of times, detector over `than`, is below 1 in every cell; below 1 / `by`.
+    /// In every cell, the ratio of the detector's time to that of `than` is below 1 / `by`.
     Faster {
         than: String,
-        /// So many times as fast.
         #[serde(default = "once", deserialize_with = "times")]
         by: f64,
     },
@@ -99,7 +91,6 @@ fn times<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 }
 
 impl ClaimKind {
-    /// The other detector, where cells are compared with those of one.
     pub fn than(&self) -> Option<&str> {
         match self {
             ClaimKind::Faster { than, .. } => Some(than),
@@ -108,7 +99,6 @@ impl ClaimKind {
         }
     }
 
-    /// The same, to be named otherwise.
     pub fn than_mut(&mut self) -> Option<&mut String> {
         match self {
             ClaimKind::Faster { than, .. } => Some(than),
@@ -142,15 +132,14 @@ impl Claim {
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
     }
 
-    /// Is it about times, which are of one machine?
     pub fn uses_time(&self) -> bool {
         let timed = matches!(self.kind, ClaimKind::Faster { .. });
         timed || self.kind.sides().iter().any(|side| side.uses_time())
     }
 }
 
-/// A filter from a command line: `scene=packed,loose` and `n>=1000`, each name once. Names of
-/// detectors are as given. An error says what an entry must be.
+/// Parses a filter from the command line, such as `scene=packed,loose` and `n>=1000`. Each name may
+/// occur once.
 pub fn parse_where(entries: &[String]) -> anyhow::Result<Where> {
     let mut filter = Where::new();
     for entry in entries {
@@ -180,7 +169,6 @@ pub fn parse_where(entries: &[String]) -> anyhow::Result<Where> {
     Ok(filter)
 }
 
-/// Parts a list at its commas, but for those within parentheses.
 fn alternatives(text: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0;
     text.split(move |c| {

@@ -1,9 +1,8 @@
-//! The TOML text of an experiment: parsed with the places of its keys and values, and brought into
-//! the form of the types, so that serde reads the rest and every error has its line and column.
+//! Parses the TOML text of an experiment, with line and column for every error.
 //!
-//! In a file the keys of a claim or figure stand beside its `kind`, and those of a generator beside
-//! the name of the scene. The types keep them apart: what belongs to a kind moves into a table of
-//! its own, `{ kind = { equal = { .. } } }`, and what belongs to a generator into `params`.
+//! In a file, the keys of a claim or figure stand beside its `kind`, and those of a generator
+//! beside the name of the scene. Before serde reads them, keys of a kind move into a table `{ kind
+//! = { equal = { .. } } }`, and keys of a generator into `params`.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -30,7 +29,6 @@ impl Problem {
         Problem { at: Some(at), words: words.into() }
     }
 
-    /// In one sentence with line and column.
     pub fn located(self, text: &str) -> anyhow::Error {
         let before = self.at.and_then(|at| text.get(..at.start));
         let Some(before) = before else { return anyhow!("{}; {FORM}", self.words) };
@@ -47,13 +45,12 @@ fn line(before: &str) -> usize {
 
 impl From<toml::de::Error> for Problem {
     fn from(error: toml::de::Error) -> Problem {
-        // A list of what was expected follows on lines of its own.
+        // Further lines of the message list what was expected.
         let lines = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty());
         Problem { at: error.span(), words: plain(&lines.collect::<Vec<_>>().join("; ")) }
     }
 }
 
-/// An experiment as it stands in the text, and the places of its top-level keys.
 pub struct Document<'a> {
     text: &'a str,
     keys: Vec<(String, Range<usize>)>,
@@ -62,7 +59,6 @@ pub struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads the types. It does not check what values mean.
     pub fn read(text: &'a str) -> anyhow::Result<(Experiment, Document<'a>)> {
         Document::parse(text).map_err(|problem| problem.located(text))
     }
@@ -102,18 +98,16 @@ impl<'a> Document<'a> {
         Problem { at: place.map(|(_, at)| at.clone()), words }.located(self.text)
     }
 
-    /// A problem with a claim, counted from 0.
     pub fn claim(&self, k: usize, words: String) -> anyhow::Error {
         Problem { at: self.claims.get(k).cloned(), words }.located(self.text)
     }
 
-    /// A problem with a figure, counted from 0.
     pub fn figure(&self, k: usize, words: String) -> anyhow::Error {
         Problem { at: self.figures.get(k).cloned(), words }.located(self.text)
     }
 }
 
-/// Refuses keys that there are not, before others are missed, and tables in single brackets.
+/// Refuses unknown keys before missing ones are reported, and tables in single brackets.
 fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
     let known = keys::fields::<Experiment>();
     for (name, value) in root {
@@ -132,8 +126,8 @@ fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Changes each table of an array of tables; gives their places. What is no table is left for serde
-/// to refuse.
+/// Changes each table of an array of tables and returns their positions. Values that are not tables
+/// are left for serde to refuse.
 fn each<'a>(
     root: &mut DeTable<'a>,
     name: &str,
@@ -157,7 +151,6 @@ fn key(name: &'static str, at: Range<usize>) -> Spanned<Cow<'static, str>> {
     Spanned::new(at, Cow::Borrowed(name))
 }
 
-/// Moves all keys that are not `known` into a table `params`.
 fn gather(table: &mut DeTable<'_>, known: &[&str]) -> Result<(), Problem> {
     let (mut own, mut params) = (DeTable::new(), DeTable::new());
     for (name, value) in std::mem::take(table) {
@@ -169,7 +162,6 @@ fn gather(table: &mut DeTable<'_>, known: &[&str]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Moves the keys of a kind into a table below `kind`; the error says which keys there are.
 fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
     table: &mut DeTable<'_>,
     at: Range<usize>,

@@ -1,4 +1,4 @@
-//! Figures: what an experiment draws.
+//! Figures of an experiment.
 
 use serde::{Deserialize, Deserializer};
 
@@ -16,18 +16,16 @@ pub struct Figure {
     pub filter: Where,
 }
 
-/// What is drawn; `lines` where a file does not say.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FigureKind {
-    /// y against x, one panel per scene and dimension, one line per detector.
+    /// y against x: one panel per scene and dimension, one line per detector.
     Lines(Lines),
-    /// Times over that of one detector, a panel per scene and N, a bar per detector.
+    /// Times divided by those of one detector: one panel per scene and N, one bar per detector.
     Bars(Bars),
-    /// Error rate against time per particle, one panel per scene, one mark per detector and
+    /// Error rate against time per particle: one panel per scene, one mark per detector and
     /// arithmetic.
     SpeedError(SpeedError),
-    /// Who is the fastest over two variables, and by how much.
     Map(MapAxes),
 }
 
@@ -39,7 +37,7 @@ impl FigureKind {
         }
     }
 
-    /// The options that name an axis: key, name, and whether it must be one of scenes.
+    /// Options that name an axis: key, name, and whether it must be an axis of scenes.
     pub fn axes(&self) -> Vec<(&'static str, &str, bool)> {
         match self {
             FigureKind::Lines(lines) => vec![("x", &lines.x, false)],
@@ -64,7 +62,7 @@ pub struct Lines {
     pub log: bool,
     #[serde(default)]
     pub slopes: bool,
-    /// y is per particle: an algorithm of cost N is flat, and so is the slope N.
+    /// Whether y is per particle: cost N is then a horizontal line.
     #[serde(default, alias = "per-element")]
     pub per_particle: bool,
     #[serde(default)]
@@ -76,7 +74,6 @@ fn logarithmic() -> bool {
 }
 
 impl Lines {
-    /// Options that contradict each other.
     pub(super) fn problem(&self) -> Option<&'static str> {
         if self.caches && self.x != "n" {
             return Some("caches = true: its x must be n");
@@ -104,18 +101,16 @@ pub struct SpeedError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
-    /// Exact decisions on the scene as given: all causes of error.
+    /// Exact decisions on the given scene: all causes of error.
     #[default]
     Given,
-    /// Exact decisions on the scene as stored in the arithmetic: predicate and search, without
-    /// representation.
+    /// Exact decisions on the stored scene: errors of predicate and search only.
     Stored,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MapAxes {
-    /// Across: a field, a parameter, or what was measured of the scenes.
     #[serde(deserialize_with = "called")]
     pub x: String,
     #[serde(deserialize_with = "called")]
@@ -126,7 +121,6 @@ pub struct MapAxes {
     pub y_label: String,
 }
 
-/// What people call some columns.
 const CALLED: [(&str, &str); 2] =
     [("density", "packing_fraction"), ("contacts_per_particle", "coordination")];
 
@@ -141,12 +135,10 @@ fn column(name: &str) -> String {
 }
 
 impl MapAxes {
-    /// Of these variables, without labels.
     pub fn new(x: &str, y: &str) -> MapAxes {
         MapAxes { x: column(x), y: column(y), x_label: String::new(), y_label: String::new() }
     }
 
-    /// The labels across and upwards: those given, or the names.
     pub fn labels(&self) -> [&str; 2] {
         [(&self.x_label, &self.x), (&self.y_label, &self.y)]
             .map(|(given, name)| if given.is_empty() { name.as_str() } else { given })

@@ -1,5 +1,5 @@
-//! The keys that a type takes in a TOML file, asked of the type itself: serde hands the names of
-//! all fields or variants to the deserializer before it wants a value.
+//! Lists the TOML keys of a type. serde passes the names of all fields or variants to the
+//! deserializer, which records them and then fails.
 
 use serde::Deserialize;
 use serde::de::value::Error;
@@ -7,25 +7,22 @@ use serde::de::{self, DeserializeSeed, Deserializer, IntoDeserializer, Visitor};
 
 type Names = &'static [&'static str];
 
-/// The keys of a struct, or the variants of an enum.
 pub fn fields<'de, T: Deserialize<'de>>() -> Names {
     ask::<T>(None)
 }
 
-/// The keys of one variant of an enum.
 pub fn variant_fields<'de, T: Deserialize<'de>>(variant: &'static str) -> Names {
     ask::<T>(Some(variant))
 }
 
 fn ask<'de, T: Deserialize<'de>>(variant: Option<&'static str>) -> Names {
     let mut names: Names = &[];
-    // It always ends with an error: there is no value to be had.
+    // This always fails, because there is no value.
     let _ = T::deserialize(Ask { variant, names: &mut names });
     names
 }
 
 struct Ask<'a> {
-    /// The variant that is asked for its fields.
     variant: Option<&'static str>,
     names: &'a mut Names,
 }

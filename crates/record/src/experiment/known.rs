@@ -1,4 +1,4 @@
-//! Names in claims and figures that no row of the run will have: reported before it begins.
+//! Checks before a run that its rows will have all names in claims and figures.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,6 @@ use crate::record::id::{CellId, FIELDS, MACHINE, variable};
 use crate::record::value::AxisValue;
 use contactbench_terms::nearest::hint;
 
-/// Checks all expressions and filters; the error has the place of the claim or figure.
 pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow::Result<()> {
     let known = Known::new(experiment);
     for (k, claim) in experiment.claims.iter().enumerate() {
@@ -36,11 +35,9 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
     Ok(())
 }
 
-/// What rows of the run will have.
 struct Known {
     /// Every scene with one subject, and every subject with one scene.
     ids: Vec<CellId>,
-    /// Runners report their arithmetic themselves.
     runners: bool,
 }
 
@@ -80,7 +77,7 @@ impl Known {
         let unknown =
             |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
         let found = expression.variables().find(|(name, _)| unknown(name));
-        // Nothing is known if the scene or the subject is absent.
+        // Without a scene or a subject, no name can be checked.
         let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
         let columns = COLUMNS.iter().map(|column| &*column.name);
         let mut all: BTreeSet<String> =
@@ -111,7 +108,7 @@ impl Known {
                 let meant = meant(&plain, &self.names());
                 return Err(format!("where names '{name}', which no row will have{meant}"));
             }
-            // Words are compared as they stand; numbers may be compared otherwise.
+            // Words must match exactly; numbers may be compared.
             let is_word = found.iter().all(|value| value.number().is_none());
             if !is_word || plain == "arithmetic" && self.runners {
                 continue;

@@ -1,5 +1,3 @@
-//! One value, or a list of values to sweep over.
-
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -7,7 +5,7 @@ use std::ops::Deref;
 use serde::de::{Error, IntoDeserializer, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// Values to sweep over; in a file, `3` means the same as `[3]`.
+/// Values to sweep over; in a file, `3` means `[3]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct List<T>(pub Vec<T>);
 
@@ -31,7 +29,6 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for List<T> {
     }
 }
 
-/// Reads one value; if `MANY`, also a list of values.
 struct Values<T, const MANY: bool>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>, const MANY: bool> Visitor<'de> for Values<T, MANY> {
@@ -49,7 +46,6 @@ impl<'de, T: Deserialize<'de>, const MANY: bool> Visitor<'de> for Values<T, MANY
         Ok(vec![T::deserialize(value.into_deserializer())?])
     }
 
-    /// `1e6` is a whole number.
     fn visit_f64<E: Error>(self, value: f64) -> Result<Vec<T>, E> {
         if value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64 {
             return self.visit_i64(value as i64);
@@ -82,19 +78,18 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Item<T> {
     }
 }
 
-/// For a key with one value: `1e6` is a whole number there, too.
+/// Reads a key with one value; `1e6` is accepted as a whole number.
 pub fn one<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<T, D::Error> {
     Item::deserialize(from).map(|item| item.0)
 }
 
-/// As [`one`], for a key that may be absent.
 pub fn some<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     from: D,
 ) -> Result<Option<T>, D::Error> {
     one(from).map(Some)
 }
 
-/// For a key with a list, where one value may stand without brackets.
+/// Reads a key with a list; a single value needs no brackets.
 pub fn many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     List::deserialize(from).map(|list| list.0)
 }

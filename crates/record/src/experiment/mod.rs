@@ -1,8 +1,8 @@
-//! Experiments: a question, scenes, a sweep, detectors, what is expected and how to read the
-//! answer, as a TOML file. docs/EXPERIMENTS.md describes the files.
+//! Experiments: TOML files with a question, scenes, detectors, claims and figures.
+//! docs/EXPERIMENTS.md describes them.
 //!
-//! Here is the file alone. What its names mean, and which scenes and detectors it plans, is in
-//! `plan`, which fills in [`Experiment::planned`].
+//! This module reads the file alone. `plan` of the run crate resolves its names to scenes and
+//! detectors, and fills in [`Experiment::planned`].
 
 pub mod claims;
 pub mod document;
@@ -38,29 +38,27 @@ pub struct Experiment {
     pub question: String,
     pub reading: String,
     pub standard: bool,
-    /// Detectors of the table, with their parameters; groups are resolved.
     #[serde(deserialize_with = "list::many")]
     pub detectors: Vec<String>,
     #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
-    /// Threads given to the detectors; those that cannot use several run once, with one.
+    /// Numbers of threads. Detectors that cannot use several run once, with one.
     pub threads: List<usize>,
-    /// With every detector with several threads: as many copies of it with one thread each, all at
-    /// work at the same time.
+    /// Whether to also time, for each number of threads, that many single-threaded copies that run
+    /// at the same time.
     pub ceiling: bool,
-    /// The detector that all others are compared with in a table of ratios.
     pub ratios_to: Option<String>,
-    /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only
-    /// answers, counts and memory.
+    /// Number of blocks. Each block runs every detector once, in a new random order. With 0, only
+    /// answers, counts and memory are measured.
     #[serde(deserialize_with = "list::one")]
     pub blocks: u32,
-    /// Seconds after which no further block of a scene is begun, once six are done.
+    /// Seconds after which a scene starts no further block, once six are done.
     pub block_budget_s: f64,
-    /// Seconds that one request to a runner may take; the first sample of a scene is two
-    /// detections, one to warm the caches.
+    /// Seconds allowed per request to a runner. The first sample of a scene runs a second
+    /// detection, to warm the caches.
     pub time_limit_s: f64,
-    /// Limit for a detector's arrays, and (with an allowance for input, output and program) for a
-    /// runner's address space. `None`: the machine's.
+    /// Limit for a detector's arrays. A runner's address space has the same limit, plus an
+    /// allowance for input, output and program. `None`: the limit of the machine.
     #[serde(deserialize_with = "list::some")]
     pub memory_limit_mib: Option<u64>,
     #[serde(rename = "scene")]
@@ -74,19 +72,18 @@ pub struct Experiment {
     pub table: Option<Table>,
     #[serde(skip)]
     pub planned: Planned,
-    /// Keys of the file that only older programs computed anything for.
     #[serde(skip)]
     pub retired: Vec<&'static str>,
 }
 
-/// Keys of older files: they are read, because records hold copies, and ask for nothing.
+/// Keys of older files, which records contain copies of. They are ignored.
 pub const RETIRED: [&str; 3] = ["bound", "cost-model", "advice"];
 
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
 impl Experiment {
-    /// Does it ask which detector is the fastest? Its question has the word, or it compares times:
-    /// with one detector, on a map or in a claim; or it has no claims, and does not
+    /// Whether the experiment asks for the fastest detector. Its question contains "fast", it
+    /// compares times (with one detector, on a map or in a claim), or it has no claims and does not
     /// compare arithmetics.
     pub fn asks_fastest(&self) -> bool {
         let faster = |claim: &Claim| matches!(claim.kind, ClaimKind::Faster { .. });
@@ -133,15 +130,14 @@ pub enum Table {
     Verdicts,
 }
 
-/// A runner that is not part of this program: see docs/PROTOCOL.md.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExternalRunner {
     pub name: String,
     /// Program and arguments; `{threads}` in an argument stands for the number of threads.
     pub command: Vec<String>,
-    /// How to get it, for rows that say `unavailable`. Whoever says this expects that it may not
-    /// be there.
+    /// How to install it. If given, the runner may be absent; the text appears in rows with outcome
+    /// `unavailable`.
     #[serde(default)]
     pub install: String,
     #[serde(default)]
@@ -154,8 +150,8 @@ impl ExternalRunner {
     }
 }
 
-/// Blocks done before the budget can end a scene: the range of six values covers the median in
-/// 96.9% of samples.
+/// Blocks of a scene that are always run, whatever the budget. The range of six values covers the
+/// median in 96.9% of samples.
 pub const FEWEST_BLOCKS: u32 = 6;
 const QUICK_BLOCKS: u32 = 3;
 
@@ -164,7 +160,6 @@ impl Experiment {
         if quick { self.blocks.min(QUICK_BLOCKS) } else { self.blocks }
     }
 
-    /// The same, or the fewest after which the budget may end them.
     pub fn enough_blocks(&self, quick: bool) -> u32 {
         let blocks = self.all_blocks(quick);
         if self.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks }
@@ -185,14 +180,11 @@ impl Experiment {
         Ok(())
     }
 
-    /// Checks that rows of the planned run will have all names in claims and figures.
     pub fn check_names(&self, document: &Document<'_>) -> anyhow::Result<()> {
         known::check(self, document)
     }
 
-    /// The first value that cannot be meant: its key, and what is wrong with it.
     fn problem(&self) -> Option<(&'static str, String)> {
-        /// Returns the key and the words if something does not hold.
         macro_rules! must {
             ($holds:expr, $key:literal, $($words:tt)*) => {
                 if !$holds {
@@ -255,7 +247,6 @@ impl Experiment {
     }
 }
 
-/// The message for two contenders of one name.
 pub fn twice(name: &str) -> String {
     format!("there are two runners named '{name}'; their rows could not be told apart: rename one")
 }

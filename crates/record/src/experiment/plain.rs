@@ -1,8 +1,6 @@
-//! What serde says of a value of the wrong type, in plain words.
-
 use contactbench_terms::nearest::hint;
 
-/// The message in plain words; as it is, where it is of another kind.
+/// Translates a type error of serde to plain words; other messages stay unchanged.
 pub fn plain(message: &str) -> String {
     let typed = ["invalid type: ", "invalid value: "];
     if let Some((found, expected)) = typed

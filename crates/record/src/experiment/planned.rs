@@ -1,5 +1,5 @@
-//! What an experiment plans, as data: scenes and entrants. Runs are made from the same plan, and
-//! reports are held to it.
+//! The scenes and subjects that an experiment plans. Runs follow this plan, and reports are
+//! compared with it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,14 +11,12 @@ use crate::record::value::AxisValue;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Planned {
-    /// The axes of every scene of a whole run, in the order run. n is 0 where the scene decides.
+    /// The axes of every scene of a full run, in order; n is 0 if the scene determines it.
     pub scenes: Vec<CellId>,
     pub quick: Vec<CellId>,
-    /// The subjects of every scene, in the order of the record.
     pub entrants: Vec<Entrant>,
-    /// Scenes that bring their own particles: their n is 0 unless the experiment gives it.
+    /// Scenes with particles of their own: n is 0 unless the experiment gives it.
     pub own_n: BTreeSet<String>,
-    /// The default values of the parameters of the scenes, by scene and dimension.
     pub defaults: BTreeMap<(String, u32), BTreeMap<String, AxisValue>>,
 }
 
@@ -28,20 +26,17 @@ impl Planned {
     }
 }
 
-/// A program with a number of threads, which is to look at every scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entrant {
     pub name: String,
-    /// What it is there for; a runner is [`Role::Runner`].
     pub role: Role,
-    /// The arithmetic of a detector; `None` for a runner, which reports its own.
     pub arithmetic: Option<Arithmetic>,
     pub threads: usize,
 }
 
 impl Entrant {
-    /// Whether it takes part where another build of this program does. Runners are not compiled
-    /// into both builds, and controls say nothing about them.
+    /// Whether this subject is also timed in the other build of a comparison. Runners are not part
+    /// of a build, and controls do not depend on it.
     pub fn is_of_builds(&self) -> bool {
         self.role != Role::Runner && !self.role.is_control()
     }

@@ -1,16 +1,16 @@
-//! A sweep spread over the jobs of an array: shard k of n takes a part of the scenes. All detectors
-//! of a scene stay together, because their times are compared block by block.
+//! Shards: shard k of n runs a part of the scenes of an experiment. All detectors of a scene stay
+//! together, because their times are paired by block.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-/// The part of a process, and whether the environment told it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     pub shard: Shard,
-    /// By `auto`: other processes were started with the same words.
+    /// Whether `auto` determined it from the environment, so that other processes have the same
+    /// command line.
     pub told: bool,
 }
 
@@ -22,7 +22,7 @@ impl FromStr for Part {
     }
 }
 
-/// Part `k` of `n`, from 1.
+/// Part `k` of `n`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     k: usize,
@@ -34,9 +34,9 @@ impl Shard {
         format!("{}-of-{}", self.k, self.n)
     }
 
-    /// Which of the scenes with these numbers of particles are in this shard: every scene is in
-    /// one, and in the same one on every machine. They are dealt out from the largest to the
-    /// smallest, forwards and backwards in turn, so that shards take about equally long.
+    /// Whether each scene belongs to this shard, given the scenes' numbers of particles. Scenes are
+    /// dealt from the largest to the smallest, alternately forwards and backwards, so that shards
+    /// take about equally long. The result is the same on every machine.
     pub fn takes(self, sizes: &[u64]) -> Vec<bool> {
         let mut largest_first: Vec<usize> = (0..sizes.len()).collect();
         largest_first.sort_by_key(|&scene| Reverse(sizes[scene]));
@@ -49,7 +49,7 @@ impl Shard {
         taken
     }
 
-    /// How many are not there, and the first of them, if all that are there are parts of as many.
+    /// Number of missing shards, and the first of them, if all present shards have the same `n`.
     pub fn missing(present: &BTreeSet<Shard>) -> Option<(usize, Shard)> {
         let n = present.first()?.n;
         let alike = present.iter().all(|shard| shard.n == n);
@@ -57,16 +57,15 @@ impl Shard {
         alike.then_some((n - present.len(), first))
     }
 
-    /// The part of this process, as the job array and the MPI job that it belongs to say in
-    /// variables of the environment, looked up by `variable`: ranks of an MPI job in a job array
-    /// share the part of their job. `of` is the length of the array where its variables leave it
-    /// open, as those of PBS do.
+    /// The shard of this process, from the environment variables of a job array, an MPI job or
+    /// both. In both, ranks divide the part of their job. `of` is the length of the array if no
+    /// variable gives it, as with PBS.
     fn of_environment(
         of: Option<usize>,
         variable: &dyn Fn(&str) -> Option<String>,
     ) -> Result<Shard, String> {
         let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
-        // LSF numbers a job of its own 0, and arrays from 1 on.
+        // LSF numbers single jobs 0, and array jobs from 1.
         let lone = |name: &str, index| name == "LSB_JOBINDEX" && index == 0;
         let index = |array: Array| number(array[0]).filter(|&index| !lone(array[0], index));
         let job = ARRAYS.into_iter().find_map(|array| Some((array, index(array)?)));
@@ -102,14 +101,12 @@ const ARRAYS: [Array; 5] = [
     ["LSB_JOBINDEX", "", "", "LSB_JOBINDEX_STEP", "LSB_JOBINDEX_END"],
 ];
 
-/// The rank of a process and how many there are: Open MPI, MPICH and its kin, srun.
 const RANKS: [[&str; 2]; 3] = [
     ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"],
     ["PMI_RANK", "PMI_SIZE"],
     ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS"],
 ];
 
-/// The rank of this process, and how many there are, if an MPI job has started it.
 pub fn rank() -> Option<(usize, usize)> {
     rank_of(&|name| std::env::var(name).ok())
 }
@@ -122,7 +119,6 @@ fn rank_of(variable: &dyn Fn(&str) -> Option<String>) -> Option<(usize, usize)> 
 const NO_JOB: &str = "there is neither a job array (Slurm, PBS, Grid Engine, LSF) nor an MPI job \
                       here; give --shard k/n";
 
-/// Returns the shard of the job with this index in a job array.
 fn in_array(
     [name, first, last, step, count]: Array,
     index: usize,
@@ -264,9 +260,9 @@ mod tests {
             (None, &slurm("0", ["0", "7", "1", "8"]), "1/8"),
             (None, &slurm("14", ["2", "20", "4", "5"]), "4/5"),
             (None, &slurm("3", ["1", "9", "1", "3"]), "not evenly spaced"),
-            // A lost job that is sent again, alone.
+            // A lost job that is submitted again alone.
             (Some(16), &slurm("5", ["5", "5", "1", "1"]), "--shard k/16"),
-            // PBS does not say how many there are.
+            // PBS does not set the number of jobs.
             (Some(8), &pbs, "5/8"),
             (None, &pbs, "auto/n"),
             (Some(4), &pbs, "from 1 on"),
@@ -275,12 +271,12 @@ mod tests {
             (None, &lsf, "2/6"),
             (None, &[&lsf[..], &[("LSB_JOBINDEX_STEP", "2")]].concat(), "2 apart"),
             (None, &[("LSB_JOBINDEX", "0")], "neither a job array"),
-            // Ranks count from 0, and share the part of their job.
+            // Ranks count from 0, and divide the part of their job.
             (None, &mpi, "3/4"),
             (None, &[&slurm("2", ["1", "3", "1", "3"])[..], &mpi].concat(), "7/12"),
             (None, &[("PMI_RANK", "0"), ("PMI_SIZE", "2")], "1/2"),
             (None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")], "rank 3 of 2 is none"),
-            // A script of a batch job is no step: its process is alone.
+            // A batch script is not a job step: its process is alone.
             (None, &[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "8")], "neither a job array"),
             (None, &[("SLURM_PROCID", "7"), ("SLURM_STEP_NUM_TASKS", "8")], "8/8"),
         ] {

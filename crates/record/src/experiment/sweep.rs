@@ -1,5 +1,3 @@
-//! Scenes of an experiment: a generator, and lists of values to sweep over.
-
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -8,23 +6,19 @@ use crate::experiment::List;
 
 pub type Params = BTreeMap<String, List<toml::Value>>;
 
-/// A generator and the values of its parameters; any of them may be a list.
+/// A generator with its parameters; each may be a list of values to sweep over.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneSweep {
-    /// The generator: packed, loose, clustered, pack-a ... pack-d; file; or hard, which without a
-    /// `case` means all cases.
+    /// The generator. `hard` without a `case` means all cases.
     pub name: String,
     pub dim: List<u32>,
-    /// Numbers of particles; not for `file` and `hard`, which bring their own.
+    /// Numbers of particles; not allowed for `file` and `hard`, whose particles are given.
     pub n: Option<List<u64>>,
     pub seed: List<u64>,
     pub order: List<String>,
-    /// What a quick run takes instead.
     pub quick: Quick,
-    /// The generator's parameters: in a file, all other keys.
     pub params: Params,
-    /// The line in the file, for messages.
     #[serde(skip)]
     pub line: usize,
 }

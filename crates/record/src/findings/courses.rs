@@ -1,4 +1,4 @@
-//! Scenes in motion: how they move, how often each tracker built its list, and what was missed.
+//! Moving scenes: displacements, how often each tracker rebuilt its list, and missed contacts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,34 +9,32 @@ use contactbench_terms::arithmetic::Arithmetic;
 #[derive(Clone, Debug)]
 pub struct Courses<'a> {
     pub trackers: Vec<String>,
-    /// The arithmetic, where there are several.
     pub arithmetic: Option<String>,
     pub courses: Vec<Course<'a>>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Course<'a> {
-    /// `packed, 3D, N = 1000, motion = drift`.
     pub title: String,
     pub motion: Motion,
-    /// What each tracker did, in their order; none where one has no answer.
+    /// The cell of each tracker, in their order; `None` if one has no answer.
     pub done: Vec<Option<&'a Cell>>,
 }
 
-/// How a scene moves, in diameters of the largest body and pairs.
+/// Statistics of a motion; displacements in diameters of the largest particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// From one frame to the next, in the mean.
+    /// Mean displacement per frame.
     pub mean_way: Option<f64>,
     pub longest_way: Option<f64>,
     pub contacts: Option<f64>,
     pub born: Option<f64>,
-    /// That touch between two frames alone, in the mean.
+    /// Mean number per frame of pairs that touch only between two frames.
     pub tunnelled: Option<f64>,
 }
 
 impl<'a> Courses<'a> {
-    /// From the cells of an experiment, in exact arithmetic if it is there; none if nothing moves.
+    /// From the cells of an experiment, in exact arithmetic if possible; `None` if nothing moves.
     pub fn new(cells: &[&'a Cell]) -> Option<Courses<'a>> {
         let mut own: Vec<&'a Cell> = cells.to_vec();
         own.retain(|cell| !cell.role.is_control() && cell.values.contains_key("builds"));
@@ -57,7 +55,7 @@ impl<'a> Courses<'a> {
             let (_, done) = scenes.entry(cell.id.scene_id()).or_insert((&cell.id, BTreeMap::new()));
             done.insert(cell.id.contender(), cell);
         }
-        // Missed contacts are known if answers were compared.
+        // Missed contacts are known only if answers were compared.
         let judged = |cell: &&Cell| cell.values.contains_key("search_missed");
         let course = |(id, done): &(&CellId, BTreeMap<String, &'a Cell>)| {
             let frames = done.values().next().map_or(1.0, |cell| cell.frames());

@@ -1,5 +1,4 @@
-//! Errors against exact decisions, with the three causes apart: the representation of the scene,
-//! the predicate, and the search.
+//! Errors compared with exact decisions, by cause: representation, predicate, search.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,8 +8,7 @@ use crate::record::id::variable;
 use crate::record::row::Outcome;
 use contactbench_terms::errors::{Causes, Errors};
 
-/// A line per scene (with the parameters that are swept), arithmetic and group of detectors with
-/// the same errors.
+/// One line per scene, arithmetic and group of detectors with equal errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorTable {
     pub lines: Vec<ErrorLine>,
@@ -18,7 +16,6 @@ pub struct ErrorTable {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorLine {
-    /// Their names, or `all`, or `all but` one.
     pub detectors: String,
     pub arithmetic: String,
     pub scene: String,
@@ -29,9 +26,9 @@ pub struct ErrorLine {
 pub struct Sum {
     pub cells: usize,
     pub contacts: f64,
-    /// Against the scene as given.
+    /// Compared with exact decisions on the given scene.
     pub errors: Errors,
-    /// None as soon as one cell has none: a record of an earlier version.
+    /// `None` if a cell is from an older record without causes.
     pub causes: Option<Causes>,
     pub outcomes: BTreeSet<Outcome>,
 }
@@ -53,7 +50,7 @@ impl Sum {
         sum
     }
 
-    /// No error of any cause: errors of two causes can cancel.
+    /// Whether there is no error of any cause; errors of two causes can cancel.
     fn none(&self) -> bool {
         let causes = self.causes.unwrap_or_default();
         self.errors.wrong()
@@ -63,8 +60,7 @@ impl Sum {
             == 0
     }
 
-    /// Detectors with the same errors share a line. Without any it is no matter how many cells each
-    /// had an answer in.
+    /// Whether two detectors can share a line. Without errors, the number of cells does not matter.
     fn same(&self, other: &Sum) -> bool {
         let blind = |sum: &Sum| Sum { cells: 0, contacts: 0.0, ..sum.clone() };
         if self.none() && other.none() { blind(self) == blind(other) } else { self == other }
@@ -72,8 +68,8 @@ impl Sum {
 }
 
 impl ErrorTable {
-    /// Numbers of particles, seeds and orders are summed, and so are all parameters where nothing
-    /// is wrong. None if nothing was compared.
+    /// Sums over n, seeds and orders, and over parameters if there are no errors. Returns `None` if
+    /// nothing was compared.
     pub fn new(cells: &[&Cell]) -> Option<ErrorTable> {
         let compared =
             |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;
@@ -120,7 +116,6 @@ impl ErrorTable {
     }
 }
 
-/// The sums of all detectors of these cells, those with the same errors together.
 fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
     let mut detectors: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
@@ -157,8 +152,8 @@ pub mod testing {
         }
     }
 
-    /// 250 true contacts per scene; in f32 storing loses 20 and adds 5, in textbook only nbs loses
-    /// one.
+    /// 250 true contacts per scene. f32 storage loses 20 and adds 5; with textbook filters, only
+    /// nbs loses one.
     pub fn lab() -> Lab {
         let mut lab = Lab::new("e", "packed");
         for offset in [0, 1000] {

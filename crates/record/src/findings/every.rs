@@ -1,8 +1,8 @@
-//! The scenes of an experiment. A scene is one set of particles: another N, seed, order or
-//! parameter makes another scene. Plans, coverage, contests and ratios count scenes by [`key`].
+//! The scenes of an experiment. Each n, seed, order or parameter makes another scene. Plans,
+//! coverage and ratios count scenes by [`key`].
 //!
-//! An answer shows every scene if they are few. Otherwise it shows the ends of each sweep, and the
-//! table of details has all.
+//! A report shows every scene if there are few, otherwise the ends of each sweep; the table of
+//! details has all.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -10,7 +10,7 @@ use crate::cells::label::{family, swept, title};
 use crate::cells::{AxisValue, Cell, CellId};
 use crate::record::id::Projection;
 
-/// The most scenes that an answer shows, unless the first and last of each sweep are more.
+/// Maximum number of scenes in an answer, unless the ends of all sweeps are more.
 pub const ROWS: usize = 30;
 
 pub struct Scene<'a> {
@@ -20,7 +20,6 @@ pub struct Scene<'a> {
     pub shown: bool,
 }
 
-/// Where a scene stands in its sweep.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Place {
     params: BTreeMap<String, AxisValue>,
@@ -35,13 +34,12 @@ impl Place {
         Place { params: params.clone(), order: order.clone(), n: *n, seed: *seed }
     }
 
-    /// Whether both have the same parameters and order.
     fn is_same_setting(&self, other: &Place) -> bool {
         (&self.params, &self.order) == (&other.params, &other.order)
     }
 }
 
-/// The identity of the scene of a cell: equal if, and only if, two cells have the same particles.
+/// The identity of a cell's scene. Equal keys mean equal particles.
 pub fn key(id: &CellId) -> Projection {
     id.scene_id().without(&["experiment"])
 }
@@ -65,7 +63,7 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
         let varied = swept(&own);
         let places: Vec<&Place> = scenes.keys().collect();
         for (k, cells) in scenes.values().enumerate() {
-            // Scenes that differ in their seeds alone stand side by side.
+            // Scenes that differ only in their seeds stay together.
             let same = |other: usize| {
                 let other = places.get(other);
                 other.is_some_and(|it| it.n == places[k].n && it.is_same_setting(places[k]))
@@ -81,10 +79,9 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     out
 }
 
-/// Numbers of the scenes that are shown, for each sweep, at most [`ROWS`] in all: every scene; or
-/// one for each value that is swept; or the smallest and largest N of each setting; or, at the
-/// largest N, one for each value of a parameter; or the ends of the sweep, however many sweeps
-/// there are.
+/// Chooses the scenes to show from each sweep, at most [`ROWS`] in all. The first choice that fits
+/// is used: every scene; one for each swept value; the smallest and largest n of each setting; one
+/// for each parameter value at the largest n; the ends of the sweep.
 fn chosen(sweeps: &[Vec<&Place>]) -> Vec<BTreeSet<usize>> {
     type Choice = fn(&[&Place]) -> BTreeSet<usize>;
     let choices: [Choice; 5] = [
@@ -101,7 +98,6 @@ fn chosen(sweeps: &[Vec<&Place>]) -> Vec<BTreeSet<usize>> {
     choices.into_iter().map(of).find(few).unwrap_or_else(|| of(ends))
 }
 
-/// Of these scenes those with a value that none before has: of N, or of a parameter.
 fn values(places: &[&Place], of: impl IntoIterator<Item = usize>) -> BTreeSet<usize> {
     let (mut sizes, mut seen) = (BTreeSet::new(), BTreeSet::new());
     let mut is_new = |k: &usize| {
@@ -115,13 +111,11 @@ fn values(places: &[&Place], of: impl IntoIterator<Item = usize>) -> BTreeSet<us
     of.into_iter().filter(|k| is_new(k)).collect()
 }
 
-/// Each setting at its smallest N.
 fn firsts(places: &[&Place]) -> BTreeSet<usize> {
     let first = |k: &usize| *k == 0 || !places[k - 1].is_same_setting(places[*k]);
     (0..places.len()).filter(first).collect()
 }
 
-/// Each setting at its largest N, of several seeds the first.
 fn lasts(places: &[&Place]) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut start = 0;
@@ -133,7 +127,8 @@ fn lasts(places: &[&Place]) -> BTreeSet<usize> {
     found
 }
 
-/// The first and the last setting at their largest N; of a single one, its smallest and largest N.
+/// The first and the last setting at their largest n; of a single setting, its smallest and largest
+/// n.
 fn ends(places: &[&Place]) -> BTreeSet<usize> {
     let lasts = lasts(places);
     let firsts = if lasts.len() > 1 { lasts.clone() } else { firsts(places) };
@@ -145,7 +140,6 @@ mod tests {
     use super::*;
     use crate::cells::testing::Lab;
 
-    /// Number of scenes, and titles of those shown.
     fn shown(ratios: u64, sizes: u64, seeds: u64) -> (usize, Vec<String>) {
         let mut lab = Lab::new("e", "packed");
         for (ratio, n) in (1..=ratios).flat_map(|ratio| (1..=sizes).map(move |n| (ratio, n))) {
@@ -165,7 +159,6 @@ mod tests {
     fn every_swept_value_has_its_scene_or_the_ends_have() {
         let title = |n: u64, ratio: u64| format!("packed, 2D, N = {n}, size_ratio = {ratio}");
         assert_eq!(shown(2, 2, 1), (4, vec![title(1, 1), title(2, 1), title(1, 2), title(2, 2)]));
-        // Three seeds are three scenes.
         let (all, titles) = shown(1, 1, 3);
         assert!(all == 3 && titles[2].ends_with(", seed = 3"), "{titles:?}");
         for (ratios, sizes, expected) in

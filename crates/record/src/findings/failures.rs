@@ -1,4 +1,4 @@
-//! Cells without a right answer: who, where, how it ended, and why.
+//! Cells without a correct answer.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,11 +15,9 @@ pub struct Failure {
     pub outcome: Outcome,
     pub sizes: BTreeSet<u64>,
     pub reason: String,
-    /// How many other reasons there are.
     pub more: usize,
 }
 
-/// A contender that is wrong, crashed, or could not be started.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Culprit {
     pub name: String,
@@ -27,14 +25,14 @@ pub struct Culprit {
     pub id: CellId,
     pub cells: usize,
     pub of: usize,
-    /// Wrong pairs in the worst of them, 0 if they were not counted.
+    /// Wrong pairs in the worst cell; 0 if they were not counted.
     pub wrong_pairs: u64,
     pub worst: String,
     pub reason: String,
 }
 
-/// Each contender once: those that gave a wrong answer; those that crashed (ours anywhere, others
-/// everywhere); and runners of these experiments that could not be started.
+/// Each subject once: with a wrong answer, crashed (own detectors in any cell, runners in all
+/// cells), or, in `absent`, not started.
 #[derive(Debug, Default)]
 pub struct Culprits {
     pub all: Vec<Culprit>,
@@ -53,7 +51,7 @@ impl Culprits {
                 _ if culprit.outcome != Outcome::Unavailable => all.push(culprit),
                 Some(known) if known.is_optional() => absent.push(culprit),
                 Some(_) => all.push(culprit),
-                // A library that was not compiled: what is missing is said elsewhere.
+                // A library that was not compiled in is reported elsewhere.
                 None => {}
             }
         }
@@ -62,7 +60,6 @@ impl Culprits {
 }
 
 fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
-    // How all cells of a contender ended.
     let line = |cell: &Cell| (cell.id.experiment.clone(), cell.id.contender(), cell.id.threads());
     let mut ends: BTreeMap<(String, String, u32), BTreeSet<Outcome>> = BTreeMap::new();
     for cell in cells {
@@ -104,9 +101,8 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
     found.into_iter().map(|(_, culprit)| culprit).collect()
 }
 
-/// One per contender, scene and outcome.
 pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
-    // name, scene, outcome: N and reason
+    // Keys are name, scene and outcome; values are n and reason.
     type Found<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
     let mut found: Found = BTreeMap::new();
     let called = series::labels(cells);

@@ -1,4 +1,4 @@
-//! What a record says: findings as values, from cells, and what is said of the rows behind them.
+//! Findings computed from the cells of a record.
 
 pub mod claim;
 pub mod compare;

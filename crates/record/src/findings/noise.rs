@@ -1,12 +1,11 @@
-//! The noise floor: what two measurements of the same code differ by.
+//! The noise floor: by how much two measurements of equal code differ.
 //!
-//! A twin is the same code as its original, timed again in every block. Where it differs from the
-//! original no detector can be told from another.
+//! A twin is the code of a detector measured a second time in every block. Differences as small as
+//! between twin and original are not decided.
 //!
-//! One rule says everywhere that one time is larger than another: the interval of their ratio
-//! covers the true median with at least [`SURE`] and excludes 1, and the ratio is beyond what twins
-//! of as many particles differ by in the same experiment. All else is undecided. So it is with
-//! other limits than 1.
+//! One rule decides everywhere whether a time is larger than another. The interval of their ratio
+//! has a coverage of at least [`SURE`] and excludes 1, and the ratio exceeds that of twins with the
+//! same n in the same experiment. The same rule applies to limits other than 1.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +13,10 @@ use crate::cells::{Cell, CellId};
 use crate::record::row::Pass;
 use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 
-/// The least coverage of an interval that decides: that of five blocks, the fewest that a full run
-/// takes, is 0.94.
+/// Least coverage of an interval that decides. Five blocks, the fewest of a full run, give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// The largest of fewer cells than this is a matter of luck.
+/// With fewer cells than this, their largest value is random.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,7 +24,6 @@ pub struct Noise {
     pub twins: Vec<Twin>,
     /// Nine in ten cells of the twins are within this factor of the original; 1 without twins.
     pub floor: f64,
-    /// The same of the cells with so many particles; of few cells, no less than of all.
     pub(super) floors: BTreeMap<u64, f64>,
 }
 
@@ -35,18 +32,15 @@ pub struct Twin {
     pub name: String,
     pub original: String,
     pub cells: usize,
-    /// Its time over the original's: of each block the median over all cells.
+    /// Its time over the original's; in each block, the median over all cells.
     pub overall: Interval,
-    /// The same of the blocks in which the machine was slow for neither, and for both; none where
-    /// nobody looked, or where there are none.
+    /// Like `overall`, over the blocks in which the machine was quiet for both, or slow for both.
     pub states: [Option<Interval>; 2],
-    /// The median over the cells of how far apart they are: 0.01 is 1%.
+    /// Median over the cells of the relative difference: 0.01 is 1%.
     pub typical: f64,
-    /// The ratio that is farthest from 1.
     pub worst: Interval,
-    /// Cells whose interval excludes 1.
     pub outside: usize,
-    /// The fraction of cells in which chance alone does that.
+    /// Fraction of cells whose interval excludes 1 by chance.
     pub by_chance: f64,
 }
 
@@ -86,43 +80,37 @@ impl Noise {
         Noise { twins, floor, floors }
     }
 
-    /// From one twin's time over that of its original. One is few: the floor is the end of its
-    /// interval that is farther from 1.
+    /// From a single twin. The floor is the end of its interval farther from 1.
     pub fn of_twin(ratio: Option<Interval>) -> Noise {
         let floor = ratio.map_or(1.0, |ratio| ratio.high.max(1.0 / ratio.low));
         Noise { floor, ..Noise::default() }
     }
 
-    /// The noise floor at so many particles: nine in ten cells of the twins there are within this
-    /// factor of the original. That of all sizes where no twin was timed, and at least that where
-    /// few were.
+    /// The noise floor at this n; that of all n if no twin was timed there.
     pub fn floor_at(&self, n: u64) -> f64 {
         self.floors.get(&n).copied().unwrap_or(self.floor)
     }
 
-    /// The same for every number of particles at which twins were timed.
     pub fn by_size(&self) -> impl Iterator<Item = (u64, f64)> {
         self.floors.iter().map(|(&n, &floor)| (n, floor))
     }
 
-    /// Does this ratio of two times at so many particles say that one of them is larger?
     pub fn decides(&self, ratio: &Interval, n: u64) -> bool {
         self.tells(ratio, 1.0, n)
     }
 
-    /// Does it say on which side of a limit the true ratio is?
+    /// Whether the ratio decides on which side of `limit` the true ratio is.
     pub fn tells(&self, ratio: &Interval, limit: f64, n: u64) -> bool {
         let beyond = distance(&ratio.scaled(1.0 / limit)) > self.floor_at(n).ln();
         ratio.coverage >= SURE && ratio.excludes(limit) && beyond
     }
 
-    /// Does it say that the first of them is larger? A missing ratio says nothing.
     pub fn slower(&self, ratio: Option<&Interval>, n: u64) -> bool {
         ratio.is_some_and(|ratio| ratio.median > 1.0 && self.decides(ratio, n))
     }
 }
 
-/// The factor that nine in ten of these logarithms are within; 1 of none.
+/// The factor for nine in ten of these logarithms; 1 if empty.
 pub(super) fn nine_in_ten(logs: &[f64]) -> f64 {
     let mut logs = logs.to_vec();
     logs.sort_by(f64::total_cmp);
@@ -154,7 +142,6 @@ impl Twin {
     }
 }
 
-/// The ratio over the blocks in which the machine was slow for both, or for neither.
 fn in_state(couples: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
     let of = |cell: &Cell, other: &Cell| -> Blocks {
         let both = |block| [cell, other].iter().all(|cell| cell.slow.get(block) == Some(&slow));
@@ -165,7 +152,6 @@ fn in_state(couples: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
     typical_ratio(&times.map(|(a, b)| (a, b)).collect::<Vec<_>>())
 }
 
-/// From 1, as a logarithm.
 fn distance(ratio: &Interval) -> f64 {
     ratio.median.ln().abs()
 }
@@ -192,8 +178,7 @@ mod tests {
             assert!((value - expected).abs() < 1e-9, "{value} {expected}");
         }
         assert!(twin.by_chance > 0.03, "{twin:?}");
-        // The floor is that of the size, but of one cell it is luck; and of all sizes where there
-        // is none.
+        // The floor is that of n; a single cell is too few; without cells it is that of all n.
         assert!((found.floor_at(20) - 2.0).abs() < 1e-9);
         assert_eq!([3, 1000].map(|n| found.floor_at(n)), [found.floor; 2]);
         for seed in 2..=5 {
@@ -223,7 +208,7 @@ mod tests {
         let pulses = [100, 100, 100, 100, 100, 150, 150, 150, 150, 150];
         lab.detector("nbs").time(&[[1000; 5], [2000; 5]].concat()).pulses(&pulses);
         lab.detector("nbs-twin").time(&[[1010; 5], [2400; 5]].concat()).pulses(&pulses);
-        // Slow for one and quiet for the other: neither.
+        // A block that is slow for one and quiet for the other counts in neither state.
         lab.edit(|row| row.pulse_ns = Some(100));
         let [quiet, slow] = lab.find(Noise::new).twins[0].states.map(Option::unwrap);
         assert!((quiet.median - 1.01).abs() < 1e-9 && quiet.count == 5, "{quiet:?}");

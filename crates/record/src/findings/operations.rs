@@ -1,4 +1,4 @@
-//! How the operations of each detector grow with N: exponent and law, fitted to exact counts.
+//! Growth of operation counts with n: exponent and law, fitted to exact counts.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -8,19 +8,17 @@ use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice};
 use contactbench_terms::op::Op;
 
-/// All operations of a detector on a scene, over N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operations {
     pub scene: String,
     pub detector: String,
-    /// The law that fits, if one does.
     pub choice: Choice,
 }
 
-/// A line per scene and detector with counts at two N or more.
+/// One entry per scene and detector with counts at two or more n.
 pub fn operations(cells: &[&Cell]) -> Vec<Operations> {
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
-    // Operations are counted with one thread whatever the times are taken with.
+    // Operations are always counted with one thread.
     let single: HashSet<&CellId> =
         cells.iter().map(|cell| &cell.id).filter(|id| id.threads() == 1).collect();
     let again =

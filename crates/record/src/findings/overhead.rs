@@ -1,8 +1,7 @@
-//! What the harness adds to the times that it measures.
+//! The share of the harness in measured times.
 //!
-//! The control `nothing` takes what is left of a measurement without a detector: clock, call, an
-//! emptied list. Its time over that of the fastest detector is the largest share that the harness
-//! can have in any time at that N.
+//! The control `nothing` measures the harness alone: clock, call, and clearing the list. Its time
+//! over that of the fastest detector is the largest possible share at that n.
 
 use std::collections::BTreeMap;
 
@@ -10,17 +9,16 @@ use crate::cells::{Cell, CellId, series};
 use crate::record::id::Projection;
 use crate::record::role::Role;
 
-/// A share below this does not matter.
+/// Smaller shares do not matter.
 pub const LEAST: f64 = 0.01;
 
-/// The share of the harness in the time of the fastest detector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overhead {
     pub share: f64,
     pub n: u64,
     pub detector: String,
     pub scene: String,
-    /// From this N on the share is below [`LEAST`] everywhere; none if it never is.
+    /// From this n on, the share is below [`LEAST`] everywhere; `None` if it never is.
     pub clear_from: Option<u64>,
 }
 
@@ -28,7 +26,7 @@ impl Overhead {
     pub fn new(cells: &[&Cell]) -> Option<Overhead> {
         let mut idle: BTreeMap<Projection, f64> = BTreeMap::new();
         for cell in cells.iter().filter(|cell| cell.role == Role::Nothing) {
-            // Below a nanosecond the record has no numbers.
+            // The record rounds to whole nanoseconds.
             let time = cell.time()?.median.max(1.0);
             let known = idle.entry(scene(&cell.id)).or_insert(time);
             *known = known.max(time);
@@ -58,7 +56,6 @@ impl Overhead {
     }
 }
 
-/// A scene, whoever works on it.
 fn scene(id: &CellId) -> Projection {
     id.scene_id().without(&["seed"])
 }

@@ -1,4 +1,4 @@
-//! Every contender on the scenes that an answer shows, in every setting that was measured.
+//! The table of details: every subject on every shown scene, in every measured setting.
 
 use std::collections::BTreeSet;
 
@@ -14,35 +14,29 @@ pub struct SceneResults {
     pub results: Vec<Contender>,
 }
 
-/// What was measured of a contender; numbers are per particle.
+/// Measurements of one subject; numbers are per particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     pub name: String,
-    /// Nanoseconds; of a wrong answer, too.
+    /// Nanoseconds, also of a wrong answer.
     pub time: Option<f64>,
-    /// The same of the blocks in which the machine was not slow.
+    /// Nanoseconds in the blocks in which the machine was not slow.
     pub quiet: Option<f64>,
-    /// Nanoseconds per particle of the first detection in a process.
+    /// Nanoseconds of the first detection in a process.
     pub first: Option<f64>,
     pub blocks: usize,
-    /// Its time over that of the fastest, which has 1.
     pub versus: Versus,
-    /// Pairs whose distance was compared.
     pub contact_tests: Option<f64>,
     pub list_operations: Option<f64>,
-    /// Most heap bytes at one time.
     pub peak_bytes: Option<f64>,
-    /// The same by the detector's formula.
     pub formula_bytes: Option<f64>,
     pub outcome: Outcome,
 }
 
-/// A time beside that of the fastest contender of any setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Versus {
     Fastest,
     Slower(Interval),
-    /// No time, or no common block.
     Unknown,
 }
 
@@ -81,7 +75,7 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
 
 fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {
     let per = |name: &str| cell.variable(name, None).map(|value| value / n);
-    // As the time is that of a step.
+    // Like the time, these are per frame.
     let per_step = |name: &str| per(name).map(|value| value / cell.frames());
     let lists = ["list_push", "list_step", "list_reset"];
     Contender {

@@ -1,10 +1,10 @@
-//! What several threads gain, against what the machine lets them gain.
+//! Speed-up by threads, compared with what the machine allows.
 //!
-//! Of each block: the speed-up is the time with one thread over that with k. The ceiling is the
-//! throughput of k copies with one thread each, at work together, over that of one alone: k times
-//! the time alone over the time of the copies. The fraction of the ceiling that was reached is the
-//! throughput with k threads over that of the copies. A detector can pass the ceiling: k threads on
-//! one scene share their caches, k copies share nothing.
+//! All are ratios within a block. The speed-up is the time with one thread over that with k
+//! threads. The ceiling is k times the time of one copy alone over the time of k single-threaded
+//! copies at once. The fraction of the ceiling is the time of the copies over k times the time with
+//! k threads. It can exceed 1, because k threads share their caches on one scene, and k copies
+//! share nothing.
 
 use std::collections::BTreeMap;
 
@@ -19,33 +19,27 @@ pub struct Threads {
     pub gains: Vec<Gain>,
 }
 
-/// What a detector gains with so many threads, over all scenes and N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Typical {
     pub name: String,
-    /// How many scenes, each N counted.
     pub scenes: usize,
-    /// Median of the speed-ups.
     pub speedup: f64,
     pub least: f64,
     pub most: f64,
     pub fraction: Option<f64>,
 }
 
-/// Speed-up, ceiling and the fraction of it, of k threads against one. All are ratios of times.
+/// Speed-up, ceiling and fraction of one detector in one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
     pub experiment: String,
     pub scene: String,
     pub n: u64,
-    /// The detector, its arithmetic, and k.
     pub line: Line,
-    /// How the detector is called, without its threads.
     pub name: String,
     pub speedup: Interval,
     pub ceiling: Option<Interval>,
     pub fraction: Option<Interval>,
-    /// Why copies were not timed, or not in all blocks.
     pub failure: Option<(Outcome, String)>,
 }
 
@@ -72,7 +66,7 @@ impl Threads {
     }
 }
 
-/// None unless all cells ended well.
+/// Returns `None` unless all cells ended well.
 fn gain(
     scene: &str,
     n: u64,
@@ -91,7 +85,7 @@ fn gain(
         name,
         speedup: series::ratio(one, many)?,
         ceiling: series::ratio_of(many, |cell| &cell.alone_ns, many, |cell| &cell.copies_ns)
-            // Of records that have none: the time with one thread stands in.
+            // Older records lack copies alone; the time with one thread replaces them.
             .or_else(|| series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns))
             .map(|ratio| ratio.scaled(k)),
         fraction: series::ratio_of(many, |cell| &cell.copies_ns, many, |cell| &cell.times)
@@ -123,7 +117,7 @@ mod tests {
     #[test]
     fn speedup_ceiling_and_fraction_are_paired() {
         let mut lab = Lab::new("e", "packed");
-        // The machine slows down from block to block; the ratios stay.
+        // The machine slows down from block to block; ratios stay the same.
         let times = |unit: u64| (1..=15).map(|block| unit * (100 + block)).collect::<Vec<u64>>();
         lab.detector("direct").time(&times(12)).count(&[]);
         assert_eq!(lab.find(Threads::new), None);
@@ -155,7 +149,7 @@ mod tests {
         {
             assert!((value - expected).abs() < 1e-9, "{first:?}");
         }
-        // Copies timed alone by the same path go before the time with one thread.
+        // Copies timed alone take precedence over the time with one thread.
         let mut rows = lab.rows();
         for row in rows.iter_mut().filter(|row| row.pass == Pass::Ceiling) {
             row.alone_ns = row.time_ns.map(|time| time * 2 / 3);

@@ -1,9 +1,8 @@
-//! Right or not, case by case: the table of an experiment that asks no times, `table = "verdicts"`.
+//! The table `verdicts` of an experiment without times: which answers are right.
 //!
-//! A line per scene (or hard case) and dimension, a column per arithmetic. A cell names only who is
-//! not right, and how. An answer is right if it has exactly the pairs that touch in exact
-//! arithmetic in the scene as given, whatever its arithmetic. Every answer stands in
-//! `verdicts.csv`.
+//! It has a line per scene (or hard case) and dimension, and a column per arithmetic. An entry
+//! names only the detectors that are not right. An answer is right if it has exactly the pairs that
+//! touch in exact arithmetic in the given scene. `verdicts.csv` has every answer.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,20 +11,15 @@ use crate::record::row::Outcome;
 use contactbench_terms::arithmetic::Arithmetic;
 use contactbench_terms::errors::Errors;
 
-/// What became of one question.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// Exactly the pairs that touch.
     Right,
-    /// The detector is: its answer is not that of its own arithmetic.
+    /// The detector is defective: its answer is not that of its own arithmetic.
     Defect(Option<Errors>),
-    /// The arithmetic is, or the way it stores the scene.
+    /// The arithmetic, or storing the scene in it, changed the pairs.
     Wrong(Errors),
-    /// The filters of a textbook lost contacts.
     Lossy(Errors),
-    /// The detector says that it cannot, and why.
     Refused(String),
-    /// No answer for another reason, or none that could be compared.
     Without(Outcome, String),
 }
 
@@ -52,7 +46,7 @@ impl Answer {
         }
     }
 
-    /// Which of the answers to one question (from several seeds) speaks for all.
+    /// Orders answers of several seeds; the one with the largest weight is shown.
     fn weight(&self) -> (u8, u64) {
         match self {
             Answer::Right => (0, 0),
@@ -67,7 +61,7 @@ impl Answer {
 
 const WORDS: [&str; 5] = ["right", "wrong", "lossy", "refused", "no answer"];
 
-/// `-3 +1` for three missed and one spurious pair.
+/// For example `-3 +1` for three missed and one spurious pair.
 fn said(errors: &Errors) -> String {
     let all = [
         (errors.missed, "-", ""),
@@ -82,7 +76,7 @@ fn said(errors: &Errors) -> String {
     some.collect::<Vec<_>>().join(" ")
 }
 
-/// Reasons, numbered. Those that differ only in numbers, axes and the detector's name are one.
+/// Numbered reasons. Reasons that differ only in numbers, axes and the detector's name are one.
 #[derive(Default)]
 struct Reasons(Vec<(String, String)>);
 
@@ -105,30 +99,25 @@ impl Reasons {
     }
 }
 
-/// Scene and parameters, and what to call them.
 pub type Case = (String, Vec<(String, AxisValue)>);
-/// The answers of all detectors in one arithmetic.
 type Answers<'a> = BTreeMap<&'a str, Answer>;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
-    /// Those that were asked, in their usual order.
     pub arithmetics: Vec<String>,
-    /// The number of answers of each kind, by arithmetic.
     pub totals: Vec<(&'static str, Vec<u64>)>,
-    /// Cases in which some answer is not right.
     pub lines: Vec<CaseLine>,
     pub right: Vec<String>,
-    /// Why there is no answer, one example of each kind; lines refer to them by number, from 1.
+    /// One example of each reason; lines refer to them by number, from 1.
     pub reasons: Vec<String>,
 }
 
-/// A case in the dimensions in which the answers are the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseLine {
     pub case: String,
     pub dims: Vec<u32>,
-    /// By arithmetic: `right`, or who is not and how; none where nobody was asked.
+    /// By arithmetic: `right`, or the detectors that are not and their errors; `None` if not
+    /// measured.
     pub answers: Vec<Option<Vec<String>>>,
 }
 
@@ -184,7 +173,6 @@ impl Matrix {
 }
 
 impl CaseLine {
-    /// `2D 3D`, with this between.
     pub fn shown_dims(&self, between: &str) -> String {
         self.dims.iter().map(|dim| format!("{dim}D")).collect::<Vec<_>>().join(between)
     }
@@ -210,12 +198,10 @@ fn case_lines(
     found
 }
 
-/// All but controls, which are not asked to be right.
 pub fn judged<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
     cells.iter().filter(|cell| !cell.role.is_control()).copied().collect()
 }
 
-/// A hard case has a name; any other scene is named after its parameters.
 pub fn case(key: &CellId, swept: &[String]) -> Case {
     let params: Vec<(String, AxisValue)> =
         key.parameters().into_iter().filter(|(name, _)| swept.contains(name)).collect();
@@ -226,8 +212,8 @@ pub fn case(key: &CellId, swept: &[String]) -> Case {
     (format!("{}, N = {}{text}", key.scene, key.n), params)
 }
 
-/// `right`, or who is not and how: `nbs, sorting: -3 +1` and `all but direct: refused (1)`; without
-/// names it is all.
+/// `right`, or detectors with their errors, such as `nbs, sorting: -3 +1` and `all but direct:
+/// refused (1)`. Without names, all detectors are meant.
 fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
     let all: Vec<&str> = answers.keys().copied().collect();
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
@@ -237,10 +223,11 @@ fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
             Answer::Defect(Some(errors)) if errors.wrong() > 0 => {
                 format!("DEFECT {}", said(errors))
             }
-            // against the scene as given its error and the arithmetic's may cancel
+            // Compared with the given scene, errors of the detector and of the arithmetic may
+            // cancel.
             Answer::Defect(_) => "DEFECT".into(),
             Answer::Wrong(errors) => said(errors),
-            // what the filter lost need not touch in exact arithmetic
+            // A pair that the filter lost need not touch in exact arithmetic.
             Answer::Lossy(errors) => format!("lossy {}", said(errors)).trim_end().into(),
             Answer::Refused(reason) => format!("refused ({})", reasons.number(detector, reason)),
             Answer::Without(outcome, reason) if outcome.is_good() || reason.is_empty() => {

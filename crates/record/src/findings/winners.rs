@@ -1,19 +1,17 @@
-//! The fastest detector of each scene, by how much, and whether that is decided. There is one
-//! answer, and the report, the page, the terminal and the tables for papers all print it.
+//! The fastest detector of each scene, its lead, and whether it is decided. Reports, pages and
+//! tables all print this result.
 //!
-//! Every scene has a contest. In it each detector takes part once, in its plainest setting: with
-//! its fewest threads, and in exact arithmetic if it can. So detectors are compared and not
-//! settings: were each setting a contestant, a detector with two threads would have itself with one
-//! thread as its runner-up, whose distance says nothing of other detectors, and one that was also
-//! run in a rounded arithmetic would win by being wrong. Settings have tables of their own: all
-//! contenders of a scene, threads, arithmetics.
+//! In each scene, every detector takes part once, in its plainest setting: the fewest threads, and
+//! exact arithmetic if available. Otherwise a detector with two threads could be followed by itself
+//! with one thread, and rounded arithmetic could win with a wrong answer. Other settings have
+//! tables of their own.
 //!
-//! Of the forms of a detector (`streamed-nbs` and `streamed-nbs:level=avx2`) the default one stands
-//! for it, unless another form is decided faster.
+//! If a detector has several forms (`streamed-nbs` and `streamed-nbs:level=avx2`), the default one
+//! takes part unless another form is decidedly faster.
 //!
-//! It is decided if every other detector is slower by [`Noise::slower`]. Comparing only with the
-//! runner-up is not enough: a noisy third may be as fast. Ratios within blocks give the order, and
-//! medians over all blocks only where they have no block in common.
+//! The result is decided if every other detector is slower by [`Noise::slower`]. Comparing only
+//! with the runner-up is not enough, because a noisy third may be as fast. Ratios within blocks
+//! give the order; medians over all blocks are used only without common blocks.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,36 +34,33 @@ pub struct Winners {
 pub struct Contest {
     pub title: String,
     pub shown: bool,
-    /// The fastest, with ratio 1.
     pub first: Contender,
     pub others: Vec<Contender>,
-    /// Detectors that take no part, and why: wrong, refused, too slow.
+    /// Detectors that take no part, with their outcome: wrong, refused, too slow.
     pub without: Vec<(String, Outcome)>,
 }
 
-/// A detector in its plainest setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     pub line: Line,
     pub name: String,
     /// Nanoseconds per particle.
     pub per_particle: f64,
-    /// Its time over that of the fastest; none of the fastest, and without a common block.
+    /// Its time over that of the fastest; `None` for the fastest itself, and without a common
+    /// block.
     pub ratio: Option<Interval>,
     pub cold: Option<Interval>,
-    /// Is it slower than the fastest by more than the noise?
+    /// Whether it is slower than the fastest by more than the noise.
     pub slower: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     pub scenes: usize,
-    /// Scenes in which no detector is faster than all others, or only one was timed.
+    /// Scenes in which no detector is decidedly the fastest, or only one was timed.
     pub undecided: usize,
-    /// Scenes in which no detector has a time.
     pub untimed: usize,
     pub wins: Vec<Wins>,
-    /// The only one that was timed, if there was one only.
     pub alone: Option<Alone>,
 }
 
@@ -75,15 +70,13 @@ pub struct Alone {
     pub others: BTreeMap<String, Outcome>,
 }
 
-/// The scenes in which a detector is decidedly the fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wins {
     pub detector: String,
-    /// The time of the next over its own, by scene.
+    /// The time of the runner-up over its own, by scene.
     pub margins: Vec<f64>,
 }
 
-/// The contests of all scenes.
 pub fn winners(cells: &[&Cell]) -> Winners {
     let noise = Noise::new(cells);
     let scenes = every(cells);
@@ -95,13 +88,12 @@ pub fn winners(cells: &[&Cell]) -> Winners {
     Winners { scenes: scenes.len(), contests: contests.collect() }
 }
 
-/// Whose settings a cell is one of, where detectors are compared.
 fn detector(cell: &Cell) -> String {
     cell.id.detector.clone()
 }
 
 fn is_able(cell: &Cell) -> bool {
-    // A list that misses contacts is not the fastest way to find them.
+    // A tracker that misses contacts does not count as fast.
     !cell.role.is_control() && cell.time().is_some() && !cell.misses_by_rule()
 }
 
@@ -113,7 +105,6 @@ pub fn time(cell: &Cell) -> f64 {
     cell.time().map_or(f64::INFINITY, |time| time.median)
 }
 
-/// Each contender in its plainest setting, the fastest first; `who` says whose setting a cell is.
 fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String) -> Vec<&'a Cell> {
     let setting = |cell: &Cell| (cell.id.threads(), cell.id.arithmetic != Arithmetic::Exact.name());
     let mut forms: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
@@ -128,8 +119,8 @@ fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String
     by_ratio(forms.into_values().filter_map(|forms| standing(forms, noise)).collect())
 }
 
-/// The form that stands for its detector: the default one, unless another is decided faster within
-/// blocks. If there is no default form (of trackers, say), the fastest.
+/// Chooses the form that represents a detector: the default one, unless another is decidedly
+/// faster. Without a default form (as for trackers), the fastest.
 fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
     let default = forms.iter().copied().find(|cell| cell.id.detector_params.is_empty());
     let ahead =
@@ -138,8 +129,8 @@ fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
     by_ratio(ahead).first().copied().or(default)
 }
 
-/// The fastest first, the others by their ratio to it. The fastest is the one that no other is
-/// faster than within blocks; where ratios go round in a circle, any of that circle.
+/// Sorts by the ratio to the fastest, which is first. The fastest is the one that no other beats
+/// within blocks; if ratios form a circle, any of that circle.
 pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
     cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
     let median = |cell: &Cell, to: &Cell| cell.ratio(to).map(|ratio| ratio.median);
@@ -159,8 +150,8 @@ pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
     cells
 }
 
-/// The contest of one scene, of one N and seed; none if nobody was timed. `who` says whose setting
-/// a cell is, and `name` what it is called.
+/// The contest of one scene; `None` if no cell has a time. `who` gives the subject of a cell,
+/// `name` its label.
 pub fn contest(
     scene: &Scene<'_>,
     noise: &Noise,
@@ -193,7 +184,6 @@ pub fn contest(
     Some(Contest { title, shown, first: contender(first), others, without })
 }
 
-/// The outcome that matters more of two: a wrong answer before all others.
 fn worse(a: Outcome, b: Outcome) -> Outcome {
     std::cmp::max_by_key(a, b, |outcome| (*outcome == Outcome::Wrong, *outcome))
 }
@@ -243,7 +233,6 @@ impl Alone {
 }
 
 impl Wins {
-    /// Median, least and largest margin.
     pub fn margin(&self) -> Option<(f64, f64, f64)> {
         let (least, most) = self
             .margins
@@ -262,8 +251,9 @@ mod tests {
         lab.find(winners)
     }
 
-    /// Packed: nbs is 2.5 times as fast as sorting, and neither two threads nor rounded arithmetic
-    /// wins. Loose: within the noise. Alone: no other.
+    /// In `packed`, nbs is 2.5 times as fast as sorting; neither two threads nor rounded arithmetic
+    /// wins. In `loose`, the difference is within the noise. In `alone`, there is only one
+    /// detector.
     #[test]
     fn detectors_are_compared_in_their_plainest_setting_and_noise_decides_nothing() {
         let mut lab = Lab::new("e", "packed");
@@ -300,33 +290,34 @@ mod tests {
         assert_eq!(wins.collect::<Vec<_>>(), [("nbs", 1), ("sorting", 1)]);
     }
 
-    /// Times by detector, the first of the order, the others with whether each is decidedly slower.
+    /// Each case: times by detector, the first of the order, and the others with whether each is
+    /// decidedly slower.
     #[test]
     fn ratios_within_blocks_give_the_order_and_decide() {
         let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 300 } else { 90 }).collect();
         let slow = [300; 15];
         type Case<'a> = (&'a [(&'a str, &'a [u64])], &'a str, &'a [(&'a str, bool)]);
         let cases: [Case; 7] = [
-            // Few blocks, and intervals that hold 1, decide nothing.
+            // Too few blocks, or an interval that contains 1.
             (&[("nbs", &[100; 4]), ("sorting", &[300; 4])], "nbs", &[("sorting", false)]),
             (
                 &[("nbs", &[100; 9]), ("sorting", &[90, 90, 300, 300, 300, 300, 300, 300, 300])],
                 "nbs",
                 &[("sorting", false)],
             ),
-            // The median of sweep is the larger one; in most blocks it is the faster one.
+            // sweep has the longer median but is faster in most blocks.
             (
                 &[("nbs", &[100, 100, 100, 400, 400]), ("sweep", &[110, 110, 26, 104, 104])],
                 "sweep",
                 &[("nbs", false)],
             ),
-            // A noisy third leaves the fastest open.
+            // A noisy third leaves the fastest undecided.
             (
                 &[("nbs", &[100; 15]), ("sorting", &[120; 15]), ("sweep", &noisy)],
                 "nbs",
                 &[("sorting", true), ("sweep", false)],
             ),
-            // The default form stands for its detector, though another has a shorter median,
+            // The default form takes part although another has a shorter median.
             (
                 &[
                     ("nbs", &[100, 100, 100, 103, 103, 103, 103]),
@@ -336,13 +327,13 @@ mod tests {
                 "nbs",
                 &[("sorting", true)],
             ),
-            // unless that is decided faster.
+            // Another form takes part if it is decidedly faster.
             (
                 &[("nbs", &[100; 15]), ("nbs:levels=auto", &[50; 15]), ("sorting", &slow)],
                 "nbs:levels=auto",
                 &[("sorting", true)],
             ),
-            // Without a default form the fastest stands.
+            // Without a default form, the fastest takes part.
             (
                 &[("nbs:a=1", &[100; 15]), ("nbs:a=2", &[90; 15]), ("sorting", &slow)],
                 "nbs:a=2",

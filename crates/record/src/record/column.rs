@@ -1,7 +1,7 @@
-//! The numbers of a row: their names, units, the passes that measure them, and how they are read.
+//! The numeric columns of a row: name, unit, pass, and value.
 //!
-//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone.
-//! Most of it is stated in [`crate::record::row`]; docs/RECORD.md describes each.
+//! Expressions, filters, `summary.csv`, merging and comparing use this list. Most columns are
+//! declared in [`crate::record::row`]; docs/RECORD.md describes each.
 
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -14,17 +14,16 @@ use contactbench_terms::op::Op;
 
 pub struct Column {
     pub name: Cow<'static, str>,
-    /// The pass that measures it; none where every pass knows it.
+    /// The pass that measures it; `None` if every pass records it.
     pub pass: Option<Pass>,
-    /// Its unit; empty for a ratio or a plain count.
+    /// Its unit; empty for a ratio or a count.
     pub unit: &'static str,
     read: Read,
 }
 
-/// The number that a row has in a column.
 type Read = Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>;
 
-/// All columns, in the order of `summary.csv`.
+/// In the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
 pub const TIME: &str = "time_ns";
@@ -36,7 +35,7 @@ pub const WORST_STEP: &str = "worst_step_ns";
 type Whose = fn(&Causes) -> &Errors;
 type Which = fn(&Errors) -> f64;
 
-/// The causes of error: the prefix of their columns, and the prefix that these had before.
+/// Prefix of the columns of each cause, and prefix in older records.
 const CAUSES: [(&str, &str, Whose); 3] = [
     ("representation_", "input_", |causes| &causes.representation),
     ("predicate_", "arithmetic_", |causes| &causes.predicate),
@@ -53,7 +52,6 @@ const ERRORS: [(&str, &str, Which); 7] = [
     ("wrong", "pairs", |errors| errors.wrong() as f64),
 ];
 
-/// A column's name, its unit, and its value.
 type Named<T> = (&'static str, &'static str, fn(&T) -> Option<f64>);
 
 const MOVED: [Named<Moved>; 6] = [
@@ -114,8 +112,8 @@ impl Column {
         Column { name: name.into(), pass, unit, read: Box::new(read) }
     }
 
-    /// The column that expressions call by this name. Those of older experiments are understood:
-    /// `input_missed` is `representation_missed`.
+    /// The column with this name, or with this name in older records: `input_missed` is
+    /// `representation_missed`.
     pub fn find(name: &str) -> Option<&'static Column> {
         let renamed = CAUSES
             .iter()
@@ -128,14 +126,12 @@ impl Column {
         (self.read)(row)
     }
 
-    /// Is it the same whenever the same program measures the same cell?
     pub fn repeats(&self) -> bool {
         self.pass != Some(Pass::Time)
     }
 
-    /// Is it a whole number in every row?
     pub fn is_whole(&self) -> bool {
-        // Of what every pass knows, what has no unit is a ratio.
+        // Columns of every pass without a unit are ratios.
         self.pass.is_some() || !matches!(self.unit, "" | "mean radii" | "diameters")
     }
 
@@ -144,7 +140,6 @@ impl Column {
     }
 }
 
-/// The columns of errors, of all causes together and of each.
 pub fn errors() -> impl Iterator<Item = &'static Column> {
     COLUMNS.iter().filter(|column| {
         let kind = CAUSES.iter().find_map(|(prefix, ..)| column.name.strip_prefix(prefix));
@@ -179,7 +174,7 @@ mod tests {
         assert!(!others.iter().any(is_whole));
     }
 
-    /// docs/RECORD.md lists every column with its unit and its pass, and no other.
+    /// docs/RECORD.md lists exactly these columns, with unit and pass.
     #[test]
     fn the_page_lists_every_column() {
         let page = include_str!("../../../../docs/RECORD.md");

@@ -1,6 +1,5 @@
-//! The copies of experiments in a result folder are under its seal: each provenance holds the
-//! SHA-256 of the copies that its run began with. A claim that is loosened afterwards, or a plan
-//! that is cut, is found wherever the folder is read.
+//! The experiment files copied to a result folder. Each provenance contains their SHA-256 at the
+//! start of the run, so that later edits of a claim or plan are detected.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,17 +18,15 @@ fn sha256(text: &[u8]) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The field of these copies: names and texts.
 pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
     json!(copies.map(|(name, text)| (name, sha256(text.as_bytes()))).collect::<BTreeMap<_, _>>())
 }
 
-/// Whether a provenance holds the sums of its copies. Runs of older versions did not note them.
+/// Whether a provenance contains the sums; older runs did not write them.
 pub fn are_sealed<'a>(mut provenances: impl Iterator<Item = &'a Value>) -> bool {
     provenances.any(|provenance| provenance.get(FIELD).is_some_and(Value::is_object))
 }
 
-/// The warning of a folder whose copies are not under its seal; none where they are.
 pub fn unsealed<'a>(folder: &Path, provenances: impl Iterator<Item = &'a Value>) -> Option<String> {
     (!are_sealed(provenances)).then(|| {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
@@ -41,7 +38,6 @@ pub fn unsealed<'a>(folder: &Path, provenances: impl Iterator<Item = &'a Value>)
     })
 }
 
-/// Copies that are not those of the run: edited, added or missing.
 pub(super) fn faults(folder: &Path) -> Vec<Fault> {
     let provenances = provenance::all(folder);
     if !are_sealed(provenances.iter()) {
@@ -72,8 +68,8 @@ pub(super) fn faults(folder: &Path) -> Vec<Fault> {
     names.into_iter().filter_map(fault).collect()
 }
 
-/// Puts the copies of a folder under its seal, as they are. Only for a folder without one: what a
-/// seal says is never changed.
+/// Adds the sums of the present copies to a folder without a seal. Existing seals are never
+/// changed.
 pub fn seal(folder: &Path) -> anyhow::Result<usize> {
     let path = folder.join(provenance::FILE);
     let mut fields = provenance::of_folder(folder)

@@ -1,5 +1,5 @@
-//! Rows held to what a run writes, and to each other. A record in which something cannot be is
-//! refused as a whole, and every row that cannot be is named.
+//! Checks that rows could have been written by a run, and do not contradict each other. A record
+//! with such a fault is refused, and all faulty rows are listed.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
@@ -15,20 +15,19 @@ use contactbench_terms::errors::Errors;
 use contactbench_terms::number::plural;
 use contactbench_terms::text;
 
-/// More threads than any machine has cores are a slip of the pen.
+/// A larger number of threads is taken as a mistake.
 pub const MOST_THREADS: usize = 1024;
-/// Faults listed one by one, at most.
+/// Maximum number of faults listed individually.
 const SHOWN: usize = 20;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// The file, with the line if it has lines: `result/samples.jsonl:7`.
+    /// The file, with its line if it has lines: `result/samples.jsonl:7`.
     pub place: String,
-    /// What is wrong, in a sentence without an end.
+    /// The fault, as a sentence without a full stop.
     pub what: String,
 }
 
-/// A result folder that contradicts itself: nothing is made of it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct Damaged(pub Vec<Fault>);
 
@@ -56,7 +55,6 @@ pub fn sound(faults: Vec<Fault>) -> Result<(), Damaged> {
     if faults.is_empty() { Ok(()) } else { Err(Damaged(faults)) }
 }
 
-/// What cannot be in these rows: the numbers of the rows, and what is wrong with each.
 pub fn faults(rows: &[Row], ledger: &Ledger) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = Vec::new();
     for (k, row) in rows.iter().enumerate() {
@@ -67,19 +65,17 @@ pub fn faults(rows: &[Row], ledger: &Ledger) -> Vec<(usize, String)> {
     found
 }
 
-/// What is wrong with a row whatever the others say.
 fn alone(row: &Row) -> Option<String> {
     ranges(row).or_else(|| numbers(row)).or_else(|| times(row)).or_else(|| answer(row))
 }
 
-/// A process is written before the rows that point to it.
+/// A process must be written before the rows that point to it.
 fn dangling(row: &Row, ledger: &Ledger) -> Option<String> {
     let process = row.process.as_ref()?;
     let absent = !ledger.processes.contains_key(process);
     absent.then(|| format!("its process is {process}, which is not in {}", ledger::FILE))
 }
 
-/// Returns what is wrong if something does not hold.
 macro_rules! must {
     ($holds:expr, $($words:tt)*) => {
         if !$holds {
@@ -112,19 +108,19 @@ fn ranges(row: &Row) -> Option<String> {
     None
 }
 
-/// Letters, digits, `-`, `_` and `.`, not a `.` first: what names an experiment and its file.
+/// Whether the name has only letters, digits, `-`, `_` and `.`, and no `.` first. Experiments and
+/// their files need such names.
 pub fn is_word(name: &str) -> bool {
     !name.is_empty()
         && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
         && !name.starts_with('.')
 }
 
-/// Numbers belong to a pass and an outcome.
 fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
     let beside = [row.first_ns, row.alone_ns, row.pulse_ns].into_iter().flatten();
     let rounds = !row.rounds_ns.is_empty() || beside.clone().next().is_some();
-    // The clock runs for copies as well.
+    // Copies are timed as well.
     let clock = |pass: Pass| pass == Pass::Time && timed;
     let elsewhere = |column: &&Column| {
         let other = column.pass.is_some_and(|pass| pass != row.pass && !clock(pass));
@@ -151,7 +147,7 @@ fn numbers(row: &Row) -> Option<String> {
     None
 }
 
-/// A time is that of the whole sample over its detections.
+/// Checks that the time is that of the whole sample divided by its detections.
 fn times(row: &Row) -> Option<String> {
     let time = u128::from(row.time_ns?);
     let (Some(calls), Some(elapsed)) = (row.calls, row.elapsed_ns) else {
@@ -160,7 +156,7 @@ fn times(row: &Row) -> Option<String> {
     let (calls, elapsed) = (u128::from(calls), u128::from(elapsed));
     let product = time.saturating_mul(calls);
     let agrees = match row.pass {
-        // The longest of as many samples as there are threads, and all detections.
+        // elapsed_ns is that of the longest copy, calls are those of all copies.
         Pass::Ceiling => product <= (elapsed * u128::from(row.id.threads())).saturating_add(calls),
         _ => product.abs_diff(elapsed) <= calls,
     };
@@ -175,7 +171,6 @@ fn times(row: &Row) -> Option<String> {
     None
 }
 
-/// Pairs, fingerprint and errors agree with the outcome.
 fn answer(row: &Row) -> Option<String> {
     if row.role == Role::Nothing {
         return None;
@@ -209,7 +204,6 @@ fn answer(row: &Row) -> Option<String> {
     None
 }
 
-/// What became of the frames of a scene in motion agrees with itself.
 fn course(row: &Row) -> Option<String> {
     let course = row.course?;
     must!(row.moved.is_some(), "it has a course, and its scene does not move");
@@ -248,10 +242,8 @@ fn is_hex(text: &str) -> bool {
         .is_some_and(|d| d.len() == 16 && d.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f')))
 }
 
-/// Values of rows that must agree, each with the numbers of the rows that hold it.
 type Votes<T> = BTreeMap<T, Vec<usize>>;
 
-/// Checks that rows of the same scene agree on it.
 fn together(rows: &[Row]) -> Vec<(usize, String)> {
     let mut scenes: HashMap<Projection, Votes<&str>> = HashMap::new();
     let mut answers: HashMap<(Projection, &str), Votes<&str>> = HashMap::new();
@@ -280,7 +272,6 @@ fn together(rows: &[Row]) -> Vec<(usize, String)> {
     found
 }
 
-/// Rows of a sample that another row has, with other times.
 fn twice(rows: &[Row]) -> Vec<(usize, String)> {
     let (mut begun, mut found) = (HashMap::new(), Vec::new());
     for (k, row) in rows.iter().enumerate() {
@@ -302,7 +293,7 @@ fn twice(rows: &[Row]) -> Vec<(usize, String)> {
 
 fn differ<T: fmt::Display + Ord>(votes: &Votes<T>, what: &str, found: &mut Vec<(usize, String)>) {
     let Some(most) = votes.values().map(Vec::len).max().filter(|_| votes.len() > 1) else { return };
-    // Of two as frequent the one that was said first.
+    // If two values are equally frequent, the first one counts as right.
     let common =
         votes.iter().filter(|(_, rows)| rows.len() == most).min_by_key(|(_, rows)| rows[0]);
     let Some((common, _)) = common else { return };

@@ -1,4 +1,4 @@
-//! A result folder: nothing in it leads out of it, and what stands beside the record is whole.
+//! Checks of a result folder, beside its record.
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +12,8 @@ use crate::record::{copies, ledger, provenance};
 pub const EXPERIMENTS: &str = "experiments";
 const FOLDERS: [&str; 2] = [EXPERIMENTS, "figures"];
 
-/// An error that names all that is wrong in the folder beside its record: links that lead out of
-/// it, provenance that cannot be read, experiments whose names are none.
+/// Refuses links that lead out of the folder, unreadable provenance, and experiments with invalid
+/// names; the error lists all of them.
 pub fn sound(folder: &Path) -> Result<(), Damaged> {
     let mut found = Vec::new();
     let Ok(root) = folder.canonicalize() else { return Ok(()) };
@@ -33,7 +33,7 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
             }
         }
     }
-    // Of a provenance that is not whole nothing is believed.
+    // If the provenance is damaged, its sums are not compared.
     faults::sound(if found.is_empty() { copies::faults(folder) } else { found })
 }
 
@@ -44,7 +44,6 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// The copies of experiments in a result folder: names and files, in the order of names.
 pub fn experiments(folder: &Path) -> Vec<(String, PathBuf)> {
     let copies = entries(&folder.join(EXPERIMENTS)).into_iter();
     copies.filter(|path| is_experiment(path)).map(|path| (stem(&path), path)).collect()

@@ -1,19 +1,17 @@
-//! Hardware of a machine, as far as its operating system reports it. Two machines of the same name
-//! may differ in it. Fields that the system does not report stay unknown.
+//! The hardware of a machine, as its operating system reports it. Machines with one name may differ
+//! in it. Fields that the system does not report are unknown.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Processor, caches and memory of a machine. Its fields are fields of the provenance.
+/// Its fields are fields of the provenance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Hardware {
-    /// The processor's name, as its maker gives it.
     pub cpu: Option<String>,
     pub cpu_vendor: Option<String>,
-    /// Family, model and stepping: the numbers by which makers tell processors apart that may have
-    /// one name.
+    /// Family, model and stepping distinguish processors that share a name.
     pub cpu_family: Option<u64>,
     pub cpu_model: Option<u64>,
     pub cpu_stepping: Option<u64>,
@@ -31,13 +29,13 @@ impl Hardware {
         Hardware { cores, cpu_features: features(), ..system() }
     }
 
-    /// May the two be one? What one of them does not say does not tell them apart, with one
-    /// exception: caches that are known of one only, because processors of one name differ in them.
+    /// Whether the two may be one machine. Unknown fields are ignored, except caches known of only
+    /// one of them, because processors with one name differ in caches.
     pub fn may_be(&self, other: &Hardware) -> bool {
         fn alike<T: PartialEq>(a: &Option<T>, b: &Option<T>) -> bool {
             a.is_none() || b.is_none() || a == b
         }
-        // A kernel keeps some of the memory, not always the same.
+        // The kernel reserves some memory, which may vary.
         let memory = match (self.memory_bytes, other.memory_bytes) {
             (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 50,
             _ => true,
@@ -53,7 +51,6 @@ impl Hardware {
             && memory
     }
 
-    /// Fills the unknown fields from another description of the same machine.
     pub fn or(self, other: Hardware) -> Hardware {
         Hardware {
             cpu: self.cpu.or(other.cpu),
@@ -69,7 +66,7 @@ impl Hardware {
     }
 }
 
-/// The bytes of a size as the system writes it: `48K`, `2M`.
+/// Parses a size such as `48K` or `2M` to bytes.
 pub fn size_of(text: &str) -> Option<u64> {
     let text = text.trim();
     let shift = match text.chars().last()? {
@@ -120,7 +117,6 @@ fn system() -> Hardware {
     Hardware { caches, memory_bytes: memory, ..processor(&read("/proc/cpuinfo")) }
 }
 
-/// Output of `sysctl` on macOS; BSDs have other names.
 #[cfg(all(unix, not(target_os = "linux")))]
 fn system() -> Hardware {
     let output = std::process::Command::new("sysctl").args(["machdep.cpu", "hw"]).output();
@@ -128,14 +124,14 @@ fn system() -> Hardware {
     Hardware { caches: caches(&said), memory_bytes: count(&said, "hw.memsize"), ..processor(&said) }
 }
 
-/// The identifier of Windows: `Intel64 Family 6 Model 143 Stepping 8, GenuineIntel`.
+/// The variable is, for example, `Intel64 Family 6 Model 143 Stepping 8, GenuineIntel`.
 #[cfg(windows)]
 fn system() -> Hardware {
     Hardware { cpu: std::env::var("PROCESSOR_IDENTIFIER").ok(), ..Hardware::default() }
 }
 
-/// The first processor in lines `name: value`, by the names that Linux uses on x86 and on Arm, and
-/// by those of `sysctl`.
+/// Parses the first processor in lines `name: value`, as Linux writes them for x86 and Arm, and
+/// `sysctl` for macOS.
 #[cfg(any(unix, test))]
 fn processor(said: &str) -> Hardware {
     let text = |names: [&str; 3]| names.into_iter().find_map(|name| field(said, name));
@@ -150,7 +146,6 @@ fn processor(said: &str) -> Hardware {
     }
 }
 
-/// The caches in the lines of `sysctl`.
 #[cfg(any(all(unix, not(target_os = "linux")), test))]
 fn caches(said: &str) -> BTreeMap<String, String> {
     let names = [
@@ -164,7 +159,6 @@ fn caches(said: &str) -> BTreeMap<String, String> {
     known.map(|(level, bytes)| (level.to_string(), format!("{}K", bytes >> 10))).collect()
 }
 
-/// The value of the first line `name: value`, if there is something.
 #[cfg(any(unix, test))]
 fn field(lines: &str, name: &str) -> Option<String> {
     let value = lines.lines().find_map(|line| {
@@ -174,7 +168,6 @@ fn field(lines: &str, name: &str) -> Option<String> {
     (!value.is_empty()).then(|| value.to_string())
 }
 
-/// Returns the whole number, decimal or with `0x`, in the first line `name: value`.
 #[cfg(any(unix, test))]
 fn count(lines: &str, name: &str) -> Option<u64> {
     let text = field(lines, name)?;
@@ -207,7 +200,6 @@ mod tests {
         let one = xeon("491520K");
         assert!(one.may_be(&one.clone()));
         assert!(one.may_be(&Hardware { memory_bytes: Some(25_200_000_000), ..one.clone() }));
-        // What a record of an older version says, with and without the caches.
         let older =
             Hardware { cpu_family: None, cpu_model: None, cpu_stepping: None, ..one.clone() };
         let oldest = Hardware { caches: BTreeMap::new(), memory_bytes: None, ..older.clone() };

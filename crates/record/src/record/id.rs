@@ -1,7 +1,7 @@
-//! What makes a measurement this one and no other. A measurement has *axes*: the fields of
-//! [`CellId`] and the parameters in it, each under the name that filters and expressions call it by
-//! (`per_cluster` for `per-cluster`). If names clash, the field goes first, then the scene's
-//! parameter, then the detector's; `detector_level` always means the last.
+//! The identity of a measurement. Its *axes* are the fields of [`CellId`] and the parameters in it,
+//! under the names that filters and expressions use (`per_cluster` for `per-cluster`). If names
+//! clash, the field takes precedence, then the scene's parameter, then the detector's;
+//! `detector_level` is always the detector's.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::record::value::AxisValue;
 use contactbench_terms::grammar::Spec;
 
-/// What was measured, on what, with what. The order of the fields is the order of reports.
+/// What was measured, in which scene and setting. Reports sort by the fields in this order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CellId {
     pub experiment: String,
     pub scene: String,
     pub dim: u32,
-    /// The machine that measured. None where it does not matter: in records of one machine.
+    /// The machine; `None` in records of one machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub machine: Option<String>,
     pub params: BTreeMap<String, AxisValue>,
@@ -29,7 +29,6 @@ pub struct CellId {
     #[serde(default)]
     pub resources: Resources,
     pub detector: String,
-    /// The detector's parameters, where it has any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub detector_params: BTreeMap<String, AxisValue>,
 }
@@ -46,24 +45,21 @@ impl Default for Resources {
     }
 }
 
-/// The axes that every measurement has.
 pub const FIELDS: [&str; 9] =
     ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
-/// The axis of records of several machines.
+/// The axis in records of several machines.
 pub const MACHINE: &str = "machine";
 pub const THREADS: &str = "threads";
 
-/// A parameter's name in filters and expressions.
 pub fn variable(name: &str) -> String {
     name.replace('-', "_")
 }
 
-/// The parameter of a tracker that is its detector.
 pub const OVER: &str = "over";
 
-/// Splits `streamed-nbs:level=avx2` into the name and the parameters. A tracker,
-/// `verlet(nbs:levels=auto,skin=0.1)`, has its detector among them, as [`OVER`]. What is of neither
-/// form is a name as a whole.
+/// Splits `streamed-nbs:level=avx2` into name and parameters. Parameters of a tracker such as
+/// `verlet(nbs:levels=auto,skin=0.1)` include its detector, as [`OVER`]. Other texts are a name as
+/// a whole.
 pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
     let given = Spec::parse_tracker(spec);
     if given.form("").is_err() {
@@ -85,7 +81,6 @@ impl CellId {
         self
     }
 
-    /// The same of another detector, as written in a spec.
     pub fn with_contender(mut self, spec: &str) -> CellId {
         let (name, params) = split_contender(spec);
         self.detector = name;
@@ -93,18 +88,17 @@ impl CellId {
         self
     }
 
-    /// The same on whatever machine.
     pub fn anywhere(mut self) -> CellId {
         self.machine = None;
         self
     }
 
-    /// The detector with its parameters, in the normal form of its spec.
+    /// The detector with its parameters, as a normalised spec.
     pub fn contender(&self) -> String {
         self.contender_without(&[])
     }
 
-    /// The same without the parameters on these axes.
+    /// Like [`CellId::contender`], without the parameters on these axes.
     pub fn contender_without(&self, axes: &[&str]) -> String {
         let is_kept = |name: &str| {
             let plain = variable(name);
@@ -130,7 +124,6 @@ impl CellId {
             .or_else(|| self.of_detector(name.strip_prefix(DETECTOR)?))
     }
 
-    /// The axes besides [`FIELDS`], but for the detector's parameters.
     pub fn parameters(&self) -> Vec<(String, AxisValue)> {
         let machine = self.machine.iter().map(|name| (MACHINE.into(), name.as_str().into()));
         let params = self.params.iter().map(|(name, value)| (variable(name), value.clone()));
@@ -154,7 +147,7 @@ impl CellId {
             .chain(detector)
     }
 
-    /// What is left when these axes are taken away; with `detector` go its parameters.
+    /// Removes these axes; `detector` includes its parameters.
     pub fn without(&self, axes: &[&str]) -> Projection {
         let mut left = vec![
             ("experiment".to_string(), self.experiment.as_str().into()),
@@ -173,12 +166,10 @@ impl CellId {
         Projection(left).without(axes)
     }
 
-    /// The scene alone, whatever was measured on it.
     pub fn scene_id(&self) -> Projection {
         self.without(&["detector", "arithmetic", THREADS])
     }
 
-    /// A field, or a parameter of the scene.
     fn of_scene(&self, name: &str) -> Option<AxisValue> {
         let text = |value: &str| Some(AxisValue::from(value));
         match name {
@@ -206,20 +197,18 @@ fn parameter(params: &BTreeMap<String, AxisValue>, name: &str) -> Option<AxisVal
     params.iter().find(|(param, _)| known(param)).map(|(_, value)| value.clone())
 }
 
-/// What a detector's parameter is called where its name is taken.
+/// Prefix of a detector's parameter whose name is taken.
 const DETECTOR: &str = "detector_";
 
 fn prefixed(name: &str) -> String {
     format!("{DETECTOR}{name}")
 }
 
-/// Some axes of a measurement with their values: what the cells of a group have in common. The
-/// detector stands there with its parameters.
+/// Some axes with their values, shared by a group of cells. The detector includes its parameters.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Projection(Vec<(String, AxisValue)>);
 
 impl Projection {
-    /// What is left without these axes as well.
     pub fn without(mut self, axes: &[&str]) -> Projection {
         self.0.retain(|(name, _)| !axes.contains(&name.as_str()));
         self

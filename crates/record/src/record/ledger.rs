@@ -1,8 +1,8 @@
-//! What rows point to: the processes that gave the answers, and the spans of time in which they
-//! were timed. Each is one JSON line beside the record, appended and never edited.
+//! Processes and spans that rows point to: the programs that answered, and the machine's load while
+//! they were timed. Each is one JSON line beside the record, appended and never edited.
 //!
-//! A process is written before the first row that points to it, a span after its last row: a killed
-//! run leaves rows whose span is not there, and nothing is known of the load then.
+//! A process is written before the first row that points to it, a span after its last row. A killed
+//! run leaves rows without their span, and the load is then unknown.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
@@ -18,52 +18,47 @@ pub const FILE: &str = "provenance.jsonl";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "entry", rename_all = "lowercase")]
 pub enum Entry {
-    /// What answered.
     Process(Process),
-    /// When it was timed.
     Span(Span),
 }
 
-/// What ran: the same for all processes of one program with the same libraries and instructions.
+/// A program. All its processes with the same libraries and instruction sets share one entry.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Process {
-    /// What rows say: 8 hexadecimal digits.
+    /// Referenced by rows: 8 hexadecimal digits.
     pub id: String,
-    /// The program, and files that its command names: a script, say.
+    /// The program, and files that its command names, such as a script.
     pub files: Vec<Executed>,
-    /// What it calls its version, or that of the library behind it; may be empty.
+    /// Version of the program or of the library behind it; may be empty.
     #[serde(default)]
     pub version: String,
-    /// What else it says of itself: features, level of instructions, compiler, libraries.
+    /// Further properties: features, level of instructions, compiler, libraries.
     #[serde(default)]
     pub build: BTreeMap<String, String>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Executed {
-    /// Without its folder.
     pub name: String,
-    /// As `sha256sum` prints it; none where it cannot be read.
+    /// As `sha256sum` prints it; `None` if the file cannot be read.
     pub sha256: Option<String>,
 }
 
 /// The load of the machine while the blocks of one scene were timed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Span {
-    /// What rows say: 8 hexadecimal digits.
+    /// Referenced by rows: 8 hexadecimal digits.
     pub id: String,
-    /// The scene, for people.
     pub scene: String,
     pub seconds: f64,
     pub cores: u64,
     /// Processor time of the harness and its runners, in seconds.
     pub own_s: f64,
     pub others_s: f64,
-    /// Time in which a core was ready and the host gave it to another machine.
+    /// Seconds in which a core was ready but the host ran another virtual machine on it.
     pub stolen_s: f64,
-    /// The load average of the last minute before; the run's own processes are in it.
+    /// The load average of the minute before; it includes the run's own processes.
     pub load_before: Option<f64>,
-    /// The same after.
     pub load_after: Option<f64>,
 }
 
@@ -74,8 +69,8 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Reads the entries of a folder; records of older versions have none. Lines that are none are
-    /// left out: [`faults`] names them.
+    /// Reads the entries of a folder; older records have none. Invalid lines are skipped, and
+    /// [`faults`] lists them.
     pub fn read(folder: &Path) -> Ledger {
         let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
         let mut ledger = Ledger::default();
@@ -91,7 +86,7 @@ impl Ledger {
     pub fn text(&self) -> String {
         let processes = self.processes.values().cloned().map(Entry::Process);
         let entries = processes.chain(self.spans.values().cloned().map(Entry::Span));
-        // Numbers and texts: there is nothing that JSON cannot say.
+        // These types always convert to JSON.
         entries.filter_map(|entry| line(&entry).ok()).collect()
     }
 
@@ -107,13 +102,12 @@ impl Ledger {
     }
 }
 
-/// An entry as it is written, with its check.
 fn line(entry: &Entry) -> serde_json::Result<String> {
     Ok(seal::sealed(&serde_json::to_string(entry)?) + "\n")
 }
 
-/// The lines of a ledger with their numbers. What stands after the last newline was torn by a kill,
-/// and is not there.
+/// The lines of a ledger with their numbers. Text after the last newline is from a killed run and
+/// ignored.
 fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Result<Entry, String>)> {
     let lines = text.split_inclusive(|&byte| byte == b'\n').enumerate();
     lines.filter(|(_, line)| line.ends_with(b"\n")).map(|(k, line)| {
@@ -124,7 +118,6 @@ fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Result<Entry, String>)> {
     })
 }
 
-/// What is wrong with lines of the ledger in a folder: their numbers, and what.
 pub fn faults(folder: &Path) -> Vec<(usize, String)> {
     let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
     lines(&text).filter_map(|(k, entry)| Some((k, entry.err()?))).collect()
@@ -136,7 +129,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Opens the file of a folder for appending. What a killed run left torn is cut off.
+    /// Opens the file for appending, and cuts off an incomplete line of a killed run.
     pub fn append(folder: &Path) -> io::Result<Writer> {
         let known = Ledger::read(folder).processes.into_keys().collect();
         let path = folder.join(FILE);
@@ -148,7 +141,6 @@ impl Writer {
         Ok(Writer { file, known })
     }
 
-    /// Writes an entry, unless it is that of a process that stands there.
     pub fn write(&mut self, entry: &Entry) -> io::Result<()> {
         if let Entry::Process(process) = entry
             && !self.known.insert(process.id.clone())
@@ -175,7 +167,6 @@ mod tests {
             let mut writer = Writer::append(folder.path()).unwrap();
             writer.write(&Entry::Process(process.clone())).unwrap();
             writer.write(&Entry::Span(span.clone())).unwrap();
-            // As if it were killed, within a character.
             writer.file.write_all(b"{\"entry\":\"spa\xc3").unwrap();
             assert_eq!(faults(folder.path()), []);
         }

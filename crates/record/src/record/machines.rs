@@ -1,5 +1,5 @@
-//! The machines of a record: which are one, what each is called where there are several, and the
-//! provenance of the whole.
+//! The machines of a record: which descriptions mean the same machine, their names, and the
+//! provenance of a merged record.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::record::hardware::Hardware;
 use crate::record::merge::Part;
 use crate::record::{copies, file, provenance};
 
-/// A machine, as far as a provenance describes it: the name alone may be that of many.
+/// A machine as a provenance describes it. Several machines may share a name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     pub name: String,
@@ -24,12 +24,11 @@ impl Machine {
     }
 }
 
-/// The machines that a provenance describes, each with what the rows call it.
 pub fn described(provenance: &Value) -> Vec<(String, Machine)> {
     let text = |fields: &Value, name: &str| Some(fields.get(name)?.as_str()?.to_string());
     let machine = |fields: &Value, label: &str| {
-        // Of a merged record the list says `name`, of one run the provenance says `host`; records
-        // of older versions have no other name than that of the rows.
+        // A merged record has `name` in a list, a single run has `host`; older records only have
+        // the label.
         let name = text(fields, "host").or_else(|| text(fields, "name"));
         let hardware = serde_json::from_value(fields.clone()).unwrap_or_default();
         (label.to_string(), Machine { name: name.unwrap_or(label.into()), hardware })
@@ -39,7 +38,6 @@ pub fn described(provenance: &Value) -> Vec<(String, Machine)> {
     own.into_iter().chain(listed.map(|(label, fields)| machine(fields, label))).collect()
 }
 
-/// What the rows of this machine are to be called in a record that others may have begun.
 pub fn label_here(folder: &Path) -> String {
     let mut labels = Labels::default();
     for provenance in provenance::all(folder) {
@@ -49,15 +47,14 @@ pub fn label_here(folder: &Path) -> String {
     labels.label(Machine { name: name.clone(), hardware: Hardware::here() }, &name)
 }
 
-/// A name for every machine: its own; where another has it already, a number is added.
+/// A label for every machine: its own name, with a number if that is taken.
 #[derive(Default)]
 pub(super) struct Labels(Vec<(Machine, String)>);
 
 impl Labels {
-    /// What the rows of a machine are called, which another record calls `name`.
     pub fn label(&mut self, machine: Machine, name: &str) -> String {
         if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| known.may_be(&machine)) {
-            // What is learnt of it tells later ones from it.
+            // Newly known fields help to distinguish later machines.
             known.hardware = std::mem::take(&mut known.hardware).or(machine.hardware);
             return label.clone();
         }
@@ -71,7 +68,7 @@ impl Labels {
         label
     }
 
-    /// Of one machine it is that of the first folder; of several it has a list of them.
+    /// For one machine, the provenance of the first folder; for several, it lists them.
     pub fn provenance(&self, parts: &[Part]) -> Value {
         let mut all = match &self.0[..] {
             [] | [_] => parts
@@ -101,7 +98,7 @@ impl Labels {
                 several => all[name] = json!(several.join(", ")),
             }
         }
-        // What was not sealed in a part is not sealed by being put beside others.
+        // Merging must not seal copies that no part had sealed.
         let sealed = parts.iter().find(|part| copies::are_sealed(part.provenances()));
         if let Some(part) = sealed {
             let copies = part.experiments.iter().map(|(name, text)| (name.as_str(), text.as_str()));

@@ -1,5 +1,4 @@
-//! Several result folders become one record: those of the shards of a sweep, or of several
-//! machines.
+//! Merges result folders: shards of an experiment, or several machines.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -19,15 +18,12 @@ use crate::record::{copies, done, file, folder, provenance};
 pub struct Part {
     pub folder: PathBuf,
     pub rows: Vec<Row>,
-    /// Sentences about lines left out, and about copies that are not sealed.
     pub warnings: Vec<String>,
-    /// Name and text of its experiments.
     pub experiments: BTreeMap<String, String>,
     pub provenance: Option<Value>,
-    /// That of its parts, and of runs that went on with it.
+    /// Provenance of its parts, and of runs that resumed it.
     pub others: Vec<Value>,
     pub ledger: Ledger,
-    /// The length of its record in bytes, unpacked.
     pub bytes: u64,
 }
 
@@ -61,13 +57,11 @@ impl Part {
         })
     }
 
-    /// The machine that the rows call by this name.
     pub fn machine(&self, name: &str) -> Machine {
         let known = self.provenances().flat_map(described).find(|(label, _)| label == name);
         known.map_or_else(|| Machine { name: name.into(), ..Machine::default() }, |(_, it)| it)
     }
 
-    /// The provenance, and that of every part and every run that went on with the record.
     pub fn provenances(&self) -> impl Iterator<Item = &Value> {
         self.provenance.iter().chain(&self.others)
     }
@@ -75,16 +69,14 @@ impl Part {
 
 pub struct Merged {
     pub rows: Vec<Row>,
-    /// Rows left out because they stood there already.
     pub repeated: usize,
-    /// Timed rows of a machine that had measured the same before: their blocks have new numbers.
+    /// Rows whose blocks were renumbered, because the machine had measured the same before.
     pub renumbered: usize,
     pub provenance: Value,
 }
 
-/// Puts the rows of result folders together. Times of different machines stay apart by the rows'
-/// `machine`; a second run of the same on the same machine adds blocks. An error if the experiments
-/// are not the same, or the answers contradict each other.
+/// Merges rows. Times of different machines keep their `machine`; a second run on the same machine
+/// adds blocks. Fails if the experiments differ or the answers contradict each other.
 pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     let Some(first) = parts.first() else {
         bail!("nothing to merge: name at least one result folder")
@@ -99,8 +91,8 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     // The fingerprint of each scene, and the first folder with it.
     let mut scenes: HashMap<Projection, (String, usize)> = HashMap::new();
     let (mut seen, mut repeated, mut renumbered) = (HashSet::new(), 0, 0);
-    // Samples of the folders before: one that was merged before calls their blocks by other
-    // numbers.
+    // Samples of earlier folders, without block numbers, because a merged folder has renumbered
+    // blocks.
     let mut samples: HashSet<String> = HashSet::new();
     let mut begun: HashMap<Began, (Row, usize)> = HashMap::new();
     for (k, part) in parts.iter().enumerate() {
@@ -154,7 +146,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             }
             here.push(row);
         }
-        // What this folder adds can be met again in the next only.
+        // Rows of one folder are not duplicates of each other.
         for row in &here {
             let block = last.entry(done::scene(&row.id)).or_default();
             *block = row.block.max(*block);
@@ -167,7 +159,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     Ok(Merged { rows, repeated, renumbered, provenance })
 }
 
-/// One processor takes one sample at a time: two rows of one sample say the same.
+/// A processor takes one sample at a time, so rows of one sample must be equal.
 fn one_sample(a: &Row, b: &Row) -> anyhow::Result<()> {
     let ns = |row: &Row| row.time_ns.unwrap_or(0);
     ensure!(
@@ -185,7 +177,6 @@ fn one_sample(a: &Row, b: &Row) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A timed row, whatever the number of its block.
 fn sample(row: &Row) -> anyhow::Result<Option<String>> {
     let timed = is_block(row) && row.elapsed_ns.is_some();
     Ok(if timed { Some(serde_json::to_string(&Row { block: 0, ..row.clone() })?) } else { None })
@@ -215,7 +206,7 @@ fn same_experiments(a: &Part, b: &Part) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The same machine cannot have two answers to one question.
+/// One machine must not have two answers for one measurement.
 fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
     let mut repeating = COLUMNS.iter().filter(|column| column.repeats());
     let what = if a.outcome != b.outcome {

@@ -1,28 +1,25 @@
-//! The passes of a measurement, and how each can end.
+//! The passes of a measurement, and their outcomes.
 
 use serde::{Deserialize, Serialize};
 
-/// Which quantity a row measured. Each is taken in a pass of its own.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Pass {
-    /// Wall time, with a silent probe.
+    /// Wall time, without counting.
     Time,
-    /// Exact operation counts.
     #[default]
     Count,
     /// Heap bytes and allocations, without the output.
     Memory,
-    /// Wall time of one of as many copies as the row has threads, with one thread each, while the
-    /// others do the same: what the machine lets that many threads gain if they share nothing.
+    /// Wall time of one of k single-threaded copies that run at once, for a row with k threads. It
+    /// shows how much k threads can gain on this machine if they share nothing.
     Ceiling,
 }
 
 impl Pass {
-    /// The passes of every cell. (Ceilings are measured beside cells with several threads, where
-    /// the experiment asks for them.)
+    /// The passes of every cell. Ceilings are only measured if the experiment asks for them.
     pub const ALL: [Pass; 3] = [Pass::Count, Pass::Memory, Pass::Time];
 
     pub fn name(self) -> &'static str {
@@ -34,7 +31,6 @@ impl Pass {
         }
     }
 
-    /// The passes that fall with a failed one, itself first.
     pub fn rest(self) -> &'static [Pass] {
         match self {
             Pass::Count => &Pass::ALL,
@@ -44,7 +40,7 @@ impl Pass {
         }
     }
 
-    /// The passes whose rows follow that of a failed one.
+    /// The passes that get the same failure as this one.
     pub fn owed(self) -> &'static [Pass] {
         &self.rest()[1..]
     }
@@ -58,30 +54,24 @@ impl Pass {
 pub enum Outcome {
     #[default]
     Ok,
-    /// Contacts were lost, as textbook filters and careless trackers may: the answer is what was
-    /// asked for, and its error stands in the row.
+    /// Contacts were lost, as textbook filters and some trackers may. The row contains the errors.
     Lossy,
-    /// The answer was wrong: its time means nothing.
+    /// A wrong answer; its time is not used.
     Wrong,
-    /// A control that reports nothing on purpose.
     Control,
     Timeout,
     OutOfMemory,
-    /// The detector will not work on this scene, and says why.
     Refused,
-    /// The runner could not be started.
     Unavailable,
-    /// The runner died.
     Crashed,
 }
 
 impl Outcome {
-    /// Did the detector do what it is there for?
     pub fn is_good(self) -> bool {
         matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control)
     }
 
-    /// After these the detector is not called again on this scene.
+    /// After these, the detector is not called again on this scene.
     pub fn is_final(self) -> bool {
         !self.is_good() && self != Outcome::Wrong
     }

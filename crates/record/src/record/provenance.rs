@@ -1,4 +1,4 @@
-//! Where a result comes from: command, revision, compiler, machine, load.
+//! The origin of a result: command, revision, compiler, machine, load.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -12,8 +12,6 @@ use crate::record::seal;
 
 pub const FILE: &str = "provenance.json";
 
-/// What there is to know about this run, as a JSON object; the rows call the machine by the
-/// label.
 pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label: &str) -> Value {
     let clock = read("/proc/cpuinfo").lines().find_map(|line| {
         line.strip_prefix("cpu MHz")?.trim_start_matches([' ', '\t', ':']).parse::<f64>().ok()
@@ -55,8 +53,7 @@ pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label:
     all
 }
 
-/// The command of these words. Of an absolute path only the last part is told: the rest is of one
-/// machine.
+/// Joins the words of a command; absolute paths are reduced to their last part.
 pub fn command(words: impl Iterator<Item = String>) -> String {
     let told = |word: String| {
         let (option, value) = word.split_at(word.find('=').map_or(0, |equals| equals + 1));
@@ -66,22 +63,21 @@ pub fn command(words: impl Iterator<Item = String>) -> String {
     std::iter::once("contactbench".into()).chain(words.map(told)).collect::<Vec<_>>().join(" ")
 }
 
-/// Empty where there is no such file (not on Linux): the field is then empty, too.
+/// Empty if there is no such file, as on other systems than Linux.
 fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// The last commit that changed what this program was built from; none where that was no checkout.
+/// The last commit that changed a source file of this program; `None` outside of a checkout.
 pub fn revision() -> Option<&'static str> {
     Some(build().revision).filter(|revision| *revision != "unknown")
 }
 
-/// Did the sources differ from that commit when they were built? None where there was no checkout.
+/// Whether source files differed from that commit; `None` outside of a checkout.
 pub fn dirty() -> Option<bool> {
     build().dirty.parse().ok()
 }
 
-/// The machine's name, fit for a folder name.
 pub fn machine() -> String {
     #[cfg(unix)]
     let name = rustix::system::uname().nodename().to_string_lossy().into_owned();
@@ -92,7 +88,6 @@ pub fn machine() -> String {
     if name.is_empty() { "machine".into() } else { name }
 }
 
-/// Provenance as it is written, with its check.
 pub fn text(fields: &Value) -> serde_json::Result<String> {
     let mut fields = fields.clone();
     if let Some(fields) = fields.as_object_mut() {
@@ -101,13 +96,10 @@ pub fn text(fields: &Value) -> serde_json::Result<String> {
     Ok(seal::sealed(&serde_json::to_string_pretty(&fields)?) + "\n")
 }
 
-/// The provenance in a result folder; none where there is none, or it cannot be read.
 pub fn of_folder(folder: &Path) -> Option<Value> {
     serde_json::from_slice(&std::fs::read(folder.join(FILE)).ok()?).ok()
 }
 
-/// That of the parts of a merged folder, and of runs that went on with a record, in the order of
-/// their numbers and dates.
 pub fn others(folder: &Path) -> Vec<Value> {
     let names = std::fs::read_dir(folder).into_iter().flatten();
     let mut names: Vec<String> = names
@@ -126,13 +118,12 @@ pub fn all(folder: &Path) -> Vec<Value> {
     of_folder(folder).into_iter().chain(others(folder)).collect()
 }
 
-/// The name of the machine that the provenance in a folder gives, if it gives one.
 pub fn machine_of(folder: Option<&Path>) -> Option<String> {
     let provenance = of_folder(folder.unwrap_or(Path::new(".")))?;
     Some(provenance.get("machine")?.as_str()?.to_string())
 }
 
-/// Now, as 2004-03-01T12-30-59 (UTC), fit for a folder name.
+/// The current time (UTC) for a folder name, such as 2004-03-01T12-30-59.
 pub fn date() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil(seconds / 86_400);

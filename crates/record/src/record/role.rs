@@ -1,9 +1,7 @@
-//! What a contender is there for.
-
 use serde::{Deserialize, Serialize};
 
-/// What a contender is there for: the record says so that nobody has to ask a table of detectors,
-/// which may be another in another build.
+/// The role of a subject. Records store it, because another build may have another table of
+/// detectors.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -11,23 +9,19 @@ pub enum Role {
     Detector,
     /// A library that people use.
     Peer,
-    /// A program of its own, in whatever language.
     Runner,
-    /// Control: reports nothing, on purpose.
     Nothing,
-    /// Control: the same code as the detector of this name.
+    /// Control: the same code as the named detector.
     Twin(String),
-    /// The detector of this name in the build that this one is compared with.
+    /// The named detector in the build that this one is compared with.
     Base(String),
 }
 
 impl Role {
-    /// True for what takes part in no comparison.
     pub fn is_control(&self) -> bool {
         matches!(self, Role::Nothing | Role::Twin(_) | Role::Base(_))
     }
 
-    /// The detector that this is the twin of.
     pub fn twin_of(&self) -> Option<&str> {
         match self {
             Role::Twin(original) => Some(original),
@@ -35,7 +29,6 @@ impl Role {
         }
     }
 
-    /// The detector that this is of another build.
     pub fn base_of(&self) -> Option<&str> {
         match self {
             Role::Base(original) => Some(original),
@@ -43,7 +36,7 @@ impl Role {
         }
     }
 
-    /// True for the code of this project, which allocates and refuses as its documentation says.
+    /// Whether the code is this project's, so that its documented memory and refusals apply.
     pub fn is_ours(&self) -> bool {
         !matches!(self, Role::Peer | Role::Runner)
     }

@@ -1,5 +1,5 @@
-//! One row of the record: one measurement. docs/RECORD.md describes the fields and columns; tests
-//! hold it to the tables below.
+//! One row of the record: one measurement. docs/RECORD.md describes the fields and columns, and
+//! tests compare it with the tables below.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,9 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 use contactbench_terms::scene::Stats;
 
-/// A field that is a column: its name, the pass that measures it (`None` if every pass has it), its
-/// unit, and its value.
+/// A field that is a column: name, pass (`None` if every pass records it), unit, value.
 pub(super) type Field<T> = (&'static str, Option<Pass>, &'static str, fn(&T) -> Option<f64>);
 
-/// A type whose values can be shown in a column.
 trait Number {
     fn number(self) -> Option<f64>;
 }
@@ -118,8 +116,8 @@ table! {
 }
 
 table! {
-    /// What a tracker did in the frames of a scene in motion, and what it missed: see `Builds` and
-    /// `Late` of the crate that runs trackers.
+    /// What a tracker did over the frames, and what it missed; see `Builds` and `Late` of the run
+    /// crate.
     #[derive(Copy)]
     Course {
         builds: u64 = None, "frames";
@@ -136,7 +134,6 @@ table! {
     }
 }
 
-/// What makes a row the same measurement as another: they are repetitions of one another.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Measurement {
     pub id: CellId,
@@ -145,7 +142,7 @@ pub struct Measurement {
 }
 
 impl Row {
-    /// Pairs that touch in exact arithmetic: of a scene in motion in all frames together.
+    /// Touching pairs in exact arithmetic, summed over all frames.
     pub fn true_contacts(&self) -> f64 {
         match &self.moved {
             Some(moved) => moved.contacts as f64,
@@ -157,8 +154,8 @@ impl Row {
         Measurement { id: self.id.clone(), pass: self.pass, block: self.block }
     }
 
-    /// Where in its run it was timed: rows of one block are compared only if they were timed in one
-    /// span. What is resumed has spans of its own.
+    /// The block and span of the row. Rows of one block are paired only within one span; a resumed
+    /// run has new spans.
     pub fn timed_in(&self) -> Block {
         let span = self.span.as_deref().and_then(|id| u32::from_str_radix(id, 16).ok());
         Block { number: self.block, span: span.unwrap_or(0) }
@@ -173,7 +170,6 @@ mod tests {
     use crate::experiment::keys::fields;
     use contactbench_terms::moved::Way;
 
-    /// docs/RECORD.md has a line for every field of a row, and for no other.
     #[test]
     fn the_page_on_the_record_names_every_field() {
         let page = include_str!("../../../../docs/RECORD.md");
@@ -192,13 +188,13 @@ mod tests {
             ("moved.", fields::<Moved>()),
             ("moved.way.", fields::<Way>()),
         ] {
-            // Older names of causes are aliases, which serde lists as well.
+            // serde also lists the aliases for older names of causes.
             let own = names.iter().filter(|name| {
                 !["input", "arithmetic", "algorithm"].contains(name) || part.is_empty()
             });
             known.extend(own.map(|name| format!("{part}{name}")));
         }
-        // These are known by their own fields.
+        // Their fields are listed one by one.
         assert!(known.remove("id") && known.remove("moved.way"));
         assert_eq!(documented, known);
         assert!(page.contains(&format!("**schema {SCHEMA}**")));

@@ -1,5 +1,5 @@
-//! The check of a line: its last field, a fingerprint of all bytes before. It tells a line that was
-//! edited, or damaged on its way, from one that was written by a run; it is no signature.
+//! The check at the end of a line: a fingerprint of all bytes before it. It detects edits and
+//! damage but is not a signature.
 
 pub const NAME: &str = "check";
 const KEY: &str = ",\"check\":\"0x";
@@ -21,27 +21,26 @@ fn fingerprint(bytes: &[u8]) -> u64 {
     })
 }
 
-/// A JSON object that is not empty, with its check as the last field.
+/// Adds the check as the last field of a JSON object, which must not be empty.
 pub fn sealed(object: &str) -> String {
     let open = object.trim_end().strip_suffix('}').unwrap_or(object);
     format!("{open}{KEY}{:016x}{END}", fingerprint(open.as_bytes()))
 }
 
-/// The object without its check, to be changed and sealed again; as it is, if it has none.
+/// Removes the check, if there is one.
 pub fn unsealed(line: &str) -> String {
     split(line.as_bytes())
         .and_then(|(open, _)| line.get(..open.len()))
         .map_or_else(|| line.to_string(), |open| format!("{open}}}"))
 }
 
-/// Is the check of a line right?
 pub fn verify(line: &[u8]) -> Result<(), Flaw> {
     let (open, said) = split(line).ok_or(Flaw::Absent)?;
     let right = format!("{:016x}", fingerprint(open));
     if said == right.as_bytes() { Ok(()) } else { Err(Flaw::Wrong) }
 }
 
-/// What the check is of, and its digits.
+/// Returns the checked bytes, and the digits of the check.
 fn split(line: &[u8]) -> Option<(&[u8], &[u8])> {
     let line = line.trim_ascii_end().strip_suffix(END.as_bytes())?;
     let (rest, digits) = line.split_at_checked(line.len().checked_sub(DIGITS)?)?;

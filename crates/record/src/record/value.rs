@@ -1,28 +1,24 @@
-//! The value of an axis: a number, a word, or true or false; ordered and hashable.
-
 use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use serde::{Deserialize, Serialize};
 
-/// The value of an axis, such as a parameter of a scene. Equal numbers are equal however they are
-/// written (2 and 2.0); numbers come before words.
+/// The value of an axis: a number, a word, or a truth value; ordered and hashable. Numbers are
+/// compared by value (2 equals 2.0) and come before words.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "serde_json::Value", into = "serde_json::Value")]
 pub enum AxisValue {
     Bool(bool),
-    /// A whole number, exact.
     Integer(i128),
     Real(f64),
     Text(String),
 }
 
-/// Whole numbers below this are exact as doubles.
+/// Whole numbers below this are exact as f64.
 const EXACT: f64 = (1u64 << 53) as f64;
 
 impl AxisValue {
-    /// The number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match *self {
             AxisValue::Integer(value) => Some(value as f64),
@@ -31,7 +27,7 @@ impl AxisValue {
         }
     }
 
-    /// A value as written in the spec of a detector.
+    /// Parses a value in the spec of a detector.
     pub fn parse(text: &str) -> AxisValue {
         match (text.parse(), text.parse::<f64>(), text.parse()) {
             (Ok(value), ..) => AxisValue::Integer(value),
@@ -57,7 +53,7 @@ impl Ord for AxisValue {
             (AxisValue::Integer(a), AxisValue::Integer(b)) => a.cmp(b),
             (AxisValue::Text(a), AxisValue::Text(b)) => a.cmp(b),
             (a, b) => match (a.number(), b.number()) {
-                // A whole number that is no double lies beside one.
+                // A whole number that is not exact as f64 must not equal its rounded value.
                 (Some(x), Some(y)) => {
                     let kind = |value: &AxisValue| matches!(value, AxisValue::Real(_));
                     x.total_cmp(&y).then(kind(a).cmp(&kind(b)))

@@ -1,18 +1,17 @@
 //! Medians with exact intervals, and paired ratios of times.
 //!
 //! The interval of a median runs from one order statistic to another. Its coverage is exact for any
-//! distribution, because the number of values below the median is binomial with p = 1/2: for 15
-//! values the 4th to the 12th cover it in 96.5% of samples. (The percentile bootstrap, the usual
-//! choice, is too narrow at such sizes.) Ratios of two detectors are taken within a block, where
-//! both met the same state of the machine, and their logarithms are summarised; this cancels slow
-//! drift.
+//! distribution, because the number of values below the median is binomial with p = 1/2. For 15
+//! values, the 4th to the 12th cover the median in 96.5% of samples. (The percentile bootstrap is
+//! too narrow at such sizes.) Ratios of two detectors are taken within a block, where the machine
+//! is in the same state, which cancels slow drift. Their logarithms are summarised.
 
 use std::collections::BTreeMap;
 
 pub use contactbench_terms::interval::Interval;
 
-/// The coverage asked for; where too few values exist to reach it, the interval is the whole range
-/// and says what it covers.
+/// Desired coverage. If there are too few values, the interval is the whole range, with its actual
+/// coverage.
 pub const COVERAGE: f64 = 0.95;
 
 fn sorted(values: &[f64]) -> Vec<f64> {
@@ -21,7 +20,7 @@ fn sorted(values: &[f64]) -> Vec<f64> {
     values
 }
 
-/// The median of the finite values; the mean of the middle two when their number is even.
+/// The median of the finite values; for an even number, the mean of the middle two.
 pub fn median(values: &[f64]) -> Option<f64> {
     middle(&sorted(values))
 }
@@ -35,7 +34,7 @@ fn middle(sorted: &[f64]) -> Option<f64> {
     }
 }
 
-/// Median absolute deviation from the median (not scaled to a standard deviation).
+/// Median absolute deviation from the median, not scaled to a standard deviation.
 pub fn mad(values: &[f64]) -> Option<f64> {
     let centre = median(values)?;
     median(&values.iter().map(|v| (v - centre).abs()).collect::<Vec<_>>())
@@ -55,9 +54,9 @@ pub fn interval(values: &[f64]) -> Option<Interval> {
 }
 
 /// The largest k such that the k-th smallest to the k-th largest of n values cover the median with
-/// at least [`COVERAGE`], and what they cover; k = 1 when even the whole range does not.
+/// at least [`COVERAGE`], and the actual coverage. If the whole range covers less, k = 1.
 pub fn rank(n: usize) -> Option<(usize, f64)> {
-    // in logarithms, because 2^-n underflows for large n
+    // In logarithms, because 2^-n underflows for large n.
     let tails = (0..n.div_ceil(2)).scan(-(n as f64) * std::f64::consts::LN_2, |log, below| {
         let term = log.exp();
         *log += ((n - below) as f64 / (below + 1) as f64).ln();
@@ -66,8 +65,8 @@ pub fn rank(n: usize) -> Option<(usize, f64)> {
     widest(tails).map(|(below, coverage)| (below + 1, coverage))
 }
 
-/// How many values can be left out at either end so that the rest covers with at least
-/// [`COVERAGE`], and what it covers, from the probabilities that 0, 1, ... values are beyond.
+/// The number of values that can be left out at either end while coverage stays at least
+/// [`COVERAGE`], and the coverage. `tails` are the probabilities that 0, 1, ... values lie beyond.
 pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     let (mut best, mut tail) = (None, 0.0);
     for (below, probability) in tails.enumerate() {
@@ -81,13 +80,13 @@ pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     best
 }
 
-/// What was timed side by side: a block of a run. A block that a killed run left half done and a
-/// resumed one completed is two.
+/// A block of a run, in which all subjects are timed once. A block that was interrupted and then
+/// resumed is two.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Block {
-    /// From 1.
+    /// Counted from 1.
     pub number: u32,
-    /// The span of time that it was measured in; 0 where that is not known.
+    /// The span in which it was timed; 0 if unknown.
     pub span: u32,
 }
 
@@ -110,14 +109,13 @@ pub fn at_least(successes: usize, trials: usize, p: f64) -> f64 {
 
 pub type Blocks = BTreeMap<Block, u64>;
 
-/// The ratio a / b of two detectors' times, block by block: the median of the ratios with its
-/// interval. Blocks that only one of them has are left out.
+/// The ratio a / b of two detectors' times: the median over blocks, with its interval. Blocks that
+/// only one of them has are left out.
 pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
     typical_ratio(&[(a, b)])
 }
 
-/// The same of several couples (a, b): of each block the median over the couples, and over the
-/// blocks the median of those.
+/// Like [`ratio`], for several pairs (a, b): the median over blocks of the median over the pairs.
 pub fn typical_ratio(couples: &[(&Blocks, &Blocks)]) -> Option<Interval> {
     let mut blocks: BTreeMap<Block, Vec<f64>> = BTreeMap::new();
     for (a, b) in couples {
@@ -137,8 +135,8 @@ mod tests {
 
     #[test]
     fn ranks_are_those_of_the_binomial_table() {
-        // n, k, coverage in %, by hand from Pascal's triangle: n = 15: 1 - 2 (1 + 15 + 105 + 455) /
-        // 2^15
+        // n, k, and coverage in %, by hand from Pascal's triangle; for n = 15: 1 - 2 (1 + 15 + 105
+        // + 455) / 2^15.
         for (n, k, coverage) in [
             (1, 1, 0.0),
             (2, 1, 50.0),
@@ -188,11 +186,11 @@ mod tests {
         let is = |found: Interval, value: f64| {
             [found.low, found.high].iter().all(|it| (it - value).abs() < 1e-12) && found.count == 15
         };
-        // the machine slows down tenfold; b stays at 1.25 times a in every block
+        // The machine slows down tenfold; b stays at 1.25 times a in every block.
         let (a, mut b) = (times(|k| 400 * k), times(|k| 500 * k));
         b.insert(99.into(), 7);
         assert!(is(ratio(&b, &a).unwrap(), 1.25));
-        // Measured again after a kill: not side by side, though the numbers are the same.
+        // Blocks of another span are not paired, even with equal numbers.
         let again = a.iter().map(|(block, &t)| (Block { span: 7, ..*block }, t)).collect();
         assert_eq!((ratio(&a, &again), ratio(&a, &Blocks::new())), (None, None));
         // The typical ratio is that of the median pair in each block.

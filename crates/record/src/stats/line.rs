@@ -1,19 +1,17 @@
-//! The straight line through points, by least squares.
-
-/// y = `intercept` + `slope` x.
+/// The least-squares line y = `intercept` + `slope` x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightLine {
     pub intercept: f64,
     pub slope: f64,
-    /// Standard error of the slope; none with two points, which any line fits.
+    /// Standard error of the slope; `None` for two points, which any line fits.
     pub error: Option<f64>,
 }
 
 impl StraightLine {
-    /// Fits points (x, y); none with fewer than two distinct x.
+    /// Returns `None` for fewer than two different x.
     pub fn fit(points: &[(f64, f64)]) -> Option<StraightLine> {
         let count = points.len() as f64;
-        // centred: the sums below do not cancel
+        // Centred, so that the sums do not cancel.
         let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
         let (x, y) = (x / count, y / count);
         let spread: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
@@ -30,7 +28,7 @@ mod tests {
 
     #[test]
     fn the_line_has_the_textbook_slope_and_error() {
-        // residuals 0.02, -0.16, 0.26, -0.12
+        // The residuals are 0.02, -0.16, 0.26, -0.12.
         let line = StraightLine::fit(&[(1.0, 1.2), (2.0, 1.9), (3.0, 3.2), (4.0, 3.7)]).unwrap();
         assert!((line.slope - 0.88).abs() < 1e-12 && (line.intercept - 0.3).abs() < 1e-12);
         assert!((line.error.unwrap() - (0.108_f64 / 2.0 / 5.0).sqrt()).abs() < 1e-12, "{line:?}");

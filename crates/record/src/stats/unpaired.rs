@@ -1,22 +1,22 @@
-//! The ratio of two sets of times that were not taken side by side: of two runs.
+//! The ratio of two sets of times from different runs.
 //!
-//! All quotients of a time of one set and a time of the other are formed. Their median (that of
-//! Hodges and Lehmann, 1963, on logarithms) is the ratio; how many quotients lie below the true
-//! ratio is the statistic of Mann and Whitney (1947), whose distribution is exact for any
-//! distribution of times, as long as the two sets differ by a factor alone and their values are
-//! independent. So two of the quotients, in order, are an interval of known coverage.
+//! All quotients of a time of one set and a time of the other are formed. The ratio is their median
+//! (Hodges and Lehmann, 1963, on logarithms). The number of quotients below the true ratio is the
+//! statistic of Mann and Whitney (1947). Its distribution is exact for any distribution of times,
+//! if the two sets differ only by a factor and values are independent. So two of the sorted
+//! quotients form an interval of known coverage.
 //!
-//! It covers the scatter within the two runs. What differs between one run and the next (the clock,
-//! what else is running) it does not know.
+//! The interval covers the scatter within the two runs, but not differences between the runs, such
+//! as clock speed or other load.
 
 use crate::stats::interval::{COVERAGE, Interval, median, widest};
 
-/// Above so many quotients the distribution is taken for normal.
+/// For more quotients than this, the normal approximation is used.
 const EXACT: usize = 10_000;
 
 /// The ratio of a value of `b` to one of `a`, with its interval; values that are not positive are
-/// left out. Where there are too few values for [`COVERAGE`], the interval is the whole range and
-/// says what it covers.
+/// left out. If there are too few values for [`COVERAGE`], the interval is the whole range, with
+/// its actual coverage.
 pub fn ratio(a: &[f64], b: &[f64]) -> Option<Interval> {
     let logs = |values: &[f64]| {
         values.iter().filter(|v| v.is_finite() && **v > 0.0).map(|v| v.ln()).collect::<Vec<f64>>()
@@ -34,8 +34,8 @@ pub fn ratio(a: &[f64], b: &[f64]) -> Option<Interval> {
     })
 }
 
-/// How many of the n m quotients, in order, can be left out at either end so that the rest covers
-/// the ratio with at least [`COVERAGE`], and what it covers.
+/// The number of the n m sorted quotients that can be left out at either end while coverage stays
+/// at least [`COVERAGE`], and the coverage.
 fn tail(n: usize, m: usize) -> Option<(usize, f64)> {
     if n == 0 || m == 0 {
         return None;
@@ -54,17 +54,17 @@ fn normal_tail(n: f64, m: f64) -> (usize, f64) {
     ((n * m / 2.0 - 1.96 * deviation - 1.0).max(0.0) as usize, COVERAGE)
 }
 
-/// How many of the orders of n and m values have a statistic of 0, 1, ..., nm: the sum of the
-/// places of n chosen out of n + m, less the least.
+/// The number of orders of n and m values with a statistic of 0, 1, ..., nm. The statistic is the
+/// sum of n positions chosen out of n + m, minus the smallest possible sum.
 fn mann_whitney(n: usize, m: usize) -> Vec<f64> {
     let top = n * m;
-    // ways[k][s]: k values chosen so far, s above the least sum. In doubles: exact up to 2^53, and
-    // near enough beyond.
+    // ways[k][s]: k values chosen so far, s above the smallest sum. f64 is exact up to 2^53, and
+    // close enough beyond.
     let mut ways = vec![vec![0.0; top + 1]; n + 1];
     ways[0][0] = 1.0;
     for place in 0..n + m {
         for k in (1..=n.min(place + 1)).rev() {
-            // The k-th chosen stands at `place`; at the least it would stand at k - 1.
+            // The k-th chosen value is at `place`, at least at k - 1.
             let above = place + 1 - k;
             if above <= m {
                 for s in (above..=top).rev() {
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn tails_are_those_of_the_printed_tables() {
         // Critical values of U for two-sided 5%: 4 and 4: 0; 5 and 5: 2; 8 and 8: 13; 10 and 10:
-        // 23; 15 and 15: 64; 20 and 20: 127; 6 and 15: 19
+        // 23; 15 and 15: 64; 20 and 20: 127; 6 and 15: 19.
         for (n, m, critical) in [
             (4, 4, 0),
             (5, 5, 2),
@@ -100,7 +100,7 @@ mod tests {
             assert_eq!(below, critical, "{n} and {m}");
             assert!((COVERAGE..0.98).contains(&coverage), "{n} and {m}: {coverage}");
         }
-        // by hand: 2 of the 20 orders of 3 and 3 lie outside
+        // By hand: 2 of the 20 orders of 3 and 3 values lie outside.
         let (below, coverage) = tail(3, 3).unwrap();
         assert!(below == 0 && (coverage - 0.9).abs() < 1e-12, "{below} {coverage}");
         assert_eq!(mann_whitney(2, 2), [1.0, 1.0, 2.0, 1.0, 1.0]);
@@ -118,8 +118,8 @@ mod tests {
         assert!(1.4 < found.low && found.low < 1.5 && 1.5 < found.high && found.high < 1.6);
         assert_eq!(ratio(&[], &b), None);
         assert_eq!(ratio(&[0.0, f64::NAN], &b), None);
-        // Skewed times (a minimum and rare delays), 15 and 12 values: 95% of 2000 intervals are to
-        // cover.
+        // Skewed times (a minimum and rare delays), 15 and 12 values. 95% of 2000 intervals must
+        // cover the true ratio.
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let mut time = || 100.0 * (1.0 - random.random::<f64>()).powf(-0.3);
         let covered = (0..2000).filter(|_| {

@@ -1,4 +1,4 @@
-//! What stands before the rows of a table: comments, a box, and the names of the columns.
+//! The start of a table: comments, a box, and the names of the columns.
 
 use anyhow::{Context, bail, ensure};
 
@@ -8,18 +8,15 @@ use crate::lines::{Lines, Separator, is_comment, number, short, step_of, uncomme
 use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::{Declared, Notice, Options};
 
-/// A table, as far as its first lines describe it.
 #[derive(Default)]
 pub(super) struct Table {
     pub columns: Columns,
-    /// Where they are named, for messages.
     pub place: String,
     pub separator: Separator,
-    /// A separator stands at the end of rows.
     pub trailing: bool,
-    /// The columns have no names, and were taken for what they often are.
+    /// Whether unnamed columns were given their usual meaning.
     pub assumed: bool,
-    /// The current line is one of the rows, or stands among them.
+    /// Whether the current line is a row, or a line between rows.
     pub is_row: bool,
     pub format: &'static str,
     pub split: Option<Split>,
@@ -32,7 +29,6 @@ pub(super) struct Table {
 struct Comments {
     columns: Option<Columns>,
     format: bool,
-    /// Edges of the box from `##PERIODIC::`.
     edges: Option<[f64; 3]>,
     notices: Vec<Notice>,
 }
@@ -51,7 +47,7 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
     let mut table = if more {
         named_by(lines, &mut comments, options)?
     } else {
-        // A comment that names columns is the header of a file without particles.
+        // A comment that names columns is the header of a table without rows.
         let columns = comments.columns.take().with_context(|| {
             format!(
                 "{} is empty; a particle file has at least a header such as x,y,r",
@@ -105,7 +101,6 @@ impl Comments {
     }
 }
 
-/// The edges of the box, unless the options replace it.
 fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
     let boundaries = options.boundaries;
     let numbers: Option<Vec<f64>> = words(text.as_bytes()).map(number).collect();
@@ -122,7 +117,6 @@ fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
     }
 }
 
-/// True if a comment has the word box, or one like it, and numbers.
 fn may_be_box(text: &str) -> bool {
     let lower = text.to_ascii_lowercase();
     let is_between = |c: char| !c.is_ascii_alphanumeric() && c != '.' && c != '-' && c != '+';
@@ -138,8 +132,6 @@ fn named(header: &[u8]) -> Columns {
     Columns::named(cells.map(|cell| String::from_utf8_lossy(cell).into_owned()))
 }
 
-/// The columns, what separates them, whether that also ends a line, whether their meaning is
-/// assumed, and whether the current line is a row.
 fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> anyhow::Result<Table> {
     let (place, whole) = (lines.place(), uncommented(lines.line()));
     let separator = Separator::guess(whole);
@@ -154,7 +146,7 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         names == count || columns.or_more && names < count
     });
     if let Some(columns) = of_comment.filter(|_| numeric || comments.format) {
-        // Beside the numbers, YADE writes names of materials and the like.
+        // YADE writes names of materials next to the numbers.
         return Ok(Table { columns, is_row: true, ..table });
     }
     let at = |k: usize| separator.cells(line).nth(k).is_some_and(is_number);
@@ -163,7 +155,7 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
         let chosen = options.columns.is_some_and(|chosen| chosen.axes());
         let assumed = !chosen && comments.edges.is_none();
-        // As pandas writes columns without names.
+        // pandas numbers the columns of a table without names.
         if count > 2
             && separator.cells(line).enumerate().all(|(k, cell)| step_of(cell) == Some(k as i64))
         {
@@ -185,7 +177,7 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         Separator::Blanks => Separator::guess(text),
     };
     let cut = text.get(whole.len()..).unwrap_or_default();
-    // A name such as Spot # stands between separators, a comment behind them all.
+    // A name such as `Spot #` stands between separators; a comment stands behind the last.
     let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
     let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
     if in_cut && (of_text == separator || !sound(header.clone())) {
@@ -200,7 +192,6 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
     Ok(Table { columns: header.chosen(&place, options)?, ..table })
 }
 
-/// The columns of numbers that no header names.
 fn unnamed(
     count: usize,
     options: Options,

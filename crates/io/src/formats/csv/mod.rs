@@ -1,21 +1,19 @@
-//! CSV and tables: one particle per line, columns named by a header. YADE's and Woo's text files
-//! are of this kind, too.
+//! CSV and other tables, including the text files of YADE and Woo: one particle per line.
 //!
 //! * The header names the columns: `x,y[,z][,r]`, with `r`, `radius`, `d` or `diameter`, in any
-//!   order and any case; other columns are skipped. Units of length may follow the names.
-//! * The separator is that of the first line: semicolon, else comma, else tab, else any run of
-//!   blanks. Quoted text may contain it, and doubled quotes, but no line break.
-//! * A column of frames, steps or times splits the rows into frames: see [`split`].
-//! * Blank lines and lines that begin with `#`, `%`, `!` or `//` are skipped. Such a line is the
-//!   header if the data begin without one and it names as many columns as the data have.
-//! * `#` or `%` behind a blank begins a comment, and a separator may end the line, unless the line
-//!   has the right number of columns with them only.
-//! * YADE's `#format x_y_z_r` names the columns likewise; `#format x_y_z_r_attrs` has any number of
-//!   others behind them. `##PERIODIC:: 10 10 10` of YADE and Woo is the box; columns without names
-//!   are then x y z r, and clumpId.
-//! * Without a header, columns that are all numbers are taken as x,y (two), x,y,z,r (four), and
-//!   x,y,z (three, if the options give a radius or three dimensions) or x,y,r (three, if they
-//!   give two dimensions). Anything else is refused, also a column that counts the particles.
+//!   order and case. Units of length may follow the names. Other columns are skipped.
+//! * The separator is found in the first line: semicolon, else comma, else tab, else blanks. Quoted
+//!   text may contain separators and doubled quotes, but no line breaks.
+//! * A column of frames, steps or times splits the rows into frames; see [`split`].
+//! * Blank lines and lines that start with `#`, `%`, `!` or `//` are skipped. If the rows have no
+//!   header, such a line is the header if it names as many columns as the rows have.
+//! * `#` or `%` after a blank starts a comment, and a line may end with a separator, unless the
+//!   line has the right number of columns only with them.
+//! * `#format x_y_z_r` of YADE names the columns; `#format x_y_z_r_attrs` allows further ones.
+//!   `##PERIODIC:: 10 10 10` of YADE and Woo is the box; then unnamed columns are x y z r clumpId.
+//! * Without a header, two numeric columns are x,y and four are x,y,z,r. Three are x,y,z if the
+//!   options give a radius or three dimensions, and x,y,r if they give two dimensions. Other
+//!   numbers of columns are refused, and so is a column that numbers the particles.
 
 mod header;
 mod split;
@@ -38,7 +36,7 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
 struct Csv<'a> {
     lines: Lines<'a>,
     options: Options,
-    /// What the lines before the first row say; none before they are read.
+    /// The table as its first lines describe it; `None` before they are read.
     table: Option<Table>,
 }
 
@@ -49,7 +47,7 @@ impl Reader<Loaded> for Csv<'_> {
             Some(table) => table,
             None => table.insert(header::read(lines, *options)?),
         };
-        // Without an order rows of a frame come back, so all are looked at, whichever is wanted.
+        // Without an order of rows, rows of a frame may come later, so the whole file is read.
         choice.through = table.split.is_some();
         while choice.seen == 0 || table.is_row {
             let step = choice.begin(|| lines.place())?;
@@ -59,7 +57,7 @@ impl Reader<Loaded> for Csv<'_> {
             let is_kept = step == Step::Keep;
             let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
             let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
-            // An error in a last line that is being written says nothing against the order.
+            // An incomplete last line does not contradict the order of frames.
             choice.through &= read.is_ok() || lines.ended();
             read?;
             let frame = || table.frame(kept, columns.radius(), index, lines.source.name);
@@ -77,7 +75,6 @@ impl Reader<Loaded> for Csv<'_> {
 }
 
 impl Table {
-    /// Takes the rows of a frame, or passes over them; the line is then the first of the next.
     fn rows(
         &mut self,
         lines: &mut Lines<'_>,
@@ -102,7 +99,7 @@ impl Table {
                             self.is_row = false;
                             return Ok(());
                         }
-                        // Its number is whole if another cell follows.
+                        // The splitting cell is complete if another cell follows.
                         ensure!(
                             !lacks(split.column + 2),
                             "{}: the line is cut off, or still being written",
@@ -123,7 +120,6 @@ impl Table {
         Ok(())
     }
 
-    /// Whether a comment is a row that was left out.
     fn is_row_left_out(&self, line: &[u8]) -> bool {
         let line = line.strip_prefix(b"#").unwrap_or(line).trim_ascii();
         let numbers = || self.separator.cells(line);
@@ -164,7 +160,7 @@ impl Table {
     }
 }
 
-/// Takes the particle of a row: without the comment and the separator at its end, else with them.
+/// Adds the particle of a row: first without a comment and separator at its end, then with them.
 fn row(
     columns: &Columns,
     particles: &mut Particles,
@@ -198,7 +194,6 @@ fn row(
     Err(error)
 }
 
-/// What is wrong with columns without names of which one counts the particles.
 fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) -> anyhow::Error {
     let (all, first) = (names.len(), which == Counted::First);
     let chosen = |names: &[&str]| -> String {
@@ -208,7 +203,7 @@ fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) 
     let taken: Vec<&str> = names.iter().map(String::as_str).collect();
     let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
     let meant = match (first, &particles.radii) {
-        // One size for all is a size, and no coordinate.
+        // A constant column is a size.
         (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
         (true, _) => [&["id"], &taken[..all - 1]].concat(),
         _ => [&taken[..all - 1], &["id"]].concat(),

@@ -1,8 +1,8 @@
-//! Rows of several times in one table: a column of frames, steps or times splits them into frames.
+//! Splits the rows of a table into frames by a column of frames, steps or times.
 //!
-//! The column is chosen (`--columns frame=NAME`), or the first that is called like a frame, else a
-//! step, else a time. Its values rise or fall from frame to frame, so a frame cannot come back, and
-//! no list of those that were there is kept.
+//! The column is chosen (`--columns frame=NAME`), or it is the first one named like a frame, else
+//! like a step, else like a time. Its values must rise or fall from frame to frame. So a frame
+//! cannot return, and earlier values need not be stored.
 
 use std::cmp::Ordering;
 
@@ -13,15 +13,15 @@ use crate::particles::{Column, Columns};
 use crate::units;
 use crate::{Notice, Options};
 
-/// Names of the columns that split a table, in lower case and without signs.
+/// Names of splitting columns, in lower case and without signs.
 const NAMES: [(Kind, &str); 3] = [
     (Kind::Frame, "frame frames frameno framenumber frameid frameindex iframe snapshot snap"),
     (Kind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
     (Kind::Time, "time t times"),
 ];
-/// Parts of other names that may split the particles into frames.
+/// Parts of other names that hint at frames.
 const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
-/// Header names that are read as ids if there is no column id.
+/// Names of columns that are read as ids if no column is named id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,6 @@ enum Kind {
     Time,
 }
 
-/// A name in lower case without a unit, blanks and signs.
 fn plain(name: &str) -> String {
     let name = units::split(name).0.to_ascii_lowercase();
     name.chars().filter(|c| !" _-.:#".contains(*c)).collect()
@@ -42,8 +41,8 @@ fn kind(name: &str) -> Option<Kind> {
     NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
 }
 
-/// Returns a notice if an unused column or array may tell frames apart, judging by its name. In a
-/// `table`, the names in [`NAMES`] cause no notice.
+/// Returns a notice if the name of an unused column or array hints at frames. In a `table`, the
+/// names in [`NAMES`] are not reported, because they split it.
 pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
     let like = |name: &&String| {
         let lower = name.to_lowercase();
@@ -60,8 +59,8 @@ pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
     )))
 }
 
-/// Whether a comment begins with the name of a frame, a step or a time, and has a number, as in
-/// `t = 0.5`. Other comments among rows are doubted, not refused.
+/// Whether a comment starts with the name of a frame, a step or a time and contains a number, as in
+/// `t = 0.5`.
 pub(crate) fn names_a_frame(comment: &str) -> bool {
     let is_between = |c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c);
     let parts = || comment.split(is_between).filter(|part| !part.is_empty());
@@ -69,20 +68,20 @@ pub(crate) fn names_a_frame(comment: &str) -> bool {
         && parts().any(|part| number(part.as_bytes()).is_some())
 }
 
-/// Blank lines and comments among the rows of a table that no column splits: they may begin frames.
+/// Blank lines and comments among the rows of a table without a splitting column. They may separate
+/// frames.
 #[derive(Default)]
 pub(super) struct Blocks {
     rows: u64,
     /// Number of blocks of rows after the first block.
     more: u64,
-    /// A blank line or a comment stands behind the last row.
+    /// Whether a blank line or a comment follows the last row.
     ended: bool,
-    /// The comment there that names a frame, and its place.
+    /// A comment there that names a frame, and its place.
     named: Option<(String, String)>,
 }
 
 impl Blocks {
-    /// A blank line, or a comment that is no row.
     pub fn end(&mut self, lines: &Lines<'_>) {
         self.ended = self.rows > 0;
         let comment = lines.text();
@@ -104,7 +103,6 @@ impl Blocks {
         Ok(())
     }
 
-    /// The doubt about blocks of several rows.
     pub fn notice(&self) -> Option<Notice> {
         (self.more > 0 && self.rows > self.more + 1).then(|| {
             Notice::Assumed(format!(
@@ -116,35 +114,31 @@ impl Blocks {
     }
 }
 
-/// The first column of a kind that is not used for something else.
 fn place(columns: &Columns, of: Kind) -> Option<usize> {
     let mut all = columns.names.iter().zip(&columns.meaning);
     all.position(|(name, meaning)| *meaning == Column::Other && kind(name) == Some(of))
 }
 
-/// The column that splits the rows, by its name.
 pub(super) fn by_name(columns: &Columns) -> Option<usize> {
     [Kind::Frame, Kind::Step, Kind::Time].into_iter().find_map(|kind| place(columns, kind))
 }
 
-/// The splitting column, and what it has shown so far.
 pub(super) struct Split {
     pub column: usize,
     name: String,
     kind: Kind,
-    /// Whether the column is named t or time and was not chosen: each row may have a value of its
-    /// own.
+    /// Whether the column is named t or time and was not chosen. Such a column may hold a different
+    /// value in each row.
     doubtful: bool,
     value: Vec<u8>,
     rows: u64,
-    /// The direction from the first frame to the second.
     order: Option<Ordering>,
-    /// Columns of steps and times beside, with the values of the frame; none if they differ.
+    /// Further columns of steps and times with their value in this frame; `None` if rows differ.
     beside: [Option<(usize, Option<Vec<u8>>)>; 2],
 }
 
 impl Split {
-    /// Also takes a column of ids, if there is none of that name.
+    /// Also uses a column in [`IDS`] as ids, if no column is named id.
     pub fn new(column: usize, columns: &mut Columns, options: Options) -> anyhow::Result<Split> {
         let name = columns.names[column].clone();
         ensure!(
@@ -169,7 +163,7 @@ impl Split {
         Ok(Split { column, name, kind, doubtful, value, rows, order, beside })
     }
 
-    /// Looks at a row. True if it is of the next frame, and not the `first` of one.
+    /// Whether a row begins the next frame. `first` marks the first row of a frame.
     pub fn is_next<'a>(
         &mut self,
         cells: &mut (impl Iterator<Item = &'a [u8]> + Clone),
@@ -215,7 +209,7 @@ impl Split {
                 self.column + 1
             );
         }
-        // Looked at once, in the first frame.
+        // The doubt is checked only once, at the end of the first frame.
         ensure!(
             !std::mem::take(&mut self.doubtful) || self.rows > 1,
             "{}: the first rows differ in '{name}': say --columns frame={name} if each is a frame, \
@@ -243,7 +237,7 @@ impl Split {
         .filter(|time| time.is_finite())
     }
 
-    /// What is to be said of the frame with this number.
+    /// Returns a notice if the frame number in the file is not `index`.
     pub fn notices(&self, index: u64) -> Option<Notice> {
         let value = step_of(&self.value).filter(|_| self.kind == Kind::Frame)?;
         let other = u64::try_from(value).ok() != Some(index);
@@ -256,7 +250,6 @@ impl Split {
     }
 }
 
-/// The order of two values: as numbers if both are, else as texts.
 fn compared(a: &[u8], b: &[u8]) -> Ordering {
     if a == b {
         return Ordering::Equal;

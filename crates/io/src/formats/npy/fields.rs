@@ -1,4 +1,4 @@
-//! Arrays with fields (structured arrays): each row is a record of named numbers.
+//! Structured arrays, whose rows are records of named numbers.
 
 use anyhow::{Context, bail, ensure};
 
@@ -11,15 +11,14 @@ use crate::scalars::Kind;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {
     pub name: String,
-    /// None where it is no single number that is read.
+    /// Type and byte order; `None` if the field is not a single number of a supported type.
     number: Option<(Kind, bool)>,
-    /// Bytes.
     width: usize,
 }
 
 const WIDEST: usize = 1 << 20;
 
-/// The fields of a type such as `[('x', '<f8'), ('v', '<f4', (3,))]`.
+/// Parses a type such as `[('x', '<f8'), ('v', '<f4', (3,))]`.
 pub(super) fn parse(text: &str) -> anyhow::Result<Vec<Field>> {
     let bad = || format!("the type {} is not read; save one plain array", short(text));
     let mut fields = Vec::new();
@@ -51,7 +50,6 @@ pub(super) fn parse(text: &str) -> anyhow::Result<Vec<Field>> {
     Ok(fields)
 }
 
-/// The text between quotes at the start, and what stands behind it.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let text = text.trim_start();
     let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
@@ -59,7 +57,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
     Some((inner, rest.trim_start()))
 }
 
-/// How a field of that type is read, if it is a number, and its bytes.
+/// Returns how a field of that type is read, if it is a number, and its size in bytes.
 fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
     let number = super::header::kind_of(kind);
     if let Some((kind, _)) = number {
@@ -70,12 +68,11 @@ fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
     match letter.as_bytes()[0] {
         b'U' => Some((None, bytes.checked_mul(4)?)),
         b'S' | b'V' | b'f' | b'c' | b'M' | b'm' => Some((None, bytes)),
-        // Objects are not in the file as numbers.
+        // Python objects are pickled, not stored as numbers.
         _ => None,
     }
 }
 
-/// The particles of an array of records, whose fields are named as columns are.
 pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Rows> {
     let (name, fields) = (source.name, &header.fields);
     let remedy = || {
@@ -92,7 +89,7 @@ pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> an
     ensure!(rows <= u64::from(u32::MAX), "{name}: {rows} particles; split the file");
     let mut columns = Columns::named(fields.iter().map(|field| field.name.as_str()));
     for (meaning, field) in columns.meaning.iter_mut().zip(fields) {
-        // Three numbers named r are a place, and no radius.
+        // Three numbers named r are coordinates, not a radius.
         if field.number.is_none() {
             *meaning = Column::Other;
         }

@@ -1,4 +1,4 @@
-//! The frames of an array: one, or as many as its first dimension says.
+//! Frames of an array: one, or as many as its first dimension.
 
 use anyhow::{Context, bail, ensure};
 
@@ -18,7 +18,6 @@ struct Array<'a> {
     source: Source<'a>,
     options: Options,
     header: Option<Header>,
-    /// So many frames were read or passed over.
     read: u64,
 }
 
@@ -80,7 +79,7 @@ fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::
         source.name
     );
     let (particles, radius) = particles(source, header, options)?;
-    // A user who gives the dimension knows the columns.
+    // If the user gives the dimension, the columns are not doubted.
     let which = match particles.counted().filter(|_| options.dim.is_none()) {
         Some(Counted::First) => "first column counts the particles, and is taken for x",
         Some(Counted::Last) => "last column counts the particles, and is taken for the radius",

@@ -1,4 +1,4 @@
-//! The header of an array: its type, order and shape; and the numbers behind it, in pieces.
+//! The header of an npy array, and its numbers in blocks.
 
 use std::io::{self, Write};
 
@@ -10,10 +10,9 @@ use crate::scalars::Kind;
 
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Longest header read; NumPy's own default limit is 10,000.
+/// Maximum length of a header in bytes; NumPy's own default is 10,000.
 const LONGEST_HEADER: usize = 1 << 20;
 
-/// A shape as NumPy writes it.
 pub fn shape(sizes: &[u64]) -> String {
     match sizes {
         [one] => format!("({one},)"),
@@ -22,7 +21,6 @@ pub fn shape(sizes: &[u64]) -> String {
 }
 
 impl Source<'_> {
-    /// Nothing may follow an array.
     pub(crate) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
         let more = self.fill(&mut [0])?;
         ensure!(
@@ -41,13 +39,12 @@ pub(crate) struct Header {
     pub descr: String,
     pub big: bool,
     pub fortran: bool,
-    /// None for an array of one or two dimensions.
+    /// `None` for an array of one or two dimensions.
     pub frames: Option<u64>,
     pub rows: u64,
-    /// None for an array of one dimension.
+    /// `None` for an array of one dimension.
     pub columns: Option<usize>,
     pub sizes: Vec<u64>,
-    /// Of an array of records.
     pub fields: Vec<Field>,
 }
 
@@ -56,13 +53,11 @@ impl Header {
         self.sizes.iter().fold(1, |count, &size| count.saturating_mul(size))
     }
 
-    /// The shape and the type, for messages.
     pub fn words(&self) -> String {
         let order = if self.fortran && self.sizes.len() > 1 { " in Fortran order" } else { "" };
         format!("an array of shape {} and type {}{order}", shape(&self.sizes), self.descr)
     }
 
-    /// Refuses what is no array of one or two dimensions; where `frames` are known, also three.
     pub(super) fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
         let shape = shape(&self.sizes);
         ensure!(
@@ -71,7 +66,7 @@ impl Header {
         );
         match self.sizes[..] {
             [_] | [_, _] => Ok(()),
-            // Of frames without particles there may be more than anybody can count.
+            // Frames without particles could be too many to count.
             [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
                 ensure!(
                     !self.fortran,
@@ -87,7 +82,6 @@ impl Header {
         }
     }
 
-    /// Are these the numbers of particles, in a type that is read?
     pub fn is_real(&self) -> bool {
         matches!(self.kind, Kind::F64 | Kind::F32)
     }
@@ -97,7 +91,7 @@ impl Header {
             .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
     }
 
-    /// The next `count` numbers in file order, with their places.
+    /// Calls `then` with the index and the value of each of the next `count` numbers.
     pub fn values(
         &self,
         source: &mut Source<'_>,
@@ -109,8 +103,8 @@ impl Header {
         })
     }
 
-    /// The next `count` rows of so many columns, some at a time, with the place of the first: so a
-    /// false shape cannot ask for more memory than the file has bytes.
+    /// Calls `then` with blocks of the next `count` rows, and the index of the first row of each.
+    /// Because of the blocks, a false shape cannot reserve more memory than the file has bytes.
     pub fn pieces(
         &self,
         source: &mut Source<'_>,
@@ -150,14 +144,12 @@ impl Header {
     }
 }
 
-/// The header of an array of one or two dimensions.
 pub fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let header = any_header(source)?;
     header.of_rows(false).with_context(|| source.name.to_string())?;
     Ok(header)
 }
 
-/// The header of an array of any shape.
 pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let name = source.name;
     let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
@@ -191,7 +183,7 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
 
-/// Writes the header of an array of two dimensions in C order, version 1.
+/// Writes a version 1 header of a two-dimensional array in C order.
 pub(crate) fn write_header(
     out: &mut dyn Write,
     kind: &str,
@@ -201,7 +193,7 @@ pub(crate) fn write_header(
     write_dictionary(out, &format!("'{kind}'"), &format!("{rows}, {columns}"))
 }
 
-/// Writes the header of an array of `rows` records whose fields are f64.
+/// Writes a version 1 header of a structured array of f64 fields.
 pub(crate) fn write_fields(out: &mut dyn Write, names: &[&str], rows: usize) -> io::Result<()> {
     let fields: Vec<String> = names.iter().map(|name| format!("('{name}', '<f8')")).collect();
     write_dictionary(out, &format!("[{}]", fields.join(", ")), &format!("{rows},"))
@@ -209,8 +201,8 @@ pub(crate) fn write_fields(out: &mut dyn Write, names: &[&str], rows: usize) -> 
 
 fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<()> {
     let header = format!("{{'descr': {kind}, 'fortran_order': False, 'shape': ({shape}), }}");
-    // NumPy aligns the data to 64 bytes: magic, version, length and header, which blanks fill up
-    // and a newline ends.
+    // The data start at a multiple of 64 bytes, after magic, version, length and a header padded
+    // with blanks.
     let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
     out.write_all(MAGIC)?;
     out.write_all(&[1, 0])?;
@@ -221,7 +213,7 @@ fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<
 /// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
 /// 'shape': (10, 3), }`.
 fn parse(text: &str) -> anyhow::Result<Header> {
-    // Fields may have any names, and stand before the other keys.
+    // Field names may equal the other keys, and stand before them.
     let value = |key: &str| -> anyhow::Result<&str> {
         let find = |quoted: &String| match key {
             "descr" => text.find(quoted.as_str()).map(|at| at + quoted.len()),
@@ -269,7 +261,7 @@ fn parse(text: &str) -> anyhow::Result<Header> {
     Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, fields })
 }
 
-/// The numbers of a type such as `<f8`, and whether they are big-endian.
+/// Returns the number type of a `descr` such as `<f8`, and whether it is big-endian.
 pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
     let kind = match descr.get(1..)? {
         "f8" => Kind::F64,
@@ -285,14 +277,13 @@ pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
         _ => return None,
     };
     match descr.as_bytes()[0] {
-        // A byte has no order.
+        // Single bytes have no byte order.
         b'<' | b'|' => Some((kind, false)),
         b'>' => Some((kind, true)),
         _ => None,
     }
 }
 
-/// What to do about a type that is not read.
 fn remedy(descr: &str) -> &'static str {
     match descr.trim_start_matches(['<', '>', '|', '=']).as_bytes().first() {
         Some(b'O') => {

@@ -1,9 +1,13 @@
-//! NumPy npy: versions 1 to 3, f64 and f32 of either byte order, C and Fortran order.
+//! NumPy npy, versions 1 to 3: f64 or f32 in either byte order, in C or Fortran order.
 //!
-//! Shape N x 2: x, y. N x 3: x, y, z, or x, y, radius where the options ask for two dimensions. N x
-//! 4: x, y, z, radius. f32 widens without error. Shape (frames, N, 2 to 4), in C order: as many
-//! frames of such rows. Format:
-//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+//! | shape | columns |
+//! |---|---|
+//! | (N, 2) | x, y |
+//! | (N, 3) | x, y, z; or x, y, radius if the options give two dimensions |
+//! | (N, 4) | x, y, z, radius |
+//! | (frames, N, 2 to 4), C order | the same for each frame |
+//!
+//! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 mod fields;
 mod frames;
@@ -20,7 +24,6 @@ pub use frames::frames;
 pub use header::MAGIC;
 pub(crate) use header::{Header, any_header, header, shape, write_fields, write_header};
 
-/// The particles of an array of two dimensions.
 pub fn particles(
     source: &mut Source<'_>,
     header: &Header,
@@ -64,7 +67,7 @@ pub fn particles(
         Ok(value)
     };
     if header.fortran {
-        // The first column brings the particles, the others fill them up.
+        // The first column creates the particles; the other columns set their values.
         header.values(source, rows, |row, x| {
             particles.push([checked(x, row, 0)?, 0.0, 0.0], 0.0, 0)
         })?;
@@ -80,7 +83,7 @@ pub fn particles(
         }
         return Ok((particles, radius));
     }
-    // Of fewer rows than parts all are kept.
+    // An array with fewer rows than parts is kept whole.
     let part = options.part.filter(|[_, parts]| rows >= *parts);
     let kept = part.map_or(0..rows, |[k, parts]| rows * k / parts..rows * (k + 1) / parts);
     particles.first = part.map(|_| kept.start);
@@ -100,7 +103,8 @@ pub fn particles(
     Ok((particles, radius))
 }
 
-/// No particles yet, for rows of two to four numbers, and where their radii come from.
+/// Returns an empty set of particles for rows of two to four numbers, and the source of their
+/// radii.
 pub fn of_rows(columns: usize, options: Options) -> (Particles, RadiusSource) {
     let (dim, has_radii) = match (columns, options.dim) {
         (2, _) => (2, false),
@@ -113,7 +117,6 @@ pub fn of_rows(columns: usize, options: Options) -> (Particles, RadiusSource) {
     (Particles::new(dim, has_radii), radius)
 }
 
-/// All numbers of an array in file order: coordinates of particles, or their sizes.
 pub fn list(
     source: &mut Source<'_>,
     header: &Header,
@@ -140,7 +143,6 @@ pub fn list(
     Ok(list)
 }
 
-/// Particles of coordinates that came one axis after the other.
 pub fn zip(axes: [Option<Vec<f64>>; 3], name: &str) -> anyhow::Result<Particles> {
     let [Some(x), Some(y), z] = axes else {
         bail!("{name}: arrays x and y of the same length are needed")

@@ -1,4 +1,4 @@
-//! The box in an archive of arrays: `box`, `cell`, `lattice` or `L`, with `pbc` or `periodic`.
+//! The box of an npz archive: `box`, `cell`, `lattice` or `L`, with `pbc` or `periodic`.
 
 use anyhow::{Context, bail, ensure};
 
@@ -10,7 +10,6 @@ use crate::{Notice, Options};
 
 /// Names of arrays that hold a box, in lower case.
 const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";
-/// Names of arrays that say along which vectors it repeats.
 const FLAGS: &str = "pbc periodic periodicity";
 
 #[derive(Default)]
@@ -38,7 +37,7 @@ impl Cell {
         label: &str,
         options: Options,
     ) -> anyhow::Result<()> {
-        // What the options say counts alone.
+        // Options replace the box of the file.
         if options.boundaries.open || options.boundaries.edges.is_some() {
             return Ok(());
         }
@@ -76,7 +75,8 @@ impl Cell {
         Ok(())
     }
 
-    /// The box of a frame, given as its number and the number of all, and what was assumed.
+    /// Returns the box of a frame, and what was assumed. `frame` is its index and the number of
+    /// frames.
     pub fn declared(
         &self,
         frame: Option<[u64; 2]>,

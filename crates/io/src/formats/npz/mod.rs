@@ -1,10 +1,16 @@
 //! NumPy npz: a zip archive of arrays, as `numpy.savez` and `numpy.savez_compressed` write it, read
 //! from front to back.
 //!
-//! Arrays of one dimension named `x`, `y`, `z` and `r`, `radius`, `radii`, `d`, `diameter` or
-//! `diameters` make the particles; or one array of shape (N, 2) to (N, 4), as in
-//! [`crate::formats::npy`], of frames (frames, N, 2) to (frames, N, 4), or of records with
-//! fields; with or without an array of radii, and with a box ([`boxes`]). Other arrays are skipped.
+//! The particles are given in one of these forms, with or without an array of radii and a
+//! [box](boxes):
+//!
+//! * one-dimensional arrays `x`, `y`, `z`, and `r`, `radius`, `radii`, `d`, `diameter` or
+//!   `diameters`;
+//! * one array of shape (N, 2) to (N, 4), or (frames, N, 2) to (frames, N, 4), as in
+//!   [`crate::formats::npy`];
+//! * one structured array.
+//!
+//! Other arrays are skipped.
 
 mod boxes;
 mod scenes;
@@ -17,16 +23,14 @@ use flate2::bufread::DeflateDecoder;
 use crate::lines::{Source, short};
 pub use scenes::frames;
 
-/// What stands before each file of an archive.
 struct Local {
     name: String,
     method: u16,
-    /// Bytes in the archive; none where they follow the data.
+    /// Bytes in the archive; `None` if they follow the data.
     size: Option<u64>,
     wide: bool,
 }
 
-/// Calls `member` with each file of the archive, in order, and its name there.
 pub fn members(
     source: &mut Source<'_>,
     mut member: impl FnMut(Source<'_>, &str) -> anyhow::Result<()>,
@@ -50,7 +54,7 @@ pub fn members(
                     let input = &mut unpacked;
                     let of_member = Source { input, name: &name, unpacking: source.unpacking };
                     member(of_member, &local.name)?;
-                    // To its end, so that the next file begins where it should.
+                    // Reads on to the end, where the next file begins.
                     std::io::copy(&mut unpacked, &mut std::io::sink())
                         .with_context(|| format!("cannot read {name}"))?;
                 }
@@ -74,8 +78,8 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
     let name = source.name;
     let torn = || format!("{name}: the zip archive is cut off; write it again");
     let mut start = [0; 4];
-    // The list of contents begins where the files end.
-    // Every archive has a list of contents: one without is cut off, and arrays may be missing.
+    // The central directory follows the files. Without it the archive is cut off, and arrays may be
+    // missing.
     ensure!(source.fill(&mut start)?, torn());
     if matches!(&start, b"PK\x01\x02" | b"PK\x05\x06" | b"PK\x06\x06") {
         return Ok(None);
@@ -102,7 +106,7 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
         let Some(field) = after.get(..length) else { break };
         if id == 1 {
             wide = true;
-            // The size before compression stands first, then that in the archive.
+            // The uncompressed size comes first.
             if let (true, Some(&bytes)) =
                 (size == u64::from(u32::MAX), field.get(8..).and_then(|field| field.first_chunk()))
             {
@@ -115,7 +119,7 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
     Ok(Some(Local { name: String::from_utf8_lossy(&label).into_owned(), method, size, wide }))
 }
 
-/// Passes over the sizes that stand behind the data of a streamed archive.
+/// Skips the sizes that follow the data in a streamed archive.
 fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
     let mut start = [0; 4];
     let whole = source.fill(&mut start)?;

@@ -1,4 +1,4 @@
-//! The particles of an archive of arrays, in one frame or in several.
+//! The particles of an npz archive, in one frame or several.
 
 use anyhow::{Context, bail, ensure};
 
@@ -25,7 +25,6 @@ struct Frames<'a> {
     next: u64,
 }
 
-/// Coordinates of all frames, one row after the other.
 struct Points {
     values: Vec<f64>,
     frames: u64,
@@ -37,16 +36,15 @@ struct Points {
 #[derive(Default)]
 struct Scenes {
     axes: [Option<Vec<f64>>; 3],
-    /// One array of points, and where it has radii, from where.
+    /// The array of points without frames, the source of its radii, and its name.
     whole: Option<(Particles, RadiusSource, String)>,
     frames: Option<Points>,
     sizes: Vec<(Size, Vec<u64>)>,
     around: Cell,
     ids: Vec<Ids>,
-    /// Names of all arrays, and of those that are not used.
     names: Vec<String>,
     others: Vec<String>,
-    /// Sizes that are not used, since the radius is given.
+    /// Notices about arrays of sizes that are unused because the options give a radius.
     unused: Vec<Notice>,
 }
 
@@ -97,7 +95,7 @@ impl Scenes {
         let is_box = matches!(column, Column::Other) && Cell::is_named(label);
         let header = match npy::any_header(&mut source) {
             Ok(header) => header,
-            // Texts, objects and the like need not be understood, unless they are to be used.
+            // Unused arrays may be of any type.
             Err(_) if matches!(column, Column::Other | Column::Id) && !is_box => {
                 self.others.push(label.to_string());
                 return Ok(());
@@ -126,7 +124,7 @@ impl Scenes {
                     short(label),
                     header.words()
                 );
-                // As they stand: the values may yet be coordinates.
+                // Not halved yet, because the values may turn out to be coordinates.
                 let values = npy::list(source, &header, label, Column::Axis(0))?;
                 let (label, of_cells) = (label.to_string(), false);
                 self.sizes.push((Size { values, column, label, of_cells }, header.sizes.clone()));
@@ -154,7 +152,6 @@ impl Scenes {
         Ok(())
     }
 
-    /// Refuses a second array of points.
     fn alone(&self, label: &str, place: &str) -> anyhow::Result<()> {
         if let Some(other) = self.points() {
             bail!(
@@ -166,7 +163,6 @@ impl Scenes {
         Ok(())
     }
 
-    /// The name of the array of points, if there is one.
     fn points(&self) -> Option<&String> {
         let whole = self.whole.as_ref().map(|(.., label)| label);
         whole.or(self.frames.as_ref().map(|points| &points.label))
@@ -194,7 +190,7 @@ impl Scenes {
         Ok(())
     }
 
-    /// What holds for all frames: one array of points, and one of sizes.
+    /// Resolves the one array of points and the one array of sizes of all frames.
     fn settle(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         if let Some(chosen) = options.columns {
             chosen.among(&self.names, name)?;
@@ -224,7 +220,7 @@ impl Scenes {
         }
     }
 
-    /// Rows named r are places where nothing else is.
+    /// Takes rows named r for coordinates if there are no others.
     fn places(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         if self.points().is_some() || self.axes.iter().any(Option::is_some) {
             return Ok(());
@@ -238,7 +234,6 @@ impl Scenes {
         Ok(())
     }
 
-    /// Frame `k` of several, or the only one, with sizes and box from other arrays.
     fn frame(&mut self, k: Option<u64>, name: &str, options: Options) -> anyhow::Result<Loaded> {
         let frame = k.zip(self.frames.as_ref()).map(|(k, points)| [k, points.frames]);
         let (mut particles, mut radius) = match (&self.frames, self.whole.take()) {
@@ -275,7 +270,6 @@ impl Scenes {
     }
 }
 
-/// The particles of rows of coordinates, and of radii behind them.
 fn of_rows(
     values: &[f64],
     columns: usize,
@@ -289,13 +283,14 @@ fn of_rows(
     Ok((particles, radius))
 }
 
-/// Bytes named r are red, unless they are chosen.
+/// Whether the array is a size. Bytes named r are red, unless they are chosen.
 fn is_size(header: &Header, label: &str, options: Options) -> bool {
     let chosen = options.columns.is_some_and(|chosen| chosen.sizes());
     chosen || header.kind != Kind::U8 || !label.eq_ignore_ascii_case("r")
 }
 
-/// The radii of one frame: one for all, one for each particle, or one for each in each frame.
+/// Returns the radii of one frame; the array may hold one for all, one per particle, or one per
+/// particle and frame.
 fn of_frame(
     size: &Size,
     shape: &[u64],

@@ -1,8 +1,8 @@
-//! VTK XML: `.vtp` (PolyData) and `.vtu` (UnstructuredGrid), all pieces one after the other: text,
-//! base64, or appended (raw or base64), each also compressed with zlib.
+//! VTK XML: all pieces of a `.vtp` (PolyData) or `.vtu` (UnstructuredGrid) file. Arrays are text,
+//! base64 or appended (raw or base64), with or without zlib.
 //!
-//! The size is an array of the points named `radius`, `r`, `diameter` or `d`, or of the cells if
-//! each is one point. Points that polygons or larger cells join are refused. Format:
+//! The size is an array named `radius`, `r`, `diameter` or `d`, of the points or of cells that are
+//! one point each. Points joined by polygons or larger cells are refused. Format:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 mod numbers;
@@ -22,17 +22,15 @@ struct File<'a> {
     options: Options,
     layout: Layout,
     pieces: Vec<Arrays>,
-    /// Points of all pieces, as they announce them.
     announced: u64,
-    /// Points and cells of the last piece.
+    /// Number of points of the last piece; `cells` likewise.
     points: u64,
     cells: u64,
-    /// The element around the arrays that follow.
+    /// The element that encloses the arrays that follow.
     within: String,
-    /// The name of the array of ids, where that element says it.
+    /// The name of the array of ids, if `within` gives one.
     ids: Option<String>,
-    /// Arrays whose numbers stand behind all tags, by their offsets, with the numbers of their
-    /// pieces.
+    /// Arrays whose numbers come after all tags: offset, index of the piece, and array.
     appended: Vec<(u64, usize, Array)>,
 }
 
@@ -89,7 +87,6 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
 }
 
 impl File<'_> {
-    /// The first tag, which says what the file is.
     fn kind(&mut self) -> anyhow::Result<()> {
         let tag = self.xml.tag()?;
         let place = self.xml.place();
@@ -137,7 +134,6 @@ impl File<'_> {
         Ok(())
     }
 
-    /// Where the numbers of an array go, and how many it must have.
     fn target(&mut self, tag: &Tag, kind: Kind) -> anyhow::Result<(Target, Option<u64>)> {
         let options = self.options;
         let Some(piece) = self.pieces.last_mut() else { return Ok((Target::Nothing, None)) };
@@ -169,7 +165,7 @@ impl File<'_> {
     fn array(&mut self, tag: &Tag) -> anyhow::Result<()> {
         let place = self.xml.place();
         let kind = Kind::named(tag.get("type").unwrap_or_default());
-        // Numbers of unknown types may stand in arrays that are not used.
+        // Unused arrays may have unknown types.
         let (target, count) =
             self.target(tag, kind.unwrap_or(Kind::F64)).with_context(|| place.clone())?;
         if let Target::Nothing = target {
@@ -185,7 +181,7 @@ impl File<'_> {
         let name = self.xml.source.name;
         let at = self.pieces.len().saturating_sub(1);
         let target = match tag.get("format").unwrap_or("ascii") {
-            // Arrays without numbers may share an offset.
+            // Empty arrays may share an offset.
             "appended" if count == Some(0) => array.target,
             "appended" => {
                 let offset = tag.get("offset").and_then(|offset| offset.parse().ok());
@@ -214,7 +210,6 @@ impl File<'_> {
         self.pieces.last_mut().map_or(Ok(()), |piece| piece.keep(target, name))
     }
 
-    /// Numbers behind all tags, in the order of their offsets.
     fn behind(&mut self, raw: bool) -> anyhow::Result<()> {
         let mut list = std::mem::take(&mut self.appended);
         list.sort_by_key(|(offset, ..)| *offset);

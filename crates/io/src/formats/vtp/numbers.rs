@@ -1,4 +1,4 @@
-//! Numbers of an array of VTK XML: text, or blocks of bytes, which may be compressed with zlib.
+//! Numbers of a VTK XML array: text, or blocks of bytes with or without zlib.
 
 use std::io::{BufRead, BufReader, Read};
 
@@ -10,24 +10,22 @@ use crate::formats::xml::Xml;
 use crate::lines::{number, short, shown};
 use crate::scalars::{Kind, Target};
 
-/// How the numbers of a file are written.
 #[derive(Default)]
 pub(super) struct Layout {
     pub big: bool,
-    /// Bytes of the numbers that announce lengths.
+    /// Bytes of the integers that give lengths.
     pub header: usize,
-    /// What compresses arrays of bytes. Text is never compressed.
+    /// Name of the compressor of binary arrays; text is never compressed.
     pub compressor: String,
 }
 
 pub(super) struct Array {
     pub target: Target,
     pub kind: Kind,
-    /// How many numbers it must have; none if any number will do.
+    /// Required number of values; `None` if any number is allowed.
     pub count: Option<u64>,
 }
 
-/// Numbers as text, up to the next tag.
 pub(super) fn text(xml: &mut Xml<'_>, array: Array) -> anyhow::Result<Target> {
     let Array { mut target, count, .. } = array;
     let mut word = Vec::new();
@@ -71,7 +69,6 @@ impl Read for Counting<'_> {
     }
 }
 
-/// The numbers of one array, behind the lengths of its blocks.
 pub(super) fn numbers(
     bytes: &mut dyn Read,
     unpacking: &Unpacking,
@@ -122,7 +119,7 @@ pub(super) fn numbers(
         size % width == 0,
         "its blocks of {size} bytes cut through numbers; write the file again"
     );
-    // Grows with the lengths that are there, not with their announced number.
+    // Grows with the lengths that are present, because the announced number may be false.
     let mut packed = Vec::new();
     for _ in 0..blocks {
         crate::room::room(&mut packed)?;
@@ -144,7 +141,6 @@ pub(super) fn numbers(
     Ok(target)
 }
 
-/// Takes `left` bytes of numbers.
 fn feed(
     bytes: &mut dyn Read,
     target: &mut Target,

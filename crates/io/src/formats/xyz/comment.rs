@@ -1,11 +1,11 @@
 //! The comment line of extended XYZ: pairs `key=value`, as the specification allows and ASE reads
 //! them.
 //!
-//! * Blanks and tabs may stand around `=`; a key may be quoted; a bare word is no pair.
+//! * Blanks and tabs may surround `=`; a key may be quoted; a bare word is not a pair.
 //! * A value is a bare word, a text in double or single quotes, `{...}`, or an array `[a, b]` or
-//!   `[[a, b], [c, d]]`. A backslash escapes the next character. Commas and blanks both separate
+//!   `[[a, b], [c, d]]`. A backslash escapes the next character. Commas and blanks separate
 //!   numbers.
-//! * Capitals make no difference in keys.
+//! * Keys are compared without case.
 //!
 //! Specification: <https://github.com/libAtoms/extxyz>.
 
@@ -13,7 +13,7 @@ use anyhow::bail;
 
 use crate::lines::short;
 
-/// Keys that decide which contacts are found; names for which each may be meant.
+/// Keys that change which contacts are found, and other names that users may write for them.
 const DECIDE: [(&str, &[&str]); 3] = [
     ("Lattice", &["cell", "unit-cell", "box", "box-size", "lattice-vectors", "cell-vectors"]),
     ("pbc", &["pcb", "bpc", "periodic", "periodicity", "boundary", "boundaries"]),
@@ -23,21 +23,20 @@ const DECIDE: [(&str, &[&str]); 3] = [
 #[derive(Debug)]
 pub(super) struct Pair {
     key: String,
-    /// The place of the key in the line, counted from 1.
+    /// Byte position of the key in the line, counted from 1.
     pub column: usize,
-    /// The value without its quotes; of an array, as it is written.
+    /// The value without its quotes; arrays as written.
     pub text: String,
-    /// The value's words or numbers.
     pub cells: Vec<String>,
 }
 
-/// All pairs of the line; none where it is the comment of a plain file.
+/// All pairs of the line; empty if it is a plain comment.
 #[derive(Debug, Default)]
 pub(super) struct Comment(Vec<Pair>);
 
 impl Comment {
-    /// Reads the line. A line that is not made of pairs is a comment, unless a key that decides
-    /// contacts stands in it.
+    /// Parses the line. A line that does not consist of pairs is a plain comment, unless it
+    /// contains a key of [`DECIDE`].
     pub fn read(line: &str) -> anyhow::Result<Comment> {
         match pairs(line) {
             Ok(pairs) => {
@@ -63,7 +62,7 @@ impl Comment {
         self.0.iter().find(|pair| pair.key.eq_ignore_ascii_case(key))
     }
 
-    /// Refuses a key that is likely `wanted` under another name, where `wanted` is not there.
+    /// If the key `wanted` is missing, refuses keys that likely stand for it.
     pub fn no_other(&self, wanted: &str, remedy: &str) -> anyhow::Result<()> {
         let others = DECIDE.iter().find(|(key, _)| *key == wanted).map_or(&[][..], |it| it.1);
         let plain = wanted.to_lowercase();
@@ -86,7 +85,6 @@ impl Comment {
         Ok(())
     }
 
-    /// Refuses keys that decide contacts and stand there twice.
     fn once(self) -> anyhow::Result<Comment> {
         for (key, _) in DECIDE {
             let mut same = self.0.iter().filter(|pair| pair.key.eq_ignore_ascii_case(key));
@@ -98,7 +96,6 @@ impl Comment {
     }
 }
 
-/// Whether the key stands before a sign `=` somewhere in the line.
 fn mentions(line: &str, key: &str) -> bool {
     let (line, key) = (line.to_ascii_lowercase(), key.to_ascii_lowercase());
     let begins =
@@ -109,7 +106,7 @@ fn mentions(line: &str, key: &str) -> bool {
     })
 }
 
-/// The byte where the line cannot be read, counted from 0, and why.
+/// Byte position of a syntax error, counted from 0, and its description.
 type Fault = (usize, &'static str);
 
 fn pairs(line: &str) -> Result<Vec<Pair>, Fault> {
@@ -159,7 +156,6 @@ impl Scan<'_> {
         }
     }
 
-    /// The text up to a character that ends it.
     fn bare(&mut self, ends: impl Fn(char) -> bool) -> String {
         let mut text = String::new();
         while let Some(c) = self.peek().filter(|&c| !ends(c)) {
@@ -169,7 +165,6 @@ impl Scan<'_> {
         text
     }
 
-    /// The text between the sign that stands here and `end`.
     fn quoted(&mut self, end: char) -> Result<String, Fault> {
         let start = self.at;
         let mut text = String::new();
@@ -184,7 +179,6 @@ impl Scan<'_> {
         Err((start, "the quote or brace that begins here has no end"))
     }
 
-    /// The value that begins here, and its words.
     fn value(&mut self) -> Result<(String, Vec<String>), Fault> {
         let start = self.at;
         let words = |text: &str| {
@@ -206,7 +200,7 @@ impl Scan<'_> {
         Ok((text, cells))
     }
 
-    /// Adds the cells of an array, whose rows may be arrays; gives their number.
+    /// Adds the cells of an array, and returns their number; rows may be arrays.
     fn array(&mut self, cells: &mut Vec<String>, rows: bool) -> Result<usize, Fault> {
         let (start, mut count, mut length) = (self.at, 0, None);
         self.next();
@@ -242,8 +236,8 @@ impl Scan<'_> {
 }
 
 impl Pair {
-    /// Three truth values, `T T F`, `[true, true, false]` or `1,1,0`; or one for all; or two, where
-    /// there are two axes.
+    /// Parses truth values: three, such as `T T F`, `[true, true, false]` or `1,1,0`; two in 2D; or
+    /// one for all.
     pub fn flags(&self, dim: usize) -> anyhow::Result<[bool; 3]> {
         let flag = |cell: &String| match cell.to_ascii_lowercase().as_str() {
             "t" | "true" | "1" => Some(true),
@@ -262,7 +256,7 @@ impl Pair {
         }
     }
 
-    /// As many finite numbers as `counts` allows.
+    /// Parses finite numbers; their count must be one of `counts`.
     pub fn numbers(&self, counts: &[usize], what: &str) -> anyhow::Result<Vec<f64>> {
         let number = |cell: &String| crate::lines::number(cell.as_bytes());
         let numbers: Option<Vec<f64>> = self.cells.iter().map(number).collect();

@@ -1,16 +1,15 @@
-//! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line;
-//! frames follow each other.
+//! XYZ and extended XYZ: frames of the number of particles, a comment line, and one line per
+//! particle.
 //!
-//! * Extended: the comment holds pairs `key=value` (see [`comment`]), among them
-//!   `Properties=species:S:1:pos:R:3:radius:R:1`: names, types and numbers of columns. `pos` gives
-//!   two or three coordinates; `r`, `radius`, `d` or `diameter` the size; the rest is skipped.
-//! * The box: `Lattice="ax ay az bx by bz cx cy cz"`, of any direction, from the corner `Origin`;
-//!   three numbers are edges along the axes, four the vectors of discs. It repeats along all
-//!   vectors unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
-//! * Its time: `step=100` (or `timestep`), `time=0.5`.
-//! * Plain: `species x y z`. The meaning of further columns is unknown: they may be radii, charges
-//!   or velocities. So a plain file with more columns is refused, unless the options give the
-//!   radius: then the columns are skipped.
+//! * Extended: the comment has pairs `key=value` (see [`comment`]).
+//!   `Properties=species:S:1:pos:R:3:radius:R:1` gives name, type and number of columns. `pos` has
+//!   two or three coordinates; `r`, `radius`, `d` or `diameter` is the size; the rest is skipped.
+//! * Box: `Lattice="ax ay az bx by bz cx cy cz"` from the corner `Origin`; three numbers are edges
+//!   along the axes, four are the vectors of a 2D box. It is periodic along all vectors unless
+//!   `pbc="T T F"` states otherwise, as in ASE and OVITO.
+//! * Time: `step=100` (or `timestep`), `time=0.5`.
+//! * Plain: `species x y z`. Further columns are refused, because they may be radii, charges or
+//!   velocities. If the options give the radius, they are skipped.
 
 mod comment;
 
@@ -32,13 +31,13 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
 struct Xyz<'a> {
     lines: Lines<'a>,
     options: Options,
-    /// Particles of the frame that has begun; none before the first.
+    /// Number of particles of the current frame; `None` before the first.
     count: Option<u64>,
 }
 
 impl Framed for Xyz<'_> {
     fn begin(&mut self) -> anyhow::Result<Option<String>> {
-        // The first line counts the particles, blank or not.
+        // The first line must be the number, so blank lines are not skipped there.
         let more = match self.count {
             None => self.lines.advance().map(|_| true),
             Some(_) => self.lines.advance_over_blanks(),
@@ -65,8 +64,8 @@ impl Framed for Xyz<'_> {
     }
 }
 
-/// The doubt about a comment with three numbers or more, or with the names of columns: codes write
-/// boxes and columns there without a common form, and none of it is read.
+/// Returns a notice if a comment has three positive numbers or names columns. Some programs write
+/// boxes and columns there in forms that are not read.
 fn maybe_box(line: &str) -> Option<Notice> {
     let cells = line.split(|c: char| c.is_whitespace() || ",:=".contains(c));
     let numbers = cells.filter(|cell| number(cell.as_bytes()).is_some_and(|x| x > 0.0)).count();
@@ -80,19 +79,17 @@ fn maybe_box(line: &str) -> Option<Notice> {
     })
 }
 
-/// End of the error for a frame with too few particles.
 const ROWS: &str = "particles that the frame's first line announces: it is cut off, or still being \
                     written; mend the number or the file";
 
-/// The comment line and the rows of one frame.
 fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Loaded> {
-    // A file of no particles may end before its comment line.
+    // A file with 0 particles may end before its comment line.
     let line = if lines.advance()? { lines.text() } else { String::new() };
     let comment = Comment::read(&line).with_context(|| lines.place())?;
     let columns = columns(&comment, options).with_context(|| lines.place())?;
     let space = columns.meaning.contains(&Column::Axis(2));
     let declared = match declared(&line, &comment, space, options) {
-        // No box is wanted.
+        // With open boundaries, a faulty box does not matter.
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
     };
@@ -134,7 +131,6 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
     Ok((particles, About { declared, step, time, ..about }))
 }
 
-/// The columns that the comment line announces, or those of a plain file.
 fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
     match comment.get("Properties") {
         Some(pair) => {
@@ -149,8 +145,7 @@ fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
     }
 }
 
-/// The box that the comment line declares. A lattice repeats along all vectors where nothing is
-/// said.
+/// Returns the box of the comment line; without `pbc` a lattice is periodic along all vectors.
 fn declared(
     line: &str,
     comment: &Comment,
@@ -189,7 +184,7 @@ fn declared(
     Ok(declared.then_some(Declared { vectors, origin, periodic, ..Declared::default() }))
 }
 
-/// The columns that `name:type:number` triples announce.
+/// Parses the columns from `name:type:number` triples.
 fn announced(properties: &str) -> anyhow::Result<Columns> {
     let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
     let mut columns = Columns::default();
@@ -203,7 +198,7 @@ fn announced(properties: &str) -> anyhow::Result<Columns> {
         let Some(count) = count else {
             bail!("'{}' is not a number of columns from 1 to 1000", short(triple[2]))
         };
-        // Else a line of a million letters could ask for gigabytes of columns.
+        // Without this limit, a line of a million letters could reserve gigabytes for columns.
         ensure!(
             columns.names.len() + count <= MOST_COLUMNS,
             "it announces more than {MOST_COLUMNS} columns; remove what is not needed"

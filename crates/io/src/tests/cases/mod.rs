@@ -1,22 +1,22 @@
-//! Files of text, and what is read of them: `*.txt` in this folder.
+//! Text files and the expected result of reading them: `*.txt` in this folder.
 //!
-//! A line `>>> ENDING` begins a file, whose lines follow: `>>> list` a list of contacts, `>>> any`
-//! a file that is read with several endings and as a list, `>>> file NAME` one of tests/data. A
-//! line `<<< NAME=VALUE ...` reads the file with these options, and below it stands what comes of
-//! that:
+//! A line `>>> ENDING` starts a file. `>>> list` starts a contact list, `>>> any` a file that is
+//! read with several endings and as a list, and `>>> file NAME` names a file in tests/data. A line
+//! `<<< NAME=VALUE ...` reads the file with these options. The lines after it are the expected
+//! result:
 //!
-//! | line | holds |
+//! | line | content |
 //! |---|---|
-//! | `= FORMAT SOURCE:` | where radii are from; of each particle `#id`, coordinates, radius |
+//! | `= FORMAT SOURCE:` | source of the radii; of each particle `#id`, coordinates, radius |
 //! | `@` | frame, step and time, unless it is frame 0 without these |
-//! | `+` or `-` | the box, if it repeats or not: vectors, flags, corner |
-//! | `~` | words of a notice, one line for each, with … between words |
-//! | `!` | words of the refusal |
+//! | `+` or `-` | a periodic or other box: vectors, flags, corner |
+//! | `~` | parts of a notice, separated by … |
+//! | `!` | parts of the error, separated by … |
 //!
-//! In a file `\t`, `\r`, `\0` and `\\` stand for themselves, `\xff` for a byte, and `\` at the end
-//! of a line for no line feed. A line without options reads the only frame. A line `% <f8 (2,) 1 2`
-//! is an array of NumPy, in Fortran order if its type ends in F; lines `%NAME <f8 (2,) 1 2` are
-//! those of an archive. What is read is the same if it is compressed with gzip.
+//! In a file, `\t`, `\r`, `\0`, `\\` and `\xff` stand for bytes; `\` at the end of a line removes
+//! the line feed. A line `% <f8 (2,) 1 2` is an npy array, in Fortran order if its type ends in F.
+//! Lines `%NAME <f8 (2,) 1 2` are arrays of an archive. Each file is read a second time, compressed
+//! with gzip.
 
 use std::fmt::Write;
 
@@ -32,7 +32,6 @@ const FILES: [(&str, &str); 13] = files![
     "tables", "unread", "vtk", "xyz"
 ];
 
-/// A number in the type of an array.
 fn number(kind: &str, x: f64) -> Vec<u8> {
     let mut bytes = match kind.split_at(1).1 {
         "f4" => (x as f32).to_le_bytes().to_vec(),
@@ -45,7 +44,6 @@ fn number(kind: &str, x: f64) -> Vec<u8> {
     bytes
 }
 
-/// The array of a line, and its name in an archive.
 fn array(line: &str) -> Option<(&str, Vec<u8>)> {
     let (name, rest) = line.strip_prefix('%')?.split_once(' ')?;
     let (kind, rest) = rest.split_once(" (")?;
@@ -57,7 +55,6 @@ fn array(line: &str) -> Option<(&str, Vec<u8>)> {
     Some((name, npy_file(kind, fortran, &format!("({shape})"), &data)))
 }
 
-/// An archive whose files are stored.
 fn archive(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut archive = Vec::new();
     for (name, file) in files {
@@ -68,7 +65,6 @@ fn archive(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
     [&archive, &b"PK\x05\x06"[..], &[0; 18]].concat()
 }
 
-/// A file as the cases write it.
 fn bytes(lines: &[&str]) -> Vec<u8> {
     let arrays: Vec<(&str, Vec<u8>)> = lines.iter().filter_map(|line| array(line)).collect();
     match &arrays[..] {
@@ -101,7 +97,6 @@ fn bytes(lines: &[&str]) -> Vec<u8> {
     bytes
 }
 
-/// The options of a line, and the columns of a list.
 fn options(text: &str) -> Result<(Options, Vec<&str>), String> {
     let (mut options, mut columns) = (NONE, Vec::new());
     for word in text.split_whitespace() {
@@ -126,7 +121,6 @@ fn notices(notices: &[Notice], out: &mut String) {
     notices.iter().for_each(|it| writeln!(out, "~ {}", it.words(Place::Argument)).unwrap());
 }
 
-/// What is to be said of a frame, line by line.
 fn frame(particles: Particles, about: &About, options: Options, out: &mut String) {
     if (about.frame, about.step, about.time) != (0, None, None) {
         let About { frame, step, time, .. } = about;
@@ -162,7 +156,6 @@ fn frame(particles: Particles, about: &About, options: Options, out: &mut String
     }
 }
 
-/// Prints the particles that are read from a file, or the refusal.
 fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     let mut out = String::new();
     let read = if options.frame == Frame::All {
@@ -181,7 +174,6 @@ fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     out
 }
 
-/// Prints the lists of contacts that are read, or the refusal.
 fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
     let mut out = String::new();
     let list = |list: pairs::List, out: &mut String| {
@@ -211,7 +203,6 @@ fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
     out
 }
 
-/// Reads a file with these options, and prints particles, lists or the refusal.
 fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
     match options(text) {
         Err(why) => format!("! {why}\n"),
@@ -228,7 +219,7 @@ fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
     }
 }
 
-/// Whether a line is what is expected: of notices and refusals in these words, which `…` parts.
+/// Whether a line is as expected; parts of notices and errors are separated by `…`.
 fn says(line: &str, expected: &str) -> bool {
     let mut rest = line.split_at(1).1;
     match expected.split_at(1) {
@@ -275,7 +266,7 @@ fn files_of_text_give_particles_lists_or_words() {
     assert!(wrong.is_empty() && count > 700, "{count} cases; wrong are\n{wrong}");
 }
 
-/// Each has a case in `unread.txt`.
+/// Every such format has a case in `unread.txt`.
 #[test]
 fn formats_that_are_known_and_not_read_are_named() {
     let cases = FILES.iter().find(|(name, _)| *name == "unread").unwrap().1;

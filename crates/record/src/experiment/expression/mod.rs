@@ -4,8 +4,8 @@
 //! sign, then `*` and `/`, then `+` and `-`: `-n^2` is -(n²), `2^-1` is 1/2. An identifier is a
 //! variable, or a function if a parenthesis follows.
 //!
-//! A precedence-climbing (Pratt) parser writes the expression in postfix order, so that evaluation
-//! is a loop over a stack.
+//! A precedence-climbing (Pratt) parser translates the expression to postfix order, which is
+//! evaluated on a stack.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use crate::record::outcome::Pass;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// Levels of parentheses, signs and powers; nobody writes more, and the parser recurses.
+/// Maximum nesting of parentheses, signs and powers; it bounds the recursion of the parser.
 const DEEPEST: u32 = 64;
 
 type Unary = fn(f64) -> f64;
@@ -29,7 +29,6 @@ const UNARY: [(&str, Unary); 6] = [
     ("log10", f64::log10),
 ];
 
-/// Functions of two numbers or more, taken from left to right.
 const FOLDS: [(&str, Binary); 2] = [("min", f64::min), ("max", f64::max)];
 
 #[derive(Clone, Copy, Debug)]
@@ -43,9 +42,8 @@ enum Step {
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
-    /// Each variable with the column of its first use.
+    /// Each variable, and the column where it first occurs.
     variables: Vec<(String, usize)>,
-    /// In postfix order.
     steps: Vec<Step>,
 }
 
@@ -53,12 +51,12 @@ pub struct Expression {
 #[error("cannot read the expression '{text}': at column {column}, {problem}")]
 pub struct NotAnExpression {
     text: String,
-    /// From 1, in characters.
+    /// Counted from 1, in characters.
     pub column: usize,
     problem: String,
 }
 
-/// A text, or a number as it stands.
+/// Accepts a text or a plain number.
 impl<'de> Deserialize<'de> for Expression {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
         deserializer.deserialize_any(TextOrNumber)
@@ -94,7 +92,7 @@ impl fmt::Display for Expression {
 }
 
 impl Expression {
-    /// Parses an expression; which variables there are is not known here.
+    /// Parses an expression; names of variables are not checked.
     pub fn parse(text: &str) -> Result<Expression, NotAnExpression> {
         let expression = Expression { text: text.into(), variables: Vec::new(), steps: Vec::new() };
         let mut parser = Parser { rest: text.chars().collect(), at: 0, depth: 0, expression };
@@ -106,19 +104,16 @@ impl Expression {
         }
     }
 
-    /// Each variable once, with the column of its first use, from 1.
     pub fn variables(&self) -> impl Iterator<Item = (&str, usize)> {
         self.variables.iter().map(|(name, column)| (name.as_str(), *column))
     }
 
-    /// Does it use the measured time, so that it has an interval and is of one machine?
     pub fn uses_time(&self) -> bool {
         self.variables().any(|(name, _)| {
             Column::find(name).is_some_and(|column| column.pass == Some(Pass::Time))
         })
     }
 
-    /// The result, where every variable has a value; it need not be finite.
     pub fn evaluate(&self, value: impl Fn(&str) -> Option<f64>) -> Option<f64> {
         let values: Option<Vec<f64>> = self.variables().map(|(name, _)| value(name)).collect();
         let values = values?;
@@ -146,10 +141,9 @@ struct Parser {
     expression: Expression,
 }
 
-/// How tightly the minus sign binds: between `*` and `^`.
+/// Binding strength of the minus sign, between `*` and `^`.
 const SIGN: u8 = 5;
 
-/// How tightly an operator binds to its left and to its right, and what it does.
 fn operator(sign: char) -> Option<(u8, u8, Binary)> {
     Some(match sign {
         '+' => (1, 2, |a, b| a + b),
@@ -162,7 +156,7 @@ fn operator(sign: char) -> Option<(u8, u8, Binary)> {
 }
 
 impl Parser {
-    /// An operand, and all operators after it that bind at least as tightly as `least`.
+    /// Parses an operand and the operators after it that bind at least as tightly as `least`.
     fn operand(&mut self, least: u8) -> Result<(), String> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -296,7 +290,6 @@ impl Parser {
         }
     }
 
-    /// The next character that is not a space.
     fn peek(&mut self) -> Option<char> {
         while self.rest.get(self.at).is_some_and(|c| c.is_whitespace()) {
             self.at += 1;
@@ -309,7 +302,6 @@ impl Parser {
     }
 }
 
-/// The names of all functions, for messages and the documentation.
 pub fn functions() -> impl Iterator<Item = &'static str> {
     FOLDS.iter().map(|(name, _)| *name).chain(UNARY.iter().map(|(name, _)| *name))
 }

@@ -1,5 +1,3 @@
-//! Expressions: precedence, and errors with their column.
-
 use proptest::prelude::*;
 
 use super::*;

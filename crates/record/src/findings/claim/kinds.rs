@@ -1,4 +1,4 @@
-//! The kinds of claims: what the values of cells come to, and the numbers behind that in a line.
+//! The check of each kind of claim, and its evidence in one line.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,9 +18,8 @@ const SERIES: usize = 3;
 pub(super) struct Finding {
     pub status: Status,
     pub words: String,
-    /// True if there was nothing to check.
     pub nothing: bool,
-    /// True if more cells may turn a failure into success.
+    /// Whether further cells may turn a failure into success.
     pub open: bool,
     pub used: BTreeSet<CellId>,
 }
@@ -88,7 +87,7 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
     Finding::new(decided(holds), words).about(cells.into_iter())
 }
 
-/// How far a value is above another: in percent, or as a factor where that is allowed to be large.
+/// How far a value exceeds another, as a percentage or, if large, as a factor.
 fn apart(spread: f64, within: f64) -> String {
     match within >= 1.0 || spread >= 1.0 {
         true => format!("a factor of {}", number(1.0 + spread)),
@@ -96,13 +95,12 @@ fn apart(spread: f64, within: f64) -> String {
     }
 }
 
-/// `equal`, within a tolerance, or `at-most`, to what `to` gives for a cell.
 pub(super) fn compared(
     points: &[Valued],
     to: impl Fn(&Cell) -> Option<f64>,
     equal: Option<f64>,
 ) -> Finding {
-    // how far a cell is from the claim: relative difference, or value / limit - 1
+    // Relative difference, or value / limit - 1.
     let gap = |value: f64, to: f64| match equal {
         Some(_) if value == to => 0.0,
         Some(_) => (value - to).abs() / to.abs(),
@@ -152,8 +150,8 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
     let cells = cells_of(points);
     let fields: Vec<String> =
         varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
-    // Exponent and distance to the next law of each series that the law fits; of the others,
-    // whether it fails, and why.
+    // Series that the law fits: exponent and distance to the next law. Other series: whether the
+    // claim fails, and why.
     let (mut fitting, mut others) = (Vec::new(), Vec::new());
     for (key, points) in &series {
         let choice = growth::choose(points);
@@ -188,7 +186,6 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
             least(|it| it.1)
         ));
     }
-    // The deciding row comes first.
     others.sort_by_key(|(fails, _)| !fails);
     let more = others.len().saturating_sub(SERIES);
     parts.extend(others.into_iter().take(SERIES).map(|(_, words)| words));
@@ -196,11 +193,10 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
         parts.push(format!("and {more} more series"));
     }
     let found = Finding::new(status, parts.join("; ")).about(cells.into_iter());
-    // Another law may fit the whole.
+    // Another law may fit all cells together.
     Finding { open: true, ..found }
 }
 
-/// Why a series does not grow as wanted.
 fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
     let exponent = choice.slope.map_or_else(String::new, |slope| {
         format!("exponent {:.3} [{:.3}, {:.3}], ", slope.exponent, slope.low, slope.high)
@@ -236,7 +232,6 @@ pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Find
         return Finding::nothing(&words).about(used);
     };
     let noise = Noise::new(&own.iter().collect::<Vec<_>>());
-    // Against 1 / by, as others are against 1.
     let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(&ratio.scaled(by), cell.id.n);
     let slower = found.iter().filter(|pair| decided(pair) && pair.1.median * by > 1.0).count();
     let open = found.iter().filter(|pair| !decided(pair)).count();

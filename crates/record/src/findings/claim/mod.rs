@@ -1,9 +1,8 @@
-//! Claims of experiments, checked from the record: does each hold over what was planned, fail, or
-//! was it not covered or not shown?
+//! Checks the claims of an experiment against the record.
 //!
-//! Only cells that ended well enter; cells that did not are named in the evidence, and a cell with
-//! a wrong answer makes the claim fail, because a detector that loses contacts has no cost worth
-//! comparing. Controls enter only if `where` names the detector.
+//! Only cells that ended well are used; the evidence counts the others. A cell with a wrong answer
+//! makes the claim fail, because a detector that loses contacts cannot be compared. Controls are
+//! used only if `where` names them.
 
 mod kinds;
 
@@ -21,13 +20,13 @@ use contactbench_terms::number::plural;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// True in every cell planned.
+    /// True in every planned cell.
     Holds,
-    /// False somewhere, or it cannot be checked as written.
+    /// False in some cell, or impossible to check as written.
     Fails,
-    /// True in what is there, and a part of what was planned is not there.
+    /// True in all measured cells, but some planned cells are missing.
     NotCovered,
-    /// No data, or too little to tell.
+    /// No data, or too few to decide.
     NotShown,
 }
 
@@ -47,45 +46,39 @@ pub struct Verdict {
     pub experiment: String,
     pub claim: String,
     pub source: String,
-    /// What it answers to the experiment's question if it holds; may be empty.
+    /// The answer to the experiment's question if the claim holds; may be empty.
     pub answers: String,
     pub status: Status,
-    /// False for times, which are of one machine.
     pub machine_independent: bool,
     pub evidence: Evidence,
 }
 
-/// The finding of a claim, and the rows that were left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evidence {
-    /// The numbers behind the verdict, in a line.
     pub found: String,
-    /// True where there was nothing to check.
     pub nothing: bool,
     pub of_machine: bool,
-    /// The cells that the claim is about and that could not enter.
     pub without: Option<Without>,
-    /// Planned cells of the claim that are not there.
     pub uncovered: Option<Uncovered>,
-    /// Smallest and largest time in nanoseconds per particle, if counts or bytes of one detector
-    /// are claimed and its cells have times.
+    /// Smallest and largest time in nanoseconds per particle, if the claim is about counts or bytes
+    /// of one detector.
     pub time: Option<[f64; 2]>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Without {
-    /// This many, by outcome; no outcome for those that ended well and have no value.
+    /// Number by outcome; the key is `None` for cells that ended well but have no value.
     pub outcomes: BTreeMap<Option<Outcome>, usize>,
     pub of: usize,
 }
 
-/// True if a claim that does not depend on the machine fails: a reason for a non-zero exit.
+/// Whether a claim that does not depend on the machine fails, so that the exit code is not 0.
 pub fn any_failed(verdicts: &[Verdict]) -> bool {
     verdicts.iter().any(|verdict| verdict.machine_independent && verdict.status == Status::Fails)
 }
 
-/// Checks every claim of an experiment; cells of other experiments are left aside. A claim that
-/// cannot be checked (an unknown variable, say) fails, with the reason.
+/// Checks every claim of an experiment against the cells of that experiment. A claim that cannot be
+/// checked, for example because of an unknown variable, fails with the reason.
 pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>) -> Vec<Verdict> {
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
@@ -152,7 +145,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Evidence)> {
 }
 
 fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<Finding> {
-    // A cell without one of these is named with those left out.
+    // Cells without one of these values are counted as left out.
     let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued<'_>>> {
         sides.iter().try_for_each(|side| side.check(own))?;
         let mut points = Vec::new();
@@ -186,8 +179,8 @@ fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<Fi
     })
 }
 
-/// Smallest and largest median time per particle, if all cells have one and are of one detector in
-/// one arithmetic with as many threads.
+/// Smallest and largest median time per particle, if all cells have one, and have the same
+/// detector, arithmetic and threads.
 fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
     let one: BTreeSet<Line> = cells.iter().map(|cell| Line::new(cell)).collect();
     let per_particle = |cell: &&Cell| Some(cell.time()?.median / cell.id.n.max(1) as f64);
@@ -197,8 +190,7 @@ fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
     Some([low?, high?])
 }
 
-/// The value of a cell; an expression of what was asked (n, parameters) has one however the
-/// measurement ended.
+/// The value of a cell. Expressions of n and parameters alone have a value whatever the outcome.
 fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
     if value.passes().is_empty() {
         return value.at(cell, None);

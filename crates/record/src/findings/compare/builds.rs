@@ -1,16 +1,13 @@
-//! A record in which another build took part, as two records: of that build, and of this one.
+//! Splits a record of two builds into one record per build.
 
 use crate::record::row::Row;
 
-/// The rows of each build, under the names of the detectors.
 pub struct Builds {
-    /// Of the build that this one is compared with.
     pub base: Vec<Row>,
     pub this: Vec<Row>,
 }
 
 impl Builds {
-    /// None where no other build took part.
     pub fn new(rows: &[Row]) -> Option<Builds> {
         let (mut base, mut this) = (Vec::new(), Vec::new());
         for row in rows {

@@ -1,5 +1,4 @@
-//! Two records compared cell by cell: what must be the same (pairs, counts, bytes, outcomes), and
-//! how the times differ.
+//! Compares two records cell by cell: exact values (pairs, counts, bytes, outcomes), and times.
 
 mod builds;
 pub mod records;
@@ -26,40 +25,35 @@ use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// A difference within this share is none.
+    /// Relative differences up to this are not counted.
     pub band: f64,
-    /// Both took turns in the same blocks, and this is what equal code differed by there, by
-    /// experiment.
+    /// Noise of equal code, by experiment, if both builds were timed in the same blocks.
     pub side_by_side: Option<BTreeMap<String, Noise>>,
-    /// Times are taken as multiples of this detector's in the same block.
     pub against: Option<Against>,
-    /// The machines of the two records where they differ: no time is judged.
+    /// The machines of the records, if they differ; times are then not judged.
     pub machines: Option<[Machine; 2]>,
-    /// Times are judged across machines nevertheless, as multiples of the reference.
+    /// Whether to judge times across machines nevertheless, as multiples of the reference.
     pub across: bool,
-    /// The kinds of builds where they differ: no time is judged.
+    /// The kinds of builds, if they differ; times are then not judged.
     pub builds: Option<[String; 2]>,
 }
 
-/// A control: a detector whose code has not changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Against {
     pub detector: String,
-    /// Its own times in the two records are within this factor of each other in nine of ten cells;
-    /// what is within it may have changed between the runs and not in the code. None if it has no
-    /// times in both.
+    /// In nine of ten cells, its own times in the two records differ by at most this factor.
+    /// Smaller changes of other detectors may come from the machine. `None` if it lacks times in a
+    /// record.
     pub drift: Option<f64>,
 }
 
-/// Returns the name of the record that alone has something; `None` if both have it, or neither.
 fn only(a: bool, b: bool) -> Option<&'static str> {
     (a != b).then_some(if a { "A" } else { "B" })
 }
 
-/// Something that must be the same and is not.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Change {
-    /// `digest`, `list_push`, `peak_bytes`, `outcome (time)`, ...
+    /// For example `digest`, `list_push`, `peak_bytes`, `outcome (time)`.
     pub what: String,
     pub a: String,
     pub b: String,
@@ -67,23 +61,19 @@ pub struct Change {
 
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// `nbs, packed, 3D, n = 1000, ...`: all that tells it from other cells.
+    /// Everything that distinguishes the cell from others, such as `nbs, packed, 3D, n = 1000`.
     pub place: String,
     pub id: CellId,
-    /// What must be the same and is not.
     pub changes: Vec<Change>,
     pub absent: Option<String>,
-    /// Whether the cell is in both records.
     pub in_both: bool,
-    /// Values that cannot be compared although the cell is in both records, one line each: a run
-    /// was cut short.
+    /// Values that only one record has because a run was interrupted, one line each.
     pub lacks: Vec<String>,
-    /// The times, where both have some.
     pub timing: Option<Timing>,
 }
 
-/// A control that both records have, if there is one, and how far its own times are apart: the
-/// detector that is named, or else one that has a twin in both.
+/// Returns the control that both records have, with its drift: the `named` detector, otherwise one
+/// with a twin in both.
 pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
     let [a, b] = [a, b].map(Record::new);
     let known = || a.originals().intersection(&b.originals()).next().cloned();
@@ -98,7 +88,6 @@ pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
     Some(Against { detector, drift })
 }
 
-/// What equal code differed by in each experiment of a record in which builds took turns.
 pub fn floors(cells: &[Cell]) -> BTreeMap<String, Noise> {
     let mut experiments: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for cell in cells {
@@ -109,7 +98,6 @@ pub fn floors(cells: &[Cell]) -> BTreeMap<String, Noise> {
 
 struct Record {
     cells: BTreeMap<CellId, Cell>,
-    /// Numbers of pairs and their fingerprints: one, unless answers differ.
     answers: BTreeMap<CellId, BTreeSet<String>>,
     scenes: HashMap<Projection, Vec<CellId>>,
 }
@@ -131,15 +119,14 @@ impl Record {
         Record { cells, answers, scenes }
     }
 
-    /// The detectors that have twins, with the parameters, which a twin has, too.
     fn originals(&self) -> BTreeSet<String> {
         let original = |cell: &Cell| Some(cell.role.twin_of()?.to_string());
         let id = |cell: &Cell| Some(CellId { detector: original(cell)?, ..cell.id.clone() });
         self.cells.values().filter_map(|cell| Some(id(cell)?.contender())).collect()
     }
 
-    /// The detector that a cell's times are divided by: on the same scene, in the same arithmetic
-    /// if it can be, with as few threads as there are.
+    /// The cell whose times are the divisor: the same scene, preferably the same arithmetic, and
+    /// the fewest threads.
     fn reference(&self, id: &CellId, name: &str) -> Option<&Cell> {
         let known = self.scenes.get(&id.scene_id()).into_iter().flatten();
         let known = known.filter_map(|id| self.cells.get(id));
@@ -154,8 +141,8 @@ impl Record {
     }
 }
 
-/// Compares two records of the same machine each, or of the same several. Cells come in the order
-/// of keys, those of one record only included.
+/// Compares two records of the same machines. Cells are in the order of keys, including those of
+/// one record only.
 pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
     let (a, b) = (Record::new(a), Record::new(b));
     let keys: BTreeSet<&CellId> = a.cells.keys().chain(b.cells.keys()).collect();
@@ -193,7 +180,7 @@ fn fill(
     options: &Options,
 ) {
     let gone = |cell: &Cell| cell.overall().0 == Outcome::Unavailable;
-    // Of what was available in neither, nothing is missing.
+    // If it was unavailable in both, nothing is missing.
     if let Some(side) = only(gone(in_a), gone(in_b)) {
         let (_, reason) = if gone(in_a) { in_a.overall() } else { in_b.overall() };
         cell.absent = Some(format!("unavailable in {side}: {reason}"));
@@ -206,7 +193,6 @@ fn fill(
     };
     note("scene", &in_a.stats.scene_hash, &in_b.stats.scene_hash);
     if !cell.changes.is_empty() {
-        // All else follows from that.
         return;
     }
     cell.changes = changes(in_a, in_b, options.machines.is_some());
@@ -219,13 +205,13 @@ fn fill(
         cell.changes.push(Change { what: "answer".into(), a: text(in_a), b: text(in_b) });
     }
     cell.timing = timing((a, in_a), (b, in_b), options);
-    // What an outcome explains is said by the outcome.
+    // A different outcome already explains missing values.
     if cell.changes.is_empty() {
         cell.lacks = lacks(in_a, in_b, cell.timing.is_some());
     }
 }
 
-/// All fields but the parameters that are the same wherever the scene is.
+/// All fields, except parameters with one value per scene.
 fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
     let mut values: BTreeMap<(&str, u32, String), BTreeSet<AxisValue>> = BTreeMap::new();
     for key in keys {
@@ -246,8 +232,8 @@ fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
     first.into_iter().map(String::from).chain(params).chain(others.map(String::from)).collect()
 }
 
-/// Outcomes, contacts, counts and bytes that differ. What one side did not measure, because it
-/// ended otherwise, is said by the outcome.
+/// Outcomes, contacts, counts and bytes that differ. Values missing because of a different outcome
+/// are not listed.
 fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     let mut found = Vec::new();
     let mut note = |what: &str, a: String, b: String| {
@@ -257,7 +243,7 @@ fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     };
     for pass in Pass::ALL {
         if let (Some((in_a, _)), Some((in_b, _))) = (a.passes.get(&pass), b.passes.get(&pass)) {
-            // Whether a detector is done in time is a matter of the machine.
+            // Timeouts depend on the machine.
             let slow = [in_a, in_b].contains(&&Outcome::Timeout) && two_machines;
             if !slow {
                 note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());
@@ -272,14 +258,12 @@ fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     found
 }
 
-/// What is compared as it is. (Answers are compared as a whole; errors follow from the pairs, and
-/// what the scene is from its fingerprint.)
+/// Columns that must be equal. Answers are compared as a whole, and scenes by their fingerprint.
 fn exact() -> impl Iterator<Item = &'static str> {
     let measured = [Pass::Count, Pass::Memory].into_iter().flat_map(Column::measured_by);
     measured.map(|column| &*column.name)
 }
 
-/// What one side has measured and the other has not.
 fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<String> {
     let mut found = Vec::new();
     let mut see = |what: &str, has: &dyn Fn(&Cell) -> bool| {

@@ -1,4 +1,4 @@
-//! What two records are of: their machines, their builds, and the rows that can be compared.
+//! Machines and builds of two records, and the rows that can be compared.
 
 use std::collections::BTreeSet;
 
@@ -13,13 +13,12 @@ pub fn machines(part: &Part) -> BTreeSet<String> {
     part.rows.iter().map(|row| row.id.machine.clone().unwrap_or_default()).collect()
 }
 
-/// The detectors, with their parameters, that a record has rows of.
 pub fn detectors(part: &Part) -> BTreeSet<String> {
     part.rows.iter().map(|row| row.id.contender()).collect()
 }
 
-/// The rows to compare: where a record is of several machines, those of the machines that both
-/// have. An error if there is none of these.
+/// The rows to compare: if a record has several machines, those of the machines in both. Fails if
+/// there are none.
 pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
     let names = parts.map(machines);
     if names.iter().all(|names| names.len() == 1) {
@@ -40,14 +39,13 @@ pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
     Ok(parts.map(kept))
 }
 
-/// The machines of the two, if they differ.
 pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
     let names = parts.map(machines);
     let apart = |a: &str, b: &str| {
         let found = [parts[0].machine(a), parts[1].machine(b)];
         let differ = !found[0].may_be(&found[1]);
         let [first, second] = found;
-        // As the records call them: in a merged one a machine's own name may stand behind a label.
+        // A merged record may add a label to the machine's own name.
         let named = |name: &str, machine| Machine { name: name.into(), ..machine };
         differ.then(|| [named(a, first), named(b, second)])
     };
@@ -64,7 +62,6 @@ pub fn two_builds(parts: [&Part; 2]) -> Option<[String; 2]> {
     Some([a?, b?]).filter(|[a, b]| a != b)
 }
 
-/// A field of a record's provenance; null where there is none.
 pub fn field(part: &Part, name: &str) -> Value {
     let fields = part.provenance.as_ref();
     fields.and_then(|fields| fields.get(name)).cloned().unwrap_or(Value::Null)

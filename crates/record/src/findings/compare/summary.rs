@@ -1,4 +1,4 @@
-//! The result of a comparison in numbers.
+//! Totals of a comparison.
 
 use std::collections::BTreeMap;
 
@@ -8,21 +8,18 @@ use crate::stats::interval::{at_least, median};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub cells: usize,
-    /// Those in which something differs that must be the same.
     pub changed: usize,
     pub absent: usize,
-    /// Those of which a part cannot be compared.
     pub lacking: usize,
     pub judged: BTreeMap<Judgement, usize>,
-    /// Of equal code so many would be slower by chance, at most.
+    /// Upper limit for the number of slower cells expected by chance, for equal code.
     pub by_chance: f64,
-    /// The slowdown that would have been found: its median over the cells that can be judged, and
-    /// the largest.
+    /// The slowdown that would have been detected: its median over the judged cells, and its
+    /// maximum.
     pub least: Option<(f64, f64)>,
-    /// Cells within the band whose interval excludes 1: a difference, and a small one.
+    /// Cells within the band whose interval excludes 1.
     pub small: usize,
-    /// A twin that moved though it is equal code, and by what factor: where it did, nothing is
-    /// decided.
+    /// A twin that became slower or faster, and the factor. No verdict is then given.
     pub moved: Option<(String, f64)>,
 }
 
@@ -54,8 +51,8 @@ impl Summary {
         }
     }
 
-    /// Are more cells slower than chance explains? Equal code has so many in at most one of twenty
-    /// comparisons, however many cells there are.
+    /// Whether more cells are slower than chance explains. For equal code this is true in at most
+    /// one of twenty comparisons.
     pub fn is_slower(&self) -> bool {
         use Judgement::NotJudged;
         let slower = self.judged.get(&Judgement::Slower).copied().unwrap_or(0);
@@ -64,12 +61,10 @@ impl Summary {
         slower > 0 && at_least(slower, cells, self.by_chance / cells as f64) <= 0.05
     }
 
-    /// Whether a typical slowdown by [`SEEN`] would be found.
     pub fn sees(&self) -> bool {
         self.least.is_some_and(|(typical, _)| typical <= SEEN)
     }
 
-    /// Is any time found to be within the band, slower or faster?
     pub fn decides(&self) -> bool {
         use Judgement::{NotJudged, Undecided};
         self.judged.keys().any(|verdict| !matches!(verdict, NotJudged | Undecided))

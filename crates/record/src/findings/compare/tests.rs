@@ -1,5 +1,3 @@
-//! Made-up records compared.
-
 use super::*;
 use crate::cells::testing::Lab;
 use crate::record::role::Role;
@@ -8,23 +6,19 @@ fn options() -> Options {
     Options { band: 0.05, ..Options::default() }
 }
 
-/// Against a control whose own times are so far apart.
 fn against(detector: &str, drift: f64) -> Options {
     let drift = Some(drift);
     Options { against: Some(Against { detector: detector.into(), drift }), ..options() }
 }
 
-/// Options for two builds that were timed in turns, with the twins in these rows.
 fn in_turns(rows: &[Row]) -> Options {
     Options { side_by_side: Some(floors(&cells(rows))), ..options() }
 }
 
-/// 15 times about `base`, with some scatter.
 fn times(base: u64) -> Vec<u64> {
     (0..15).map(|k| base + base * (k * 7 % 15) / 1000).collect()
 }
 
-/// Times of one detector.
 fn one(times: &[u64]) -> Vec<Row> {
     Lab::new("e", "packed").time(times).rows()
 }
@@ -51,7 +45,7 @@ fn times_are_judged_by_the_whole_interval() {
         assert_eq!(found[0].judgement, NotJudged, "nbs is the control");
         found[1].judgement
     };
-    // The machine has become half as fast: against nbs nothing has changed.
+    // The machine became half as fast; relative to nbs, nothing changed.
     let nbs = against("nbs", 1.1);
     let machines = ["one", "two"].map(|name| Machine { name: name.into(), ..Machine::default() });
     let machines = Some(machines);
@@ -66,7 +60,7 @@ fn times_are_judged_by_the_whole_interval() {
         (600_000, against("nbs", 1.6), Undecided),
         (400_000, two.clone(), NotJudged),
         (400_000, Options { across: true, ..two }, WithinBand),
-        // Without a control, on one machine or two, on two kinds of builds, or without its times.
+        // No control, another machine, another kind of build, or a control without times.
         (400_000, options(), NotJudged),
         (400_000, Options { machines, ..options() }, NotJudged),
         (400_000, Options { builds, ..nbs }, NotJudged),
@@ -98,7 +92,7 @@ fn the_control_is_a_detector_with_a_twin_and_its_drift_is_known() {
     }
 }
 
-/// Rows of this build, its twin and the base, which take turns, in nanoseconds by block.
+/// Rows of this build, its twin and the base, timed in turns; nanoseconds by block.
 fn turns(experiment: &str, twin: u64, base: u64, block: impl Fn(u64, u64) -> u64) -> Vec<Row> {
     let mut lab = Lab::new(experiment, "packed");
     for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", base)] {
@@ -111,7 +105,6 @@ fn turns(experiment: &str, twin: u64, base: u64, block: impl Fn(u64, u64) -> u64
     rows
 }
 
-/// The cells of such rows, this build beside the base.
 fn side_by_side(rows: &[Row]) -> Vec<Timing> {
     let Builds { base, this } = Builds::new(rows).unwrap();
     timings(&base, &this, &in_turns(rows))
@@ -120,7 +113,7 @@ fn side_by_side(rows: &[Row]) -> Vec<Timing> {
 #[test]
 fn builds_side_by_side_are_paired_by_round() {
     use Judgement::{Slower, Undecided, WithinBand};
-    // The machine changes its speed by a factor of 16 over the rounds of every block.
+    // The machine's speed changes by a factor of 16 over the rounds of every block.
     let judged = |base: u64, twin: u64| {
         let mut rows = turns("e", twin, base, |unit, block| unit * block);
         for row in &mut rows {
@@ -131,28 +124,27 @@ fn builds_side_by_side_are_paired_by_round() {
     for (base, twin, judgement, small) in [
         (900, 1010, Slower, false),
         (940, 1010, Undecided, false),
-        // A difference that is shown and does not count.
+        // A difference that is detected but too small to count.
         (980, 1010, WithinBand, true),
         (1000, 1010, WithinBand, false),
-        // Equal code differs by more.
         (900, 1200, Undecided, false),
     ] {
         let found = judged(base, twin);
         assert_eq!((found.judgement, found.is_small()), (judgement, small), "{base} {found:?}");
         assert!((found.ratio.median - 1000.0 / base as f64).abs() < 1e-9, "{found:?}");
     }
-    // Where the linker puts the code is worth more than the twin shows.
+    // Code placement by the linker may matter more than the twin shows.
     assert!((judged(900, 1010).least - PLACEMENT).abs() < 1e-9);
     assert!(Builds::new(&one(&[1])).is_none());
-    // A noisy experiment does not blur another.
+    // A noisy experiment does not affect another.
     let of = |experiment, twin| turns(experiment, twin, 900, |unit, _| unit);
     let both = side_by_side(&[of("calm", 1010), of("noisy", 1500)].concat());
     assert_eq!([both[0].judgement, both[1].judgement], [Slower, Undecided]);
-    // A slowdown that shows for sure is as wide as the interval, not as half of it.
+    // The detectable slowdown is as large as the whole interval, not half of it.
     let (a, b) = (one(&(0..15).map(|k| 10 * (93 + k)).collect::<Vec<_>>()), one(&[1000; 15]));
     let timing = timings(&a, &b, &in_turns(&a)).remove(0);
     assert!((timing.least - 100.0 / 96.0 * PLACEMENT).abs() < 1e-9, "{timing:?}");
-    // Few blocks decide nothing; the ratio is shown all the same.
+    // Few blocks do not decide; the ratio is still shown.
     let (a, b) = (one(&[100, 101, 102]), one(&[900, 901, 902]));
     let timing = timings(&a, &b, &in_turns(&a)).remove(0);
     assert_eq!((timing.judgement, timing.note), (Undecided, Some(Note::FewBlocks(3, 3))));
@@ -161,7 +153,7 @@ fn builds_side_by_side_are_paired_by_round() {
 
 #[test]
 fn as_many_slower_cells_as_chance_makes_are_no_slowdown() {
-    // 15 blocks: each of the cells is slower by chance with 1.8%.
+    // With 15 blocks, each cell is slower by chance with probability 1.8%.
     for (all, slow, is_slower) in [(82, 3, false), (82, 5, true), (2, 1, true), (5, 0, false)] {
         let (mut a, mut b) = (Lab::new("e", "packed"), Lab::new("e", "packed"));
         for n in 1..=all {
@@ -186,7 +178,7 @@ fn whatever_must_be_the_same_is_named() {
             &|row| row.counts.values_mut().for_each(|count| *count += 1),
             &["nbs: list_push 40 -> 41", "sweep: list_push 0 -> 1"],
         ),
-        // An operation that did not happen need not be named.
+        // Operations with count 0 may be missing.
         (&|row| row.counts.retain(|_, count| *count > 0), &[]),
         (
             &|row| row.peak_bytes = row.peak_bytes.map(|b| b.min(900)),
@@ -244,7 +236,8 @@ fn what_one_has_not_measured_is_absent_or_lacking() {
     assert_eq!(found.judged.values().sum::<usize>(), 1);
 }
 
-/// Columns and ratio are of one quantity; a twin that moved leaves nothing decided.
+/// If a twin moved, no verdict is given; the printed columns and the ratio measure the same
+/// quantity.
 #[test]
 fn a_twin_that_moves_voids_the_verdicts() {
     use Judgement::{NotJudged, Slower, WithinBand};
@@ -273,13 +266,14 @@ fn a_twin_that_moves_voids_the_verdicts() {
         assert!((b / a - timing.ratio.median).abs() < 1e-9, "{timing:?}");
         assert_eq!(timing.judgement == WithinBand, cell.id.detector == "nbs-twin");
     }
-    // By far in one of many scenes.
+    // A large move in one of many scenes.
     let (all, summary, _) = judged(12, 1, 590_000);
     assert_eq!(all, [NotJudged; 12]);
     let (name, factor) = summary.moved.clone().unwrap();
     assert!(name == "nbs-twin" && (factor - 5.9).abs() < 1e-9, "{factor}");
     assert!(!summary.decides() && !summary.sees() && summary.least.is_none());
-    // By little in one of many: that is chance, and its scene is not judged; in several: all.
+    // A small move in one scene is chance, and only that scene is not judged; in several scenes,
+    // none is.
     assert_eq!(judged(12, 1, 110_000).0, [&[NotJudged][..], &[Slower; 11]].concat());
     assert_eq!(judged(12, 4, 110_000).0, [NotJudged; 12]);
 }

@@ -8,16 +8,15 @@ use crate::stats::unpaired;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judgement {
-    /// B takes more: the interval excludes 1, and the ratio is beyond what equal code differs by.
+    /// B takes longer: the interval excludes 1, and the ratio exceeds the noise of equal code.
     Slower,
     Faster,
-    /// Neither is shown; or there are too few blocks.
+    /// Neither is shown, or there are too few blocks.
     Undecided,
-    /// The whole interval lies within the band. It may exclude 1.
+    /// The whole interval lies within the band; it may exclude 1.
     #[serde(rename = "within-the-band")]
     WithinBand,
-    /// Not of one machine, or not of one kind of build; or the detector that it is taken against
-    /// has no times.
+    /// Different machines, different kinds of builds, or a reference without times.
     NotJudged,
 }
 
@@ -37,14 +36,14 @@ impl Judgement {
 pub struct Timing {
     pub a_ns: f64,
     pub b_ns: f64,
-    /// With a reference: the medians, in A and in B, of the multiples of its time in the same
-    /// block. The ratio is of these.
+    /// With a reference: median in A and in B of the time divided by the reference's time in the
+    /// same block.
     pub multiples: Option<[f64; 2]>,
-    /// B over A; with a reference, each first divided by the reference's time in the same block.
+    /// B over A; with a reference, of the quotients in `multiples`.
     pub ratio: Interval,
     pub judgement: Judgement,
     pub note: Option<Note>,
-    /// A slowdown by this factor would have been found here, nearly always.
+    /// A slowdown by this factor would nearly always have been detected.
     pub least: f64,
 }
 
@@ -53,28 +52,24 @@ pub enum Note {
     Builds,
     Machines,
     Reference,
-    /// The reference of this name has no times on this scene in both.
     NoReference(String),
-    /// So many blocks in A and in B are too few for an interval.
+    /// Numbers of blocks in A and B, too few for an interval.
     FewBlocks(usize, usize),
-    /// Two runs without a control that both have.
     NoControl,
-    /// This twin moved by this factor, though it is equal code.
+    /// This twin became slower or faster by this factor, although it is equal code.
     Twin(String, f64),
 }
 
-/// Equal sources of a detector, built twice, differ by up to this factor by where the linker puts
-/// the code: in 5 of 36 cells, on a quiet machine (docs/COMPARE.md). A floor from one binary cannot
-/// show that, so no floor between two builds is lower.
+/// Lowest noise floor between two builds. Equal sources, built twice, differed by up to this factor
+/// in 5 of 36 cells on a quiet machine, because the linker places code differently
+/// (docs/COMPARE.md). Twins in one binary do not show this.
 pub const PLACEMENT: f64 = 1.07;
 
 impl Timing {
-    /// A difference is shown, and it is smaller than what counts.
     pub fn is_small(&self) -> bool {
         self.judgement == Judgement::WithinBand && self.ratio.excludes(1.0)
     }
 
-    /// Could these times have been judged, whatever the verdict?
     pub fn is_decidable(&self) -> bool {
         self.judgement != Judgement::NotJudged && self.ratio.coverage >= COVERAGE
     }
@@ -128,7 +123,7 @@ pub(super) fn timing(
     Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least })
 }
 
-/// Within a block both met the same state of the machine.
+/// Paired by block, so that both times saw the same state of the machine.
 fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
     times
         .iter()
@@ -138,16 +133,16 @@ fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
         .collect()
 }
 
-/// A slowdown that would be found in about 97 of 100 runs: so much that its interval excludes 1
-/// though its median is as low as this interval is (one by median / low is found in every other
-/// run), and that such a median is beyond what equal code differs by.
+/// A slowdown that about 97 of 100 runs would detect. Its interval must exclude 1 although its
+/// median is as low as this interval reaches, and such a median must exceed `floor`. (A slowdown by
+/// median / low is detected in every second run.)
 fn least(ratio: &Interval, floor: f64) -> f64 {
     let luck = ratio.high / ratio.median;
     luck * (ratio.median / ratio.low).max(floor)
 }
 
-/// The whole interval decides, or nothing does. `beyond`: it excludes 1, and the ratio is larger
-/// than what equal code differs by.
+/// Judges by the whole interval. `beyond` means that it excludes 1 and the ratio exceeds the noise
+/// of equal code.
 fn judge(ratio: &Interval, band: f64, beyond: bool) -> Judgement {
     if ratio.coverage < COVERAGE {
         Judgement::Undecided

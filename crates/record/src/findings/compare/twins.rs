@@ -1,17 +1,18 @@
-//! What the twins of two records say of a comparison, and what its cells say together.
+//! Twins in a comparison, and ratios over all cells of a detector.
 
 use std::collections::BTreeMap;
 
 use super::{Compared, Judgement, Note, Record};
 use crate::stats::interval::{Interval, at_least, interval};
 
-/// A twin that moved by more than this leaves nothing to be decided: a gate must see as much.
+/// If a twin moved by more than this factor, no verdict is given. A comparison must be able to
+/// detect this much.
 pub const SEEN: f64 = 1.25;
-/// Chance makes twins of equal code move in so large a share of comparisons with as many cells.
+/// All verdicts are void if chance moves as many twins with at most this probability.
 const LUCK: f64 = 0.25;
 
-/// Voids the verdicts where a twin is called slower or faster than it was, though it is equal code:
-/// all of them, if it moved far or in more cells than chance explains, or else those of its scene.
+/// Voids verdicts if a twin, which is equal code, is slower or faster. If it moved far, or in more
+/// cells than chance explains, all verdicts are void, otherwise those of its scene.
 pub(super) fn void(found: &mut [Compared], record: &Record) {
     use Judgement::{Faster, Slower};
     let twins = |cell: &&Compared| {
@@ -42,8 +43,6 @@ pub(super) fn void(found: &mut [Compared], record: &Record) {
     }
 }
 
-/// The ratio of each detector over all its cells that can be judged, in the order of names: the
-/// median of theirs, with the interval of that.
 pub fn pooled(cells: &[Compared]) -> Vec<(String, Interval)> {
     let mut ratios: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for cell in cells {

@@ -1,6 +1,5 @@
-//! Under which conditions a record was made: of which sources, how they were built, and beside what
-//! else on the machine. What makes its times doubtful is said wherever they are shown, and such a
-//! record is not quoted.
+//! The conditions of a record: its sources, its build, and other load on the machine. Reports show
+//! doubts about them next to the times.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,29 +11,30 @@ use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
 use contactbench_terms::number::plural;
 
-/// Other processes may use so much of a core, on average over a run, or this share of all cores
-/// where that is more: what a system does by itself.
+/// Average use of a core by other processes during a run, above which times are doubtful, unless
+/// [`OTHERS_OF_ALL`] allows more.
 pub const OTHERS: f64 = 0.10;
-/// See [`OTHERS`].
+/// Share of all cores that other processes may use, as a system does when idle.
 pub const OTHERS_OF_ALL: f64 = 0.01;
-/// The host may take away so much of a core.
+/// Share of a core that the host of a virtual machine may take away.
 pub const STOLEN: f64 = 0.02;
-/// In a single scene both may be so many times as much,
+/// In a single scene, this multiple of [`OTHERS`] and [`STOLEN`] is allowed.
 pub const IN_A_SCENE: f64 = 2.5;
-/// if it was timed for so many seconds: the system's clocks are coarse.
+/// Shortest scene that is judged, in seconds, because the system's clocks are coarse.
 pub const SHORTEST_S: f64 = 1.0;
-/// Of a record without processor times, or of short ones only: the load average of the minute
-/// before the run may be below this.
+/// Limit for the load average of the minute before the run, used if processor times are missing or
+/// too short.
 pub const LOAD: f64 = 1.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Conditions {
-    /// Reasons to doubt its times.
     pub doubts: Vec<String>,
     pub load: Load,
-    /// Timed rows beside which the machine was slow, of those where somebody looked.
+    /// Number of timed rows during which the machine was slow, and number of rows for which that is
+    /// known.
     pub slow: (usize, usize),
-    /// Were the sources those of a commit? None where a part of the record does not say.
+    /// Whether sources were changed after the commit; `None` if a part of the record does not state
+    /// it.
     pub dirty: Option<bool>,
     pub revisions: BTreeSet<String>,
     pub profiles: BTreeSet<String>,
@@ -44,20 +44,13 @@ pub struct Conditions {
 pub enum Load {
     #[default]
     Unknown,
-    /// The highest load average of the minute before a run; the processes of the run are not in it.
+    /// The highest load average of the minute before a run, which excludes the run itself.
     Before(f64),
-    /// Of the machine on which others were busiest, while it was timed.
-    Watched {
-        seconds: f64,
-        /// Cores that other processes used.
-        others: f64,
-        /// Cores that the host took away.
-        stolen: f64,
-    },
+    /// Of the machine with the most other load during timing.
+    Watched { seconds: f64, others: f64, stolen: f64 },
 }
 
 impl Conditions {
-    /// Those of a record: its rows, what they point to, and all that its folder says of runs.
     pub fn new<'a>(
         provenances: impl IntoIterator<Item = &'a Value>,
         ledger: &Ledger,
@@ -66,11 +59,11 @@ impl Conditions {
         let provenances: Vec<&Value> = provenances.into_iter().collect();
         let texts = |name: &str| -> BTreeSet<String> {
             let values = provenances.iter().filter_map(|fields| fields.get(name)?.as_str());
-            // A merged record has the values of its parts in one text.
+            // A merged record lists the values of its parts in one text.
             let values = values.flat_map(|text| text.split(", ")).filter(|text| !text.is_empty());
             values.map(String::from).collect()
         };
-        // Of a merged record the parts say it.
+        // For a merged record, its parts state this.
         let said = provenances.iter().filter(|fields| fields.get("merged_from").is_none());
         let said: Vec<Option<bool>> =
             said.map(|fields| fields.get("dirty").and_then(Value::as_bool)).collect();
@@ -94,7 +87,7 @@ impl Conditions {
         let looked: Vec<bool> = timed.iter().filter_map(|row| states.is_slow(row)).collect();
         conditions.slow = (looked.iter().filter(|&&slow| slow).count(), looked.len());
         conditions.watched(&timed, ledger);
-        // Counts are the same on a busy machine.
+        // Counts do not depend on load.
         let counts_alone = timed.is_empty() && !rows.is_empty();
         if conditions.load == Load::Unknown && !counts_alone {
             conditions.before(&provenances);
@@ -110,7 +103,6 @@ impl Conditions {
         conditions
     }
 
-    /// What the spans of the rows say.
     fn watched(&mut self, timed: &[&Row], ledger: &Ledger) {
         let mut machines: BTreeMap<Option<&str>, BTreeMap<&str, &Span>> = BTreeMap::new();
         let mut unwatched = 0;
@@ -141,14 +133,13 @@ impl Conditions {
             let limit = OTHERS.max(OTHERS_OF_ALL * cores);
             let others = share(|span| span.others_s, limit, "other processes used");
             let stolen = share(|span| span.stolen_s, STOLEN, "the host took away");
-            // A short run decides nothing: the load average is read instead.
+            // A short run does not decide; the load average is used instead.
             if seconds >= SHORTEST_S && others >= busiest {
                 busiest = others;
                 self.load = Load::Watched { seconds, others, stolen };
             }
         }
-        // Older records have no spans at all. Where one that rows point to is not there, a run was
-        // killed.
+        // Older records have no spans. If a row's span is missing, the run was killed.
         if unwatched > 0 && (!machines.is_empty() || timed.iter().any(|row| row.span.is_some())) {
             self.doubts.push(format!(
                 "what else the machine did is not known of {} of {} timed",
@@ -158,7 +149,6 @@ impl Conditions {
         }
     }
 
-    /// What the load average before the run says.
     fn before(&mut self, provenances: &[&Value]) {
         let load = |fields: &&Value| {
             fields.get("load_average")?.as_str()?.split(' ').next()?.parse::<f64>().ok()
@@ -171,7 +161,6 @@ impl Conditions {
     }
 }
 
-/// The scene in which the share of a core was largest, if it was long enough and too much.
 fn worst<'a>(
     spans: impl Iterator<Item = &'a Span>,
     part: fn(&Span) -> f64,
@@ -183,14 +172,13 @@ fn worst<'a>(
     much.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// `0.4%`, `35%`.
 pub fn percent(share: f64) -> String {
     let percent = share * 100.0;
     if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") }
 }
 
-/// Programs of one name that differ, behind one contender on one machine. (Where builds take turns,
-/// each is a contender.)
+/// Programs with one name but different contents that one subject used on one machine. Builds timed
+/// in turns are different subjects.
 fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
     let mut sums: BTreeMap<_, BTreeSet<&str>> = BTreeMap::new();
     for row in timed {
@@ -210,8 +198,8 @@ fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
     several.into_iter().map(words).collect()
 }
 
-/// What the programs with our detectors say of their builds, by this name: another build may have
-/// taken part.
+/// The values of this build property among the programs with our detectors; several if two builds
+/// took part.
 fn said_by<'a>(timed: &[&Row], ledger: &'a Ledger, name: &str) -> BTreeSet<&'a str> {
     let ours = timed.iter().filter(|row| row.role != Role::Runner);
     let ids: BTreeSet<&String> = ours.filter_map(|row| row.process.as_ref()).collect();

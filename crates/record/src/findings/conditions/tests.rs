@@ -4,7 +4,7 @@ use super::*;
 use crate::cells::testing::Lab;
 use crate::record::ledger::{Executed, Process};
 
-/// Rows of as many spans as there are numbers: seconds, and cores of others and of the host.
+/// One row per span: seconds, cores used by others, cores taken by the host.
 fn timed(spans: &[(f64, f64, f64)]) -> (Vec<Row>, Ledger) {
     let (mut rows, mut ledger) = (Vec::new(), Ledger::default());
     for (k, &(seconds, others, stolen)) in spans.iter().enumerate() {
@@ -42,13 +42,13 @@ fn a_busy_machine_is_doubted_and_an_idle_one_is_not() {
     let words = format!("{others} 30% of a core (30% during scene 0)");
     assert_eq!(doubts(&[(5.0, 0.3, 0.0)]), [words]);
     assert_eq!(doubts(&[(5.0, 0.2, 0.0)]), [format!("{others} 20% of a core")]);
-    // One scene in twenty: the average is fine.
+    // One scene in twenty is busy; the average is fine.
     let mut spans = vec![(5.0, 0.0, 0.0); 20];
     spans[3] = (5.0, 0.9, 0.1);
     let busy = format!("{others} 4.5% of a core (90% during scene 3)");
     let stolen = "the host took away 0.5% of a core (10% during scene 3)".to_string();
     assert_eq!(doubts(&spans), [busy, stolen]);
-    // Clocks that tick a hundred times in a second say nothing of a tenth of one.
+    // Clocks with 100 ticks per second cannot resolve a tenth of a second.
     assert_eq!(doubts(&[(0.1, 0.5, 0.1)]), none);
     let (rows, ledger) = timed(&[(2.0, 0.5, 0.1)]);
     let load = Conditions::new([], &ledger, &rows).load;
@@ -113,7 +113,7 @@ fn sources_and_builds_are_doubted() {
         with("load_average", "1.8 0.2 0.1".into()).doubts,
         ["the machine was busy before the run (load 1.8)"]
     );
-    // A merged record says what its parts say.
+    // A merged record is judged by its parts.
     let merged = json!({"merged_from": ["x"], "revision": "a"});
     let found = Conditions::new([&merged, &clean], &Ledger::default(), &rows);
     assert_eq!((found.dirty, found.doubts), (Some(false), vec![]));
@@ -132,13 +132,13 @@ fn programs_that_were_exchanged_are_doubted() {
     }
     let found = Conditions::new([], &ledger, &rows).doubts;
     assert_eq!(found, ["2 different programs of the name contactbench were at work"]);
-    // Builds that take turns are two contenders.
+    // Builds timed in turns are two subjects.
     let mut turns = rows.clone();
     turns[0].id.detector = "nbs@base".into();
     assert_eq!(Conditions::new([], &ledger, &turns).doubts.len(), 0);
     rows[0].id.machine = Some("another".into());
     assert_eq!(Conditions::new([], &ledger, &rows).doubts.len(), 0);
-    // One of them is not like the record says.
+    // One of the builds differs from the record's.
     let mut base = ledger.processes["a"].clone();
     base.build = [("profile", "debug"), ("sources", "changed")]
         .map(|(name, value)| (name.to_string(), value.to_string()))

@@ -1,8 +1,8 @@
-//! How much of what an experiment plans is in a record, and why the rest is not.
+//! Compares a record with the plan of its experiment: which cells are missing or short, and why.
 //!
-//! A planned cell is an entrant on a scene. It is *there* if every pass of it is, or it ended
-//! before; it is *short* if it has fewer blocks than are planned. What could not be started at all
-//! is not there.
+//! A planned cell is a subject on a scene. It is *there* if all its passes are, or if it ended
+//! early. It is *short* if it has fewer blocks than planned. A subject that could not be started is
+//! not there.
 
 mod same;
 
@@ -21,14 +21,11 @@ use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 
-/// Why a planned cell is not there, or is short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Why {
     Stopped,
     Quick,
-    /// It belongs to another shard.
     Shard,
-    /// It is in none of the folders that were merged.
     NotMerged,
     Budget,
     Unavailable,
@@ -47,18 +44,17 @@ impl Why {
     }
 }
 
-/// What a record is of, as far as its provenance says.
+/// The part of the plan that a run covered, from its provenance.
 #[derive(Default)]
 pub struct Scope<'a> {
     quick: bool,
     shard: bool,
     merged: bool,
-    /// The scenes of the shard, by experiment and place in its plan.
     taken: BTreeSet<(&'a str, usize)>,
 }
 
 impl<'a> Scope<'a> {
-    /// Of a record with these experiments, in the order in which they were run.
+    /// `experiments` must be in the order in which they were run.
     pub fn new(provenance: Option<&Value>, experiments: &'a [Experiment]) -> Scope<'a> {
         let field = |name: &str| provenance.and_then(|fields| fields.get(name));
         let quick = field("quick").and_then(Value::as_bool).unwrap_or(false);
@@ -82,7 +78,6 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Why a scene has no rows, or not all.
     fn why(&self, experiment: &Experiment, scene: &CellId, begun: bool) -> Why {
         let run = experiment.planned.scenes(self.quick);
         let place = run.iter().position(|known| known == scene);
@@ -96,13 +91,10 @@ impl<'a> Scope<'a> {
 }
 
 struct Planned<'a> {
-    /// Its axes, those of the measured cell where there is one.
     id: CellId,
-    /// The entrant is there to measure by.
     control: bool,
     scene: usize,
     cell: Option<&'a Cell>,
-    /// Why it would not be there.
     why: Why,
 }
 
@@ -110,59 +102,52 @@ pub struct Coverage<'a> {
     experiment: &'a Experiment,
     planned: Vec<Planned<'a>>,
     quick: bool,
-    /// Scenes with rows that the plan does not have.
+    /// Number of measured scenes that are not in the plan.
     outside: usize,
-    /// Cells of twins that the plan does not have, in its scenes.
     twins: usize,
-    /// Contenders without a single row that says otherwise, and why they could not be started.
     unavailable: BTreeMap<String, String>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub experiment: String,
-    /// Planned scenes in which nothing is missing but what is unavailable; and all.
+    /// Complete planned scenes, ignoring unavailable subjects; and all planned scenes.
     pub scenes: [usize; 2],
     /// Planned cells that are there, and all.
     pub cells: [usize; 2],
     pub missing: BTreeMap<Why, usize>,
-    /// Cells with fewer blocks than are planned.
     pub short: BTreeMap<Why, Short>,
     pub blocks: u32,
-    /// Scenes with rows that are not planned: those of a quick run.
+    /// Measured scenes outside the plan: those of a quick run.
     pub outside: usize,
-    /// Cells beside the plan: twins, which every run gets to measure the noise.
+    /// Cells of twins, which every run adds to measure the noise.
     pub twins: usize,
-    /// Contenders that could not be started, each with the reason.
+    /// Subjects that could not be started, with the reason.
     pub unavailable: BTreeMap<String, String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Short {
     pub cells: usize,
-    /// The fewest and the most blocks.
     pub blocks: [usize; 2],
 }
 
-/// What a claim is about and the record has not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncovered {
-    /// Planned cells of the claim that are not there, or are short where times are claimed.
+    /// Number of missing cells; for claims about times, short cells are included.
     pub cells: usize,
     pub of: usize,
-    /// The axes that tell them from the others.
+    /// The axes that distinguish them from other cells.
     pub gaps: Vec<Gap>,
     pub why: BTreeMap<Why, usize>,
     pub unavailable: BTreeSet<String>,
 }
 
-/// An axis on which planned values are not covered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     pub name: String,
-    /// Values that are not covered in all cells, ascending.
+    /// Values that some cell lacks, ascending.
     pub missing: Vec<AxisValue>,
-    /// All values planned, ascending.
     pub planned: Vec<AxisValue>,
 }
 
@@ -187,7 +172,7 @@ impl<'a> Coverage<'a> {
                 let number = *numbers.entry(every::key(&id)).or_insert(next);
                 let same = |cell: &&&Cell| same_file(&id, &cell.id);
                 let cells = known.get(&key(plan, &id, open)).into_iter().flatten();
-                // Of several machines it is enough that one has measured it.
+                // With several machines, a measurement on one of them is enough.
                 let cell = cells.filter(same).max_by_key(|cell| cell.times.len()).copied();
                 let found = scene(plan, cell.map_or(&id, |cell| &cell.id));
                 let begun = scenes.contains(&found);
@@ -201,7 +186,7 @@ impl<'a> Coverage<'a> {
         let outside = scenes.difference(&met).count();
         let unavailable = unavailable(own);
         for planned in planned.iter_mut().filter(|planned: &&mut Planned| planned.cell.is_none()) {
-            // A quick run has not its scenes, but would not have started it there either.
+            // A subject that could not start would not have started in the omitted scenes either.
             if unavailable.contains_key(&planned.id.contender()) {
                 planned.why = Why::Unavailable;
             }
@@ -248,7 +233,6 @@ impl<'a> Coverage<'a> {
         }
     }
 
-    /// What a claim is about and is not there; none if all is.
     pub fn uncovered(&self, claim: &Claim) -> Option<Uncovered> {
         let about = self.about(claim);
         let passes = passes(claim);
@@ -308,7 +292,7 @@ impl<'a> Coverage<'a> {
         self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
     }
 
-    /// Why a cell is not there, if it is not, as far as these passes go.
+    /// Why a cell is missing as far as these passes go; `None` if it is there.
     fn missing(&self, planned: &Planned<'_>, needed: &[Pass]) -> Option<Why> {
         let Some(cell) = planned.cell else { return Some(planned.why) };
         match cell.overall().0 {
@@ -322,7 +306,6 @@ impl<'a> Coverage<'a> {
         }
     }
 
-    /// The blocks of a cell that has fewer than so many, and why.
     fn short(&self, planned: &Planned<'_>, blocks: u32) -> Option<(Why, usize)> {
         let cell = planned.cell.filter(|cell| !cell.ended && !cell.overall().0.is_final())?;
         let found = cell.times.len();

@@ -1,4 +1,4 @@
-//! Which measured cell is a planned one.
+//! Matches measured cells to planned ones.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use crate::experiment::Planned;
 use crate::record::done::FILE;
 use crate::record::id::Projection;
 
-/// What is the same in a planned cell and the measured one: a file and a hard case bring their own
-/// particles, and of an `open` entrant the arithmetic is not known.
+/// The common key of a planned cell and its measurement. Files and hard cases determine their own
+/// n; if `open`, the arithmetic is not known in advance.
 pub fn key(plan: &Planned, id: &CellId, open: bool) -> CellId {
     let mut key = id.clone().anywhere();
     if open {
@@ -17,7 +17,7 @@ pub fn key(plan: &Planned, id: &CellId, open: bool) -> CellId {
     if plan.own_n.contains(&id.scene) {
         key.n = 0;
     }
-    // A generator may have more parameters than when an older record was made.
+    // An older record may lack parameters that the generator has now.
     for (name, value) in plan.defaults.get(&(id.scene.clone(), id.dim)).into_iter().flatten() {
         key.params.entry(name.clone()).or_insert_with(|| value.clone());
     }
@@ -33,11 +33,9 @@ pub fn key(plan: &Planned, id: &CellId, open: bool) -> CellId {
     key
 }
 
-/// Parameters that name files: of particles, and of a grading curve. (Points of a curve that are
-/// written out are the end of themselves.)
 const FILES: [&str; 2] = ["path", "grading"];
 
-/// A file is named from the folder of the experiment; the record has the path that was opened.
+/// Compares a path relative to the experiment with the path that was opened.
 pub fn same_file(planned: &CellId, measured: &CellId) -> bool {
     FILES.iter().all(|&name| {
         let path = |id: &CellId| id.params.get(name).map(ToString::to_string).unwrap_or_default();
@@ -46,7 +44,6 @@ pub fn same_file(planned: &CellId, measured: &CellId) -> bool {
     })
 }
 
-/// The scene of a cell, as it is planned.
 pub fn scene(plan: &Planned, id: &CellId) -> Projection {
     key(plan, id, false).scene_id()
 }

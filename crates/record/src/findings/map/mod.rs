@@ -1,14 +1,13 @@
-//! Maps: who is the fastest over two variables of the cells, by how much, and where that is open.
+//! Maps: the fastest detector over two variables, and by how much.
 //!
-//! Each place of a map is a contest ([`crate::findings::winners`]) of the cells that have its two
-//! values, and its answer is that contest's. Besides detectors in their plainest setting, trackers
-//! over different detectors are told apart. A variable may be an axis of the cells (N, a parameter
-//! of the scenes or of the detectors) or what was measured of the scene, such as its density;
-//! measured numbers that are near each other share a place.
+//! Each place of a map is a contest ([`crate::findings::winners`]) among the cells with its two
+//! values. Detectors compete in their plainest setting; trackers over different detectors are
+//! different subjects. A variable is an axis of the cells or a measured property of the scene, such
+//! as its density; near measured values share a place.
 //!
-//! Who has no such axis takes part at every value of it: a detector that is asked in every frame
-//! beside lists with every skin, and one that cannot use threads beside those that use several.
-//! What else varies within a place makes panels.
+//! A subject without that axis takes part at every value: a detector without a list beside lists
+//! with every skin, or one without threads beside those with several. Other axes that vary within a
+//! place make panels.
 
 #[doc(hidden)]
 pub mod testing;
@@ -28,26 +27,23 @@ use crate::record::id::{self, MACHINE, OVER, Projection, THREADS};
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
 
-/// More panels than this are no answer at a glance.
 pub const MOST_PANELS: usize = 12;
-/// Where the factor to the next is at least so much, a winner is a step clearer.
+/// Factors between the runner-up and the fastest at which the colour changes.
 pub const STEPS: [f64; 3] = [1.2, 1.5, 2.5];
-/// What is in a panel's key whether it varies within places or not: these are never mixed.
 const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     pub axes: [Axis; 2],
-    /// One for each combination of what else varies.
     pub panels: Vec<Panel>,
-    /// All who may be the fastest somewhere, in the order of their names.
+    /// All subjects that may be the fastest somewhere, in the order of names.
     pub contenders: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub name: String,
-    /// Its values, ascending, as they are shown; numbers before words.
+    /// Values as shown, ascending; numbers before words.
     pub values: Vec<String>,
 }
 
@@ -55,26 +51,23 @@ pub struct Axis {
 pub struct Panel {
     pub experiment: String,
     pub title: String,
-    /// The places in which something was measured, by row, then column.
     pub spots: Vec<Spot>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
-    /// Which of the values across and upwards.
     pub at: [usize; 2],
     pub n: u64,
     pub contest: Option<Contest>,
-    /// How it ended for those who have none: the first of them.
+    /// The outcome of the first subject, if no subject has a time.
     pub outcome: Outcome,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// One is decidedly the fastest, by so many of [`STEPS`].
+    /// One subject is decidedly the fastest; its lead passes this many of [`STEPS`].
     Decided(usize),
     Undecided,
-    /// Only one has a time.
     Alone,
     Nobody,
 }
@@ -92,12 +85,10 @@ impl Spot {
         }
     }
 
-    /// The time of the next over that of the fastest.
     pub fn factor(&self) -> Option<Interval> {
         self.contest.as_ref()?.others.first()?.ratio
     }
 
-    /// Those who may be the fastest, the one with the shortest median first.
     pub fn front(&self) -> Vec<&str> {
         let Some(contest) = &self.contest else { return Vec::new() };
         let open = contest.others.iter().filter(|other| !other.slower);
@@ -106,7 +97,6 @@ impl Spot {
 }
 
 impl Panel {
-    /// Which of the values across (0) or upwards (1) have a place in it.
     pub fn values(&self, axis: usize) -> Vec<usize> {
         let used: BTreeSet<usize> = self.spots.iter().map(|spot| spot.at[axis]).collect();
         used.into_iter().collect()
@@ -118,15 +108,15 @@ impl Panel {
 }
 
 impl Map {
-    /// From all cells of a record, of which `filter` takes some. An error, in one sentence, if a
-    /// variable is none of theirs, nobody was timed, or more varies than panels can show.
+    /// Builds the map of the cells that `filter` selects. Fails if a variable is unknown, no cell
+    /// has a time, or there would be more than [`MOST_PANELS`] panels.
     pub fn new(axes: &MapAxes, filter: &Where, cells: &[Cell]) -> anyhow::Result<Map> {
         let chosen = select::select(cells, filter)?;
         ensure!(!chosen.is_empty(), "no cell is left: none matches all that is asked for by where");
         let [x, y] = [&axes.x, &axes.y].map(|name| Variable::new(name, &chosen));
         let (x, y) = (x?, y?);
         ensure!(x.name != y.name, "both axes are {}; a map needs two", x.name);
-        // Twins are no contenders, and may be left out; what they say holds all the same.
+        // Twins measure the noise even if the filter leaves them out.
         let mut noises: BTreeMap<&str, Noise> = BTreeMap::new();
         for cell in &chosen {
             noises.entry(&cell.id.experiment).or_insert_with_key(|name| {
@@ -186,7 +176,7 @@ impl Map {
     }
 }
 
-/// Who a contender is on a map: a detector, or a tracker over one; the rest are settings.
+/// The subject on a map: a detector, or a tracker over a detector; other parameters are settings.
 fn who(cell: &Cell, varied: &[&str]) -> String {
     let id = &cell.id;
     let settings = id.detector_params.keys().map(String::as_str).filter(|name| *name != OVER);
@@ -197,7 +187,6 @@ fn who(cell: &Cell, varied: &[&str]) -> String {
 }
 
 fn spot(at: [usize; 2], cells: &[&Cell], noises: &BTreeMap<&str, Noise>, varied: &[&str]) -> Spot {
-    // Of several seeds the first speaks, as where the fastest of a scene is named.
     let seed = cells.iter().map(|cell| cell.id.seed).min();
     let own = cells.iter().copied().filter(|cell| Some(cell.id.seed) == seed);
     let scene = Scene { title: String::new(), n: cells[0].id.n, cells: own.collect(), shown: true };
@@ -218,7 +207,6 @@ fn panel_key(cell: &Cell, apart: &[String], varied: &[&str]) -> Projection {
     id.scene_id().without(&left_out.chain(contender).collect::<Vec<_>>())
 }
 
-/// The fields and parameters of scenes that differ within a place.
 fn facets(chosen: &[&Cell], [x, y]: [&Variable; 2]) -> Vec<String> {
     let mut places: BTreeMap<_, Vec<&Cell>> = BTreeMap::new();
     for &cell in chosen {
@@ -240,7 +228,6 @@ fn facets(chosen: &[&Cell], [x, y]: [&Variable; 2]) -> Vec<String> {
     found.into_iter().collect()
 }
 
-/// What varies, and how to choose.
 fn too_many(chosen: &[&Cell], apart: &[String], varied: &[&str], panels: usize) -> String {
     let values = |name: &str| -> Vec<String> {
         let values = chosen.iter().filter_map(|cell| cell.id.axis(name));

@@ -1,11 +1,11 @@
-//! A made-up map, for the tests of this crate and of reports.
+//! A made-up map, for tests of this crate and of reports.
 
 use super::*;
 use crate::cells;
 use crate::cells::testing::{self, Lab};
 
-/// At N = 100 nbs is twice as fast as sorting in loose scenes and undecided in dense ones; at 1000
-/// sorting is 1.25 times as fast in loose ones, and nobody has a time in dense ones.
+/// At n = 100, nbs is twice as fast as sorting in loose scenes and undecided in dense ones. At n =
+/// 1000, sorting is 1.25 times as fast in loose scenes; dense ones have no times.
 pub fn lab() -> Lab {
     let mut lab = Lab::new("e", "packed");
     for (n, fraction, nbs, sorting) in
@@ -22,14 +22,12 @@ pub fn lab() -> Lab {
     lab
 }
 
-/// The rows that a claim takes.
 pub fn filter(text: &str) -> Where {
     let claim =
         format!("[[claim]]\nname = 'x'\nkind = 'constant'\nvalue = 'n'\nwhere = {{ {text} }}");
     testing::experiment(&claim).claims[0].filter.clone()
 }
 
-/// The map of rows over two variables.
 pub fn map(lab: &Lab, x: &str, y: &str, text: &str) -> anyhow::Result<Map> {
     Map::new(&MapAxes::new(x, y), &filter(text), &cells::cells(&lab.rows()))
 }

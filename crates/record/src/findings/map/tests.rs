@@ -1,11 +1,8 @@
-//! Maps of made-up rows, whose answers are known.
-
 use super::testing::*;
 use super::variable::*;
 use super::*;
 use crate::cells::testing::Lab;
 
-/// Place, who may be the fastest, and the answer.
 fn said(map: &Map) -> Vec<([usize; 2], String, Answer)> {
     let spots = map.panels.iter().flat_map(|panel| &panel.spots);
     spots.map(|spot| (spot.at, spot.front().join(" or "), spot.answer())).collect()
@@ -30,8 +27,7 @@ fn every_place_has_the_answer_of_its_contest() {
     assert_eq!((&*panel.title, panel.spots[3].outcome), ("packed, 2D", Outcome::Timeout));
     let factor = panel.spots[1].factor().unwrap();
     assert!((factor.median - 1.25).abs() < 1e-9 && factor.count == 15, "{factor:?}");
-    // What was measured of the scenes serves as well as what they were made from, by its old name
-    // and by the one that people use.
+    // A measured property of the scenes gives the same map, by either name.
     for name in ["packing_fraction", "density"] {
         let measured = map(&lab(), "n", name, "").unwrap();
         assert_eq!((said(&measured), measured.panels.len()), (said(&found), 1), "{name}");
@@ -39,7 +35,7 @@ fn every_place_has_the_answer_of_its_contest() {
     }
     let error = map(&lab(), "n", "dinsity", "").unwrap_err().to_string();
     assert!(error.contains("did you mean density?"), "{error}");
-    // The twins that a filter leaves out still say what is noise: 1.25 is beyond it, 1.04 is not.
+    // The noise includes twins that the filter leaves out: 1.25 exceeds it, 1.04 does not.
     let named = map(&lab(), "n", "fraction", "detector = ['nbs', 'sorting']").unwrap();
     assert_eq!(said(&named), said(&found));
 }
@@ -82,12 +78,11 @@ fn what_else_varies_makes_panels_until_there_are_too_many() {
             lab.seed(2).time(&[50; 5]).seed(1);
         }
         let found = map(&lab, "n", "fraction", "");
-        // One value does not vary.
+        // An axis with one value is not named.
         let title = if k == 0 { "packed, 2D" } else { "packed, 2D, kind = order-0" };
         if k < 12 {
             let found = found.unwrap();
             assert_eq!((found.panels.len(), &*found.panels[0].title), (k + 1, title));
-            // The first seed speaks.
             assert!(said(&found).iter().all(|it| it.1 == "nbs"));
         } else {
             let error = found.unwrap_err().to_string();
@@ -105,7 +100,7 @@ fn what_makes_no_map_is_refused_with_a_reason() {
         ("n", "n", "", "both axes are n"),
         ("n", "fractions", "", "no 'fractions' of a scene or a detector; did you mean fraction?"),
         ("time_ns", "n", "", "no 'time_ns'"),
-        // Of those who look, and not of scenes.
+        // A property of subjects, not of scenes.
         ("contacts", "n", "", "no 'contacts' of a scene or a detector"),
         ("n", "fraction", "n = 7", "no cell is left"),
         ("n", "fraction", "n = 1000, fraction = 0.6", "nobody has a time"),

@@ -1,4 +1,4 @@
-//! Variables of maps: the values that cells have, in order, and where each cell stands among them.
+//! Variables of maps: their values in order, and the position of each cell.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,10 @@ use crate::cells::{AxisValue, Cell};
 use crate::record::id::{THREADS, variable};
 use contactbench_terms::nearest::hint;
 
-/// More values than this along an axis are too many to see: measured numbers are put together until
-/// there are no more.
 pub(super) const MOST_VALUES: usize = 12;
-/// Measured numbers within this factor of the least of them share a place.
+/// Measured values within this factor share a place.
 const NEAR: f64 = 1.1;
-/// Columns that say what a scene is like, the same whoever looks at it.
+/// Columns that describe the scene, whatever the subject.
 const OF_SCENES: [&str; 8] = [
     "packing_fraction",
     "coordination",
@@ -28,17 +26,15 @@ const OF_SCENES: [&str; 8] = [
 pub(super) struct Variable {
     pub name: String,
     values: Values,
-    /// Those who have no such axis, and take part at all values: by name and parameters.
+    /// Subjects without this axis, which take part at all its values: name with parameters.
     free: BTreeSet<String>,
 }
 
 enum Values {
     Known(Vec<AxisValue>),
-    /// The least and the largest of each class of measured numbers.
     Measured(Vec<(f64, f64)>),
 }
 
-/// Where a cell is along an axis.
 pub(super) enum Place {
     At(usize),
     Everywhere,
@@ -65,7 +61,7 @@ impl Variable {
             let has = |name: &&str| cells.iter().any(|cell| of_scene(cell, name).is_some());
             let measured = OF_SCENES.iter().copied().filter(has).map(String::from);
             let known: BTreeSet<String> = named.chain(measured).collect();
-            // By the name that --x and --y take.
+            // The name that --x and --y accept.
             let plain = |name| if name == "packing_fraction" { "density" } else { name };
             let known: Vec<&str> = known.iter().map(|name| plain(name.as_str())).collect();
             bail!(
@@ -105,7 +101,6 @@ fn of_scene(cell: &Cell, name: &str) -> Option<f64> {
     OF_SCENES.contains(&name).then(|| cell.variable(name, None)).flatten()
 }
 
-/// The contenders that do not have this axis of contenders; none if it is one of scenes.
 fn free(name: &str, cells: &[&Cell]) -> BTreeSet<String> {
     let bound = |cell: &&&Cell| match name {
         THREADS => cell.id.threads() > 1,
@@ -122,7 +117,6 @@ fn free(name: &str, cells: &[&Cell]) -> BTreeSet<String> {
     }
 }
 
-/// Parts sorted numbers into classes of near ones, at most [`MOST_VALUES`] of them.
 pub(super) fn classes(sorted: &[f64]) -> Vec<(f64, f64)> {
     let mut near = NEAR;
     loop {
@@ -140,7 +134,7 @@ pub(super) fn classes(sorted: &[f64]) -> Vec<(f64, f64)> {
     }
 }
 
-/// `0.52 to 0.56`, with two digits.
+/// For example `0.52 to 0.56`, with two digits.
 pub(super) fn shown((low, high): (f64, f64)) -> String {
     let digits = |value: f64| -> String {
         let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);

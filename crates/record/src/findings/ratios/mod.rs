@@ -1,5 +1,5 @@
-//! Everybody's time as a multiple of one detector's: paired within blocks, per scene and N, and
-//! whether that detector is near the best.
+//! Times as multiples of a reference detector's, paired by block, per scene and n; and whether the
+//! reference is near the fastest.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,13 @@ use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// A detector that takes at most so many times the time of the fastest is near it.
+/// A detector is near the fastest if it takes at most this multiple of its time.
 pub const NEAR: f64 = 1.2;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratios {
     pub reference: String,
     pub scenes: Vec<SceneRatios>,
-    /// The fastest library of each scene and N, where the reference has a time, too.
     pub libraries: Vec<Library>,
     pub missing: Vec<Missing>,
 }
@@ -28,31 +27,26 @@ pub struct Ratios {
 pub struct Library {
     pub title: String,
     pub n: u64,
-    /// Scenes of that many particles: one for each seed.
+    /// Number of scenes with this n: one per seed.
     pub scenes: usize,
     pub name: String,
     pub ratio: Interval,
-    /// The same of first detections: a library that asks for new memory at each call loses less.
+    /// The same for first detections; a library that allocates in each call loses less there.
     pub cold: Option<Interval>,
-    /// The libraries that may be as fast as the reference; none where it is decided which of the
-    /// two is faster.
+    /// Libraries that may be as fast as the reference; empty if it is decided which is faster.
     pub open: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRatios {
     pub experiment: String,
-    /// How the reference stands to the fastest, by N; without those N at which nobody has a time.
     pub fastest: Vec<Fastest>,
-    /// Every contender's time and ratio, by N.
     pub entries: BySize<Entry>,
 }
 
-/// The fastest of those with a right answer and one thread, controls aside, at one N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fastest {
     pub n: u64,
-    /// Scenes of that many particles: one for each seed.
     pub scenes: usize,
     pub name: String,
     /// Its median time per detection, in nanoseconds.
@@ -61,19 +55,17 @@ pub struct Fastest {
     pub open: Vec<String>,
 }
 
-/// Is the reference near the fastest? Ratios are its time over that of the fastest; where it has
-/// the least median itself, but not decidedly, over that of the next. What is said holds for all
-/// others, since a noisy one may be faster than its median says. [`Noise::tells`] decides.
+/// Whether the reference is near the fastest. The ratio is its time over that of the fastest, or
+/// over the runner-up's if its own median is the shortest. The answer holds against all others,
+/// because a noisy one may be faster than its median. [`Noise::tells`] decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Near {
-    /// It is the fastest, decidedly so if there is another.
+    /// It is the fastest; decidedly, if there are others.
     Fastest,
-    /// The ratio to each is below [`NEAR`].
     Within(Interval),
-    /// The ratio is above [`NEAR`].
     Beyond(Interval),
     Undecided(Option<Interval>),
-    /// It has no time: how it ended, or none if it was not measured.
+    /// It has no time: its outcome, or `None` if it was not measured.
     Absent(Option<Outcome>),
 }
 
@@ -96,22 +88,17 @@ impl Near {
     }
 }
 
-/// A contender at one N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// How it ended, as far as times go: the worst of its seeds.
     pub outcome: Outcome,
-    /// Why; empty if it ended well.
     pub reason: String,
-    /// Is it a control, which is no contender?
     pub control: bool,
-    /// Its median time per detection, in nanoseconds; none without a right answer.
+    /// Its median time per detection, in nanoseconds; `None` without a correct answer.
     pub time_ns: Option<f64>,
-    /// Its time over that of its base, whatever its outcome; none unless the base is right.
+    /// Its time over that of its base, whatever its outcome; `None` unless the base is correct.
     pub ratio: Option<Interval>,
-    /// The arithmetic of the reference that it is compared with.
     pub base: Option<String>,
-    /// Is it the base of its own ratio?
+    /// Whether it is the base of its own ratio.
     pub is_base: bool,
 }
 
@@ -121,19 +108,19 @@ impl Entry {
     }
 }
 
-/// Cells that did not end well, of one contender and for one kind of reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
     pub name: String,
     pub outcome: Outcome,
     pub cells: usize,
-    /// The first reason; the others differ from it in numbers.
+    /// The first reason; the others differ only in numbers.
     pub reason: String,
 }
 
 impl Ratios {
-    /// Compares; none if the reference has no time anywhere. It is taken with its fewest threads,
-    /// in the arithmetic of the one that it is compared with, or else in exact arithmetic.
+    /// Compares all subjects with the reference; `None` if that has no time. Of the reference, the
+    /// row with the fewest threads is used, preferably in the same arithmetic, otherwise in exact
+    /// arithmetic.
     pub fn new(cells: &[&Cell], reference: &str) -> Option<Ratios> {
         let label = series::labels(cells);
         let noise = Noise::new(cells);
@@ -148,7 +135,7 @@ impl Ratios {
                 let (first, time_ns) = group.fastest(n)?;
                 let (near, open) = distance(&group, first, n, reference, &noise);
                 let open = open.into_iter().map(label).collect();
-                // Decided within blocks, where medians over all of them may say otherwise.
+                // Decided within blocks, although medians over all blocks may differ.
                 let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
                 let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
                 let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));
@@ -176,13 +163,12 @@ impl Ratios {
         timed.then_some(found)
     }
 
-    /// All scenes at all N at which somebody has a time.
     pub fn fastest(&self) -> impl Iterator<Item = (&SceneRatios, &Fastest)> {
         self.scenes.iter().flat_map(|scene| scene.fastest.iter().map(move |found| (scene, found)))
     }
 
-    /// Where the reference is farthest behind the fastest, and by how much; nowhere if its median
-    /// is the smaller one everywhere.
+    /// The scene and n at which the reference is farthest behind the fastest, with the ratio;
+    /// `None` if its median is always shorter.
     pub fn worst(&self) -> Option<(&SceneRatios, u64, Interval)> {
         let ratios =
             self.fastest().filter_map(|(scene, found)| Some((scene, found.n, found.near.ratio()?)));
@@ -214,14 +200,13 @@ fn library(
 }
 
 impl Library {
-    /// Is one of the two decidedly faster?
     pub fn decided(&self) -> bool {
         self.open.is_empty()
     }
 }
 
-/// The line that `line` is compared with in its group: as few threads as there are, and the same
-/// arithmetic if there is one.
+/// The line of the reference that `line` is compared with: preferably the same arithmetic, then the
+/// fewest threads.
 fn base<'a>(group: &'a Group<'_>, line: &Line, reference: &str) -> Option<&'a Line> {
     let known = group.lines.keys().filter(|known| known.detector == reference);
     known.min_by_key(|known| {
@@ -249,8 +234,8 @@ fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entr
     })
 }
 
-/// The line of the reference that has a time: as few threads as there are, and the arithmetic of
-/// `first` if there is one.
+/// The line of the reference that has a time: the fewest threads, then preferably the arithmetic of
+/// `first`.
 fn timed<'a>(group: &'a Group<'_>, first: &Line, n: u64, reference: &str) -> Option<&'a Line> {
     let has_time =
         |line: &&Line| group.at(line, n).is_some_and(|cells| series::time(cells).is_some());
@@ -258,7 +243,7 @@ fn timed<'a>(group: &'a Group<'_>, first: &Line, n: u64, reference: &str) -> Opt
     known.filter(has_time).min_by_key(|line| (line.threads, line.arithmetic != first.arithmetic))
 }
 
-/// How far the reference is from the fastest, and for whom that is undecided.
+/// The distance of the reference from the fastest, and the subjects for which it is undecided.
 fn distance<'a>(
     group: &'a Group<'_>,
     first: &Line,
@@ -278,7 +263,6 @@ fn distance<'a>(
         return (Near::Fastest, Vec::new());
     }
     let stand = |other: &Line| Near::of_ratio(ratio(line, other), noise, n);
-    // The first of the others is the fastest, or the next to the reference.
     let to_first = others.first().map_or(Near::Fastest, |(other, _)| stand(other));
     if matches!(to_first, Near::Beyond(_)) {
         return (to_first, Vec::new());
@@ -288,8 +272,7 @@ fn distance<'a>(
     if open.is_empty() { (to_first, open) } else { (Near::Undecided(to_first.ratio()), open) }
 }
 
-/// What did not end well in these cells and why: one per contender and kind of reason, numbers
-/// aside.
+/// Counts bad outcomes per subject and reason; reasons that differ only in numbers are one.
 fn missing(cells: &[&Cell]) -> Vec<Missing> {
     let kind = |reason: &str| {
         let mut kind: Vec<char> =

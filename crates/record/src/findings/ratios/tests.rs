@@ -1,5 +1,3 @@
-//! Ratios of made-up times.
-
 use super::*;
 use crate::cells::testing::Lab;
 
@@ -23,8 +21,7 @@ fn ratios_are_paired_sorted_and_without_wrong_winners() {
         lab.detector("screening").time(&[screening * n; 15]);
         lab.detector("sorting").time(&[sorting * n; 15]);
         lab.detector("nothing").time(&[1; 15]).edit(|row| row.outcome = Outcome::Control);
-        // The fastest of all, but wrong; and a peer that is not there, in an arithmetic of its
-        // own.
+        // The fastest is wrong, and a library is missing in its only arithmetic.
         lab.detector("direct").time(&[50 * n; 15]).edit(|row| row.outcome = Outcome::Wrong);
         let why = format!("get it, {n}");
         lab.arithmetic("f64").detector("peer").fail(Pass::Time, Outcome::Unavailable, &why);
@@ -74,7 +71,7 @@ fn near_is_decided_by_the_interval() {
         lab.n(n).detector("nbs").time(&[100; 15]);
         lab.detector("screening").time(&[other; 15]);
     }
-    // Half the blocks here, half there: the median is beyond, or within, and proves nothing.
+    // Faster in half of the blocks only, so the median decides nothing.
     for (n, odd, even) in [(50, 95, 60), (55, 60, 95)] {
         let spread: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { even } else { odd }).collect();
         lab.n(n).detector("nbs").time(&[100; 15]).detector("screening").time(&spread);
@@ -96,7 +93,7 @@ fn near_is_decided_by_the_interval() {
             other => panic!("{other:?}"),
         })
         .collect();
-    // Equal times at N = 10: nobody is the fastest.
+    // Equal times at n = 10: neither is the fastest.
     let rest = ["within", "within", "beyond", "within", "open", "open", "timeout"];
     assert_eq!(words, [&["not measured", "fastest"], &rest[..]].concat());
     let (_, n, worst) = found.worst().unwrap();
@@ -114,8 +111,8 @@ fn near_is_decided_by_the_interval() {
     assert!(matches!(near(many.scaled(1.6), 1.3), Near::Beyond(_)));
 }
 
-/// Blocks met two states of the machine. Within all but one the reference is ahead, and yet its
-/// median over all of them is the longer one.
+/// The machine has two speeds. The reference is ahead in all blocks but one, although its median
+/// over all blocks is longer.
 #[test]
 fn who_is_decidedly_the_fastest_is_named_so() {
     let times = |quiet: u64, slow: u64, eighth: u64| -> Vec<u64> {

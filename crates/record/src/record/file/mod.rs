@@ -1,4 +1,4 @@
-//! The record as a file: one JSON line per measurement, appended and never edited.
+//! Reads and writes the record file: one JSON line per measurement, appended and never edited.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -16,22 +16,19 @@ use crate::record::seal::{self, Flaw};
 pub const FILE: &str = "samples.jsonl";
 
 const PACKED: &str = ".gz";
-/// Bytes of a line that is too long to be a row.
 const LONGEST: u64 = 1 << 24;
-/// Damaged lines after which the rest of a record is not read.
+/// Number of damaged lines after which reading stops.
 const MOST_FAULTS: usize = 10_000;
-/// Bytes, unpacked, after which the rest of a record is not read.
+/// Number of unpacked bytes after which reading stops.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had
-/// no check of the line.
+/// Version of the record's schema, the field `schema` of every row; see docs/RECORD.md. Schema 3
+/// had no check of each line.
 pub const SCHEMA: u32 = 4;
-/// The oldest schema that is read.
 const OLDEST: u32 = 3;
-/// From this schema on every line ends with a check of itself.
+/// The first schema in which every line ends with a check.
 pub const SEALED: u32 = 4;
 
-/// A line of the record.
 #[derive(Serialize)]
 struct Line<'a> {
     schema: u32,
@@ -39,7 +36,7 @@ struct Line<'a> {
     row: &'a Row,
 }
 
-/// A row that could not be written. The record ends with the row before it.
+/// A row could not be written. The record ends with the row before it.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "cannot write to {}: {cause}; the {rows} rows before stand there and are whole",
@@ -51,23 +48,22 @@ pub struct WriteError {
     pub cause: io::Error,
 }
 
-/// Appends rows to a record; each is written, as one whole line, before the next is measured: a
-/// killed run loses at most one.
+/// Appends rows to a record. Each is written as one line before the next is measured, so a killed
+/// run loses at most one row.
 pub struct Writer {
     file: File,
     path: PathBuf,
-    /// The bytes of the whole lines.
     end: u64,
     rows: u64,
 }
 
 impl Writer {
-    /// Opens a record for appending. A torn last line (of a killed run) is cut off. Fails where
+    /// Opens a record for appending, and cuts off an incomplete last line of a killed run. Fails if
     /// another process is writing to it.
     pub fn append(path: &Path) -> io::Result<Writer> {
         let mut file =
             OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path)?;
-        // Two would write over each other. Where a file system knows no locks, nothing can be said.
+        // File systems without locks are accepted.
         if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock() {
             return Err(io::Error::new(io::ErrorKind::WouldBlock, "another run is writing to it"));
         }
@@ -81,7 +77,8 @@ impl Writer {
         self.rows
     }
 
-    /// Writes one row. Where that fails (the disk is full), what was written of it is taken back.
+    /// Writes one row. If that fails, for example because the disk is full, the partial line is
+    /// removed.
     pub fn write(&mut self, row: &Row) -> Result<(), WriteError> {
         let failed = |writer: &Writer, cause| WriteError {
             path: writer.path.clone(),
@@ -92,7 +89,7 @@ impl Writer {
             .map_err(|e| failed(self, e.into()))?;
         let line = seal::sealed(&object) + "\n";
         if let Err(cause) = self.file.write_all(line.as_bytes()) {
-            // Should this fail, too, the torn line is cut off when the run is resumed.
+            // If this also fails, resuming the run removes the partial line.
             let _ = self
                 .file
                 .set_len(self.end)
@@ -105,7 +102,6 @@ impl Writer {
     }
 }
 
-/// The length of the file up to its last newline, and the number of its lines.
 fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
     let (mut end, mut rows, mut position, mut line) = (0, 0, 0, Vec::new());
     let mut reader = BufReader::new(file);
@@ -126,13 +122,10 @@ fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
 #[derive(Default)]
 pub struct Record {
     pub rows: Vec<Row>,
-    /// Sentences about lines that were left out.
     pub warnings: Vec<String>,
-    /// Its length in bytes, unpacked.
     pub bytes: u64,
 }
 
-/// The version of a line; 0 where it has none.
 #[derive(Deserialize)]
 struct Version {
     #[serde(default)]
@@ -145,12 +138,12 @@ fn packed(path: &Path) -> PathBuf {
     name.into()
 }
 
-/// Returns whether the record is there, compressed or not.
+/// Also true for a compressed record.
 pub fn exists(path: &Path) -> bool {
     path.exists() || packed(path).exists()
 }
 
-/// Fails if there is a compressed record at `path`: rows cannot be appended to it.
+/// Fails if the record is compressed, because rows cannot be appended to it.
 pub fn unpacked(path: &Path) -> anyhow::Result<()> {
     let packed = packed(path);
     anyhow::ensure!(
@@ -162,7 +155,6 @@ pub fn unpacked(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The file of a record, and its text, unpacked.
 fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
     let named = path.to_string_lossy().ends_with(PACKED);
     let plain = if named { path.with_extension("") } else { path.to_path_buf() };
@@ -185,9 +177,9 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
     Ok((packed, Box::new(BufReader::new(unpacked))))
 }
 
-/// Reads a record of this schema or an earlier one, compressed or not. A torn last line is reported
-/// and left out. A line of a later schema is an error; lines that are damaged, or that contradict
-/// themselves or others, are a `faults::Damaged` record, which names them all.
+/// Reads a record, compressed or not. An incomplete last line is left out with a warning. A line of
+/// a newer schema is an error. Damaged or contradictory lines are reported together as
+/// `faults::Damaged`.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
     let (path, mut text) = text(path)?;
     let (mut beside, mut bytes, mut line) = (None, 0, Vec::new());
@@ -200,7 +192,6 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
             break;
         }
         let at = || format!("{}: line {number}", path.display());
-        // A few bytes may unpack to one endless line, or to very many.
         let why = match () {
             () if length == LONGEST => Some("it is longer than a row"),
             () if found.len() == MOST_FAULTS => Some("too many faults"),
@@ -239,7 +230,7 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
     Ok(Record { rows, warnings, bytes })
 }
 
-/// Reads the next line of a record; one of `LONGEST` bytes is only the beginning of a line.
+/// Reads the next line. A length of `LONGEST` means that the line is longer.
 fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow::Result<u64> {
     line.clear();
     match text.take(LONGEST).read_until(b'\n', line) {
@@ -252,7 +243,6 @@ fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow:
     }
 }
 
-/// The schema of a line, which must be one that is read.
 fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Result<u32> {
     // A line that is not JSON is damaged, and has no schema.
     let version = serde_json::from_slice(line).map(|it: Version| it.schema);
@@ -268,13 +258,12 @@ fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Resul
     Ok(schema)
 }
 
-/// The row of a line that is as it was written; or what is wrong with it.
 fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
     let row = serde_json::from_slice(line).map_err(|e| format!("it is not a row: {e}"))?;
     if schema < OLDEST || schema < newest && newest >= SEALED {
         return Err(format!("its schema is {schema}, after lines of schema {newest}"));
     }
-    // A check is verified wherever there is one: an edit can make a line look older.
+    // If there is a check, it is always verified, because an edit could lower the schema.
     match seal::verify(line) {
         Err(Flaw::Absent) if schema < SEALED => Ok(row),
         verified => verified.map(|()| row).map_err(|flaw| flaw.to_string()),

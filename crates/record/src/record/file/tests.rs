@@ -7,7 +7,6 @@ use crate::record::row::Course;
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
 
-/// A row with something of every kind of field.
 fn full() -> Row {
     let missed = Errors { missed: 3, ..Errors::default() };
     let course = Course { builds: 2, first_wrong: Some(1), wrong_frames: 1, ..Course::default() };
@@ -39,7 +38,6 @@ fn line(row: &Row) -> serde_json::Value {
     serde_json::to_value(Line { schema: SCHEMA, row }).unwrap()
 }
 
-/// A folder with the process of the full row.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let id = full().process.unwrap();
@@ -104,7 +102,7 @@ fn every_committed_record_is_read() {
     assert!(rows > 10_000, "{rows}");
 }
 
-/// A compressed record is read as the text in it is; lines are named in the file that is there.
+/// A compressed record is read like its text; errors name the compressed file.
 #[test]
 fn a_compressed_record_is_read_and_never_appended_to() {
     use flate2::{Compression, write::GzEncoder};
@@ -143,7 +141,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
     assert!(refusal(&path).contains("samples.jsonl.gz are both there; delete one of them"));
 }
 
-/// A damaged line tells no schema: the lines behind it stay as they are.
+/// A damaged line has no schema, so the lines after it keep theirs.
 #[test]
 fn one_damaged_line_is_one_fault() {
     let text = include_str!("../../../../../tests/records/schema-3/samples.jsonl");

@@ -1,44 +1,45 @@
-//! How a quantity grows with N: the free exponent, and the choice among N, N log N and N².
+//! Growth of a quantity with n: the free exponent, and the choice among the laws N, N log N and N².
 //!
-//! All in logarithms: ln y = ln c + ln f(N), one scale c per model, so that a model is judged by
-//! relative residuals. Models are compared by AICc. Meant for operation counts: a cache step makes
-//! the *time* of a truly linear algorithm fit N log N.
+//! Fits use logarithms: ln y = ln c + ln f(N) with one scale c per law, so that residuals are
+//! relative. Laws are compared by AICc. The method is meant for operation counts: cache effects
+//! make the *time* of a linear algorithm fit N log N.
 //!
-//! "Undecided" is an answer, given when
-//! * there are fewer than five distinct N, or they span less than a factor of eight: over that
-//!   range log N is nearly constant;
-//! * the runner-up is within 4 of the best AICc (the usual mark of "considerably less support");
-//! * the best model leaves a trend: its exponent, averaged over the same N, differs from the free
-//!   exponent by more than 0.1, or by more than 0.05 over the upper half of the N. Without this the
-//!   least bad of three wrong models would win: N^1.5 would be called N log N. The gap between N
-//!   and N log N is about 0.13 over 10² to 10⁵, hence 0.1; the upper half is the better witness of
-//!   the asymptotic law (a surface or a constant term fades with N), hence the tighter limit there.
-//!   A constant term is thus forgiven when it fades: 4N + 100 is N.
+//! No law is chosen in these cases:
+//! * Fewer than five different N, or a span below a factor of eight: there log N is nearly
+//!   constant.
+//! * The AICc of the runner-up is within 4 of the best (the usual mark of "considerably less
+//!   support").
+//! * The best law leaves a trend: its exponent, averaged over the same N, differs from the free
+//!   exponent by more than 0.1, or by more than 0.05 over the upper half of the N.
+//!
+//! Without the last rule, N^1.5 would be called N log N. Over 10² to 10⁵, the exponents of N and N
+//! log N differ by about 0.13, hence 0.1. The upper half shows the asymptotic law better, because a
+//! surface or constant term fades with N, hence 0.05. A constant term that fades is accepted: 4N +
+//! 100 is N.
 
 use crate::stats::line::StraightLine;
 
-/// The residual, as a relative deviation, below which a fit cannot become better. Counts are
-/// deterministic, so a model can be exact; without the floor its AICc would be minus infinity, and
-/// deviations of a part in 10⁶ would decide between models.
+/// Smallest relative residual that improves a fit. Exact counts can fit a law exactly; without this
+/// limit, AICc would be minus infinity, and deviations of 10^-6 would decide between laws.
 pub const FLOOR: f64 = 1e-3;
-/// Fewer distinct N than this decide nothing.
+/// Minimum number of different N.
 pub const LEAST_POINTS: usize = 5;
-/// N must span this factor.
+/// Minimum factor between the smallest and the largest N.
 pub const LEAST_SPAN: f64 = 8.0;
-/// The runner-up must be worse by this much.
+/// Minimum lead in AICc over the runner-up.
 pub const LEAST_DELTA: f64 = 4.0;
-/// Largest difference of the free exponent from the model's.
+/// Largest difference between the free exponent and the law's.
 pub const TREND: f64 = 0.1;
-/// The same, over the upper half of the N.
+/// Largest difference over the upper half of the N.
 pub const UPPER_TREND: f64 = 0.05;
 
-/// A series that grows by a law has its exponent over the last [`OCTAVES`], to within this. (Both
-/// are of what detectors do: there a boundary, which has N^((D-1)/D) of N particles, moves
-/// exponents by up to 0.023; a factor of N^0.05 moves them by 0.05.)
+/// Largest difference between the exponent over the last [`OCTAVES`] and the law's. Boundary terms
+/// of order N^((D-1)/D) move exponents of detectors by up to 0.023; a factor N^0.05 moves them by
+/// 0.05.
 pub const LIMIT: f64 = 0.03;
-/// So many doublings of N at the end tell how a series grows,
+/// Number of doublings of N at the end of a series that are compared with the law.
 pub const OCTAVES: i32 = 5;
-/// if they begin no lower than here: in smaller scenes boundaries weigh more.
+/// Smallest N of these; in smaller scenes, boundaries have too much weight.
 pub const LEAST_TAIL: f64 = 1000.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,7 +50,7 @@ pub enum Model {
 }
 
 impl Model {
-    /// All models, slowest growth first.
+    /// Slowest growth first.
     pub const ALL: [Model; 3] = [Model::Linear, Model::Linearithmic, Model::Quadratic];
 
     pub fn name(self) -> &'static str {
@@ -60,7 +61,7 @@ impl Model {
         }
     }
 
-    /// Reads a model: `N`, `N log N` (or `N log2 N`), `N^2` (or `N²`).
+    /// Parses `N`, `N log N` (or `N log2 N`), `N^2` (or `N²`).
     pub fn parse(text: &str) -> Option<Model> {
         let compact: String = text
             .chars()
@@ -95,10 +96,10 @@ pub struct Slope {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The law, or why none is named.
+    /// The law, or why none is chosen.
     pub law: Result<Model, String>,
     pub slope: Option<Slope>,
-    /// The models by AICc, best first.
+    /// The laws by AICc, best first.
     pub scores: Vec<(Model, f64)>,
 }
 
@@ -108,8 +109,8 @@ impl Choice {
     }
 }
 
-/// (ln N, ln y) for the distinct N; several y at one N are averaged in logarithms. Points that have
-/// no logarithm are dropped.
+/// (ln N, ln y) for each N; several y at one N are averaged. Values without a logarithm are
+/// dropped.
 fn logs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = points
         .iter()
@@ -125,7 +126,7 @@ fn logs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The free exponent of y = c N^b; none with fewer than three distinct N.
+/// The free exponent of y = c N^b; `None` with fewer than three different N.
 pub fn slope(points: &[(f64, f64)]) -> Option<Slope> {
     let points = logs(points);
     let line = StraightLine::fit(&points)?;
@@ -134,8 +135,8 @@ pub fn slope(points: &[(f64, f64)]) -> Option<Slope> {
     Some(Slope { exponent, error, low: exponent - half, high: exponent + half })
 }
 
-/// The 97.5% point of Student's t: exact for 1 and 2 degrees of freedom, else by the Cornish-Fisher
-/// expansion, which is 0.13% too small for 3 and less wrong for more.
+/// The 97.5% point of Student's t: exact for 1 and 2 degrees of freedom. Otherwise the
+/// Cornish-Fisher expansion, which is 0.13% too small for 3 and more exact for more.
 fn student(freedom: usize) -> f64 {
     match freedom {
         0 | 1 => 12.7062,
@@ -154,23 +155,24 @@ fn student(freedom: usize) -> f64 {
     }
 }
 
-/// The exponent over the last octaves, against a law's over the same N.
+/// The exponent over the last octaves, compared with the law's over the same N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail {
-    /// The smallest and the largest N there.
+    /// The smallest and the largest N of these.
     pub sizes: [f64; 2],
     pub found: f64,
     pub law: f64,
 }
 
 impl Tail {
-    /// None with fewer than three distinct N there, or where they span less than [`LEAST_SPAN`] or
-    /// begin below [`LEAST_TAIL`].
+    /// Returns `None` if the last octaves have fewer than three different N, span less than
+    /// [`LEAST_SPAN`], or start below [`LEAST_TAIL`].
     pub fn new(points: &[(f64, f64)], law: Model) -> Option<Tail> {
         let all = logs(points);
         let last = all.last()?.0;
         let from = last - f64::from(OCTAVES) * std::f64::consts::LN_2;
-        // A series of half decades ends 5.06 octaves above its fourth last N.
+        // The tolerance includes a series of half decades, which ends 5.06 octaves above its fourth
+        // last N.
         let there = &all[all.partition_point(|point| point.0 < from - 0.1)..];
         let first = there.first()?.0;
         let short = last - first < LEAST_SPAN.ln() * (1.0 - 1e-9);
@@ -183,7 +185,6 @@ impl Tail {
         Some(Tail { sizes: [first.exp().round(), last.exp().round()], found, law })
     }
 
-    /// Is it farther from the law's than [`LIMIT`]?
     pub fn is_off(&self) -> bool {
         (self.found - self.law).abs() > LIMIT
     }
@@ -199,7 +200,7 @@ pub fn choose(points: &[(f64, f64)]) -> Choice {
     Choice { law, slope: slope(points), scores }
 }
 
-/// The best of the models, unless something speaks against it. Points in logarithms, by N.
+/// The best law, or why none is chosen. Points are logarithms, sorted by N.
 fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, String> {
     let (Some(first), Some(last), [(best, least), (second, next), ..], LEAST_POINTS..) =
         (points.first(), points.last(), scores, points.len())
@@ -223,8 +224,8 @@ fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, String> 
     }
 }
 
-/// AICc of every model, best first. All have two parameters (scale and variance), so with equal
-/// penalties the residual decides.
+/// AICc of every law, best first. All have two parameters (scale and variance), so only the
+/// residuals decide.
 fn scores(points: &[(f64, f64)]) -> Vec<(Model, f64)> {
     let n = points.len() as f64;
     if points.len() < 4 {
@@ -242,8 +243,8 @@ fn scores(points: &[(f64, f64)]) -> Vec<(Model, f64)> {
     scores
 }
 
-/// Whether the residuals of `best` still grow or fall with N: where, the exponent found, and that
-/// of `best`.
+/// Whether the residuals of `best` have a trend in N: where, the exponent found, and that of
+/// `best`.
 fn trend(points: &[(f64, f64)], best: Model) -> Option<(&'static str, f64, f64)> {
     let half = &points[points.len() / 2 - usize::from(points.len() < 6)..];
     for (part, limit, place) in

@@ -1,5 +1,3 @@
-//! Made-up series of every kind.
-
 use super::*;
 
 const N: [f64; 7] = [100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5];
@@ -8,7 +6,7 @@ fn points(f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     N.iter().map(|&n| (n, f(n))).collect()
 }
 
-/// A fixed relative wobble of about one per cent.
+/// A fixed relative deviation of about one per cent.
 fn wobble(n: f64) -> f64 {
     1.0 + 0.01 * (n.ln() * 7.3).sin()
 }
@@ -28,7 +26,7 @@ fn laws_are_recognised_exact_and_with_noise() {
         for noisy in [false, true] {
             let choice = choose(&points(|n| f(n) * if noisy { wobble(n) } else { 1.0 }));
             assert_eq!(choice.law, Ok(expected), "{choice:?}");
-            // nothing scores better than the floor allows, however exact
+            // The floor limits the score of an exact fit.
             assert!(
                 choice.scores.iter().all(|s| s.1.is_finite() && s.1 >= 7.0 * (FLOOR * FLOOR).ln())
             );
@@ -84,12 +82,12 @@ fn the_last_octaves_tell_a_small_factor_from_a_boundary() {
 
 #[test]
 fn a_surface_term_is_not_called_n_log_n() {
-    // contacts of a lattice block: the surface, of order N^(2/3), has fewer
+    // Contacts in a block of a lattice: the surface, of order N^(2/3), has fewer.
     let choice = choose(&points(|n| 6.0 * n - 9.0 * n.powf(2.0 / 3.0)));
     assert_ne!(choice.law, Ok(Model::Linearithmic), "{choice:?}");
 }
 
-/// The points of the test of lines, in logarithms.
+/// The points of the test in `line`, as exponentials.
 #[test]
 fn the_slope_has_the_textbook_interval() {
     let points = [(1.0, 1.2), (2.0, 1.9), (3.0, 3.2), (4.0, 3.7)];
@@ -101,7 +99,7 @@ fn the_slope_has_the_textbook_interval() {
 
 #[test]
 fn student_is_near_the_printed_table() {
-    // degrees of freedom, 97.5% point, relative error
+    // Degrees of freedom, 97.5% point, relative error.
     for (freedom, printed, error) in [
         (1, 12.7062, 1e-9),
         (2, 4.30265, 1e-9),
