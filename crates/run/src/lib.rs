@@ -1,5 +1,5 @@
-//! Runs experiments and checks: plans, runners in processes of their own, the judge, the battery of
-//! small scenes, trackers held to the truth, recommendations.
+//! Runs experiments and checks. It plans them, starts runners, judges answers, follows trackers,
+//! and recommends detectors.
 
 pub mod check;
 pub mod moving;

@@ -1,5 +1,5 @@
-//! The scenes of the check: generated ones, small, in 2D and 3D, with parameters that make them
-//! hard; the hard cases; the regressions that the tests keep; and random bytes.
+//! The scenes of the check: small generated ones with difficult parameters, hard cases, committed
+//! regressions, and random bytes.
 
 use std::ops::Range;
 
@@ -19,10 +19,10 @@ pub(super) struct Scene {
     pub given: Given,
 }
 
-/// Specs without dimension, number and seed. In 3D a cubic lattice replaces the square one.
+/// Specs without dimension, n and seed. In 3D, a cubic lattice replaces the square one.
 ///
-/// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to
-/// it as rounding allows.
+/// Lattices with spacing 1 and no jitter have neighbours exactly one diameter apart, up to
+/// rounding.
 const CASES: &[(&str, &[u32])] = &[
     ("packed:", &[2, 3]),
     ("packed:spacing=1.0,jitter=0.0", &[2, 3]),
@@ -39,20 +39,18 @@ const CASES: &[(&str, &[u32])] = &[
     ("pack-c:s=1.0,diameter=0.3", &[2]),
     ("pack-d:s=3.0", &[2]),
     ("packed:spacing=1.0,jitter=0.0,periodic=true,lattice=square", &[2, 3]),
-    // With few particles, boxes are smaller than the reach.
+    // With few particles, boxes are smaller than the distance at which particles touch.
     ("loose:fraction=0.9,tilt=-0.375,periodic=true", &[2, 3]),
     ("clustered:per-cluster=20,size-ratio=5.0,periodic=true", &[2, 3]),
 ];
 
-/// Small numbers of particles, the smallest included.
 const SIZES: &[u64] = &[0, 1, 2, 3, 17, 100, 300];
 
-/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
-/// too far apart for cells.
+/// Number of scenes of random bytes per seed, and lengths of the bytes. In longer ones, particles
+/// are too far apart for cells.
 const RANDOM: u64 = 200;
 const LENGTHS: Range<usize> = 4..64;
 
-/// Every generator, in every size.
 pub(super) fn generated(seed: u64) -> impl Iterator<Item = anyhow::Result<Scene>> {
     let sized = |(case, dim): (&'static str, u32)| SIZES.iter().map(move |&n| (case, dim, n));
     let cases = CASES.iter().flat_map(|(case, dims)| dims.iter().map(|&dim| (*case, dim)));
@@ -67,7 +65,7 @@ pub(super) fn generated(seed: u64) -> impl Iterator<Item = anyhow::Result<Scene>
     })
 }
 
-/// Every hard case that has a valid scene, with its history.
+/// Every hard case with a valid scene, after its history.
 pub(super) fn hard_cases() -> impl Iterator<Item = anyhow::Result<Scene>> {
     let valid = hard::cases().filter(|case| case.expect != hard::Expect::Invalid);
     let each = valid.flat_map(|case| case.dims.iter().map(move |&dim| (case, dim)));

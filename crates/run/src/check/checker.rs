@@ -1,5 +1,3 @@
-//! Asks contenders scene after scene, and keeps what came of it.
-
 use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -37,12 +35,12 @@ impl<'a> Checker<'a> {
         Ok(Checker { limits, started, arithmetics, contenders, report })
     }
 
-    /// There is nobody left to check.
+    /// Whether every subject has failed, so that none is left to check.
     fn decided(&self) -> bool {
         self.report.failures.len() == self.contenders.len()
     }
 
-    /// The time is over, or there is nobody left to check.
+    /// Whether the time is over or no subject is left.
     pub(super) fn over(&self) -> bool {
         self.started.elapsed() > self.limits.time || self.decided()
     }
@@ -124,12 +122,11 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
-/// thread behind.
+/// Limits for shrinking a scene on which a detector hangs. Each hang leaves a thread behind.
 const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
 const SHRINKING_HANGS: u32 = 2;
 
-/// The smallest scene found on which a fresh detector is wrong, and in which way.
+/// Finds the smallest scene on which a fresh detector is wrong, and its error there.
 fn simplest(
     contender: &Contender,
     arithmetic: Arithmetic,
@@ -140,7 +137,7 @@ fn simplest(
     if matches!(found, Wrong::Hangs(_)) {
         return Ok((given.clone(), Some(found.clone())));
     }
-    // The box stays as it is.
+    // The box is not shrunk.
     let in_box = |scene: AnyScene<'static>| Given { lattice: given.lattice, ..scene.into() };
     let wrong = |respondent: &mut dyn Respondent,
                  given: &Given,
@@ -167,7 +164,8 @@ fn simplest(
                         hangs += 1;
                         false
                     }
-                    // In the same way, or another defect may take its place.
+                    // The kind of error must stay the same; otherwise another defect could replace
+                    // it.
                     Ok(wrong) => {
                         wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
                     }
@@ -175,8 +173,8 @@ fn simplest(
         }))
     };
     if contender.is_slow_to_make() {
-        // Most runners forget the scene before, and are a hundred times faster if they need not be
-        // started anew.
+        // Most runners keep nothing from earlier scenes, and not restarting them is a hundred times
+        // faster.
         let smallest = smaller(false);
         if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
             .filter(|wrong| discriminant(wrong) == discriminant(&first))

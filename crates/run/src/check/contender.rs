@@ -1,12 +1,10 @@
-//! Who is checked: a detector in a thread of its own, a runner (see [`crate::check::process`]), or
-//! a function of the program around this crate.
+//! Subjects of the check: a detector, a runner (see [`crate::check::process`]), or a function of
+//! the calling program.
 //!
-//! A detector under test works in a thread: one that panics or hangs ends neither the check nor the
-//! program.
-//!
-//! The thread keeps the detector, and so its buffers, from call to call. After a panic the detector
-//! is made anew. A thread that does not answer in time is left behind (nothing can end it but the
-//! end of the process), and another takes its place.
+//! A detector runs in a thread of its own, so that a panic or an endless loop does not end the
+//! check. The thread keeps the detector with its buffers between calls. After a panic, a new
+//! detector is made. A thread that does not answer in time is abandoned, because a thread cannot be
+//! killed, and a new one replaces it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -29,7 +27,7 @@ use contactbench_core::searcher::{Loaded, Searcher};
 use contactbench_core::sink::{Digest, Sink};
 use contactbench_io::Given;
 
-/// The name of the threads: panics in them are findings, not defects of the check.
+/// Name of these threads; panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
 
 pub enum Contender {
@@ -40,13 +38,12 @@ pub enum Contender {
     Runner(Foreign),
     Function {
         name: String,
-        /// It is called in the thread that checks: what hangs there is not noticed.
+        /// Called in the checking thread, so endless loops are not detected.
         ask: Arc<Function>,
     },
 }
 
-/// Answers for the particles of an open scene: pairs with whatever names it gives them. An error
-/// ends the check.
+/// Finds the contacts of an open scene. An error ends the check.
 pub type Function = dyn Fn(&AnyScene<'static>) -> anyhow::Result<Answer> + Send + Sync;
 
 impl<S: Into<DetectorSpec>> From<S> for Contender {
@@ -64,7 +61,7 @@ impl Contender {
         }
     }
 
-    /// One to be asked, without a history; a detection may take until `deadline`.
+    /// Starts a subject without history; a detection may take until `deadline`.
     pub fn respondent(
         &self,
         options: Options,
@@ -79,7 +76,6 @@ impl Contender {
         })
     }
 
-    /// Does a fresh one take a while?
     pub(super) fn is_slow_to_make(&self) -> bool {
         matches!(self, Contender::Runner(_))
     }
@@ -87,42 +83,43 @@ impl Contender {
 
 pub struct Question<'a> {
     pub given: &'a Given,
-    /// The same as the arithmetic stores it.
+    /// The scene as the arithmetic stores it.
     pub stored: &'a Arc<Loaded<'static>>,
     pub arithmetic: Arithmetic,
-    /// Asked of a detector without a history.
+    /// Whether the subject must be restarted, without history.
     pub fresh: bool,
     pub truth: &'a Truth,
 }
 
-/// Answers questions, each with what those before have left behind, unless it is to be fresh.
+/// A running subject. It keeps what earlier scenes left in its buffers, unless a question is
+/// `fresh`.
 pub trait Respondent {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer>;
 }
 
 pub enum Answer {
-    /// Right, or lossy where the arithmetic allows it.
+    /// Right, or lossy if the arithmetic allows that.
     Right,
     Pairs(Vec<ImagePair>),
-    /// It refused the scene, after so many reported pairs.
+    /// A detector refused the scene after reporting this many pairs.
     Refused(Refusal, u64),
-    /// A runner refused the scene, for this reason.
+    /// A runner refused the scene for this reason.
     Declined(String),
-    /// A runner was wrong in a way of its own.
+    /// A runner made another error.
     Wrong(Wrong),
 }
 
 impl Answer {
-    /// Pairs in ascending order, held to the truth.
+    /// Compares pairs in ascending order with the truth.
     pub(super) fn of(pairs: Vec<ImagePair>, truth: &Truth, arithmetic: Arithmetic) -> Answer {
         let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
-        // How deep they are is nobody's question here.
+        // Depths are not needed here.
         let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
         let good = outcome(&errors, arithmetic).is_good();
         if good { Answer::Right } else { Answer::Pairs(pairs) }
     }
 
-    /// Why the scene was refused, if it was, as it may be.
+    /// The reason, if the scene was validly refused.
     pub fn refusal(&self) -> Option<String> {
         match self {
             Answer::Refused(refusal, 0) => Some(refusal.to_string()),
@@ -131,7 +128,7 @@ impl Answer {
         }
     }
 
-    /// In which way the answer is wrong, if it is.
+    /// The error, if the answer is wrong.
     pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
         match self {
             Answer::Right => None,
@@ -143,7 +140,7 @@ impl Answer {
     }
 }
 
-/// The pairs reported, as many as are kept: a detector that reports without end must not fill the
+/// The first `most` reported pairs, so that a detector that reports without end does not fill the
 /// memory.
 struct Kept {
     pairs: Vec<[u32; 2]>,
@@ -164,8 +161,8 @@ impl Sink for Kept {
     }
 }
 
-/// What a detector says in this thread, asked twice: counted, where a detector that reports without
-/// end does no harm, and if that is right, as it is timed, which is other code to the compiler.
+/// Runs a detector in this thread, twice. The counting run is safe if a detector reports without
+/// end. If it is right, the timed form is run, which the compiler builds separately.
 pub fn answer(
     searcher: &mut Searcher,
     scene: &Loaded<'_>,
@@ -217,11 +214,11 @@ pub fn answer(
     }
 }
 
-/// What need be known of the truth to ask a detector.
+/// The part of the truth that is needed to run a detector.
 #[derive(Clone, Copy, Default)]
 pub struct Expected {
     digest: Digest,
-    /// More pairs than this need not be kept to see that an answer is wrong, and how.
+    /// Number of pairs that suffice to show that an answer is wrong, and how.
     most: usize,
 }
 
@@ -282,7 +279,7 @@ impl Respondent for Thread {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { stored, arithmetic, fresh, truth, .. } = *question;
         let job = Job { scene: stored.clone(), arithmetic, fresh, expected: truth.into() };
-        // If the thread is gone, there will be no answer either.
+        // If the thread has ended, receiving fails as well.
         let _ = self.jobs.send(job);
         let lost = match self.answers.recv_timeout(self.deadline) {
             Ok(answer) => return Ok(answer),
@@ -294,7 +291,7 @@ impl Respondent for Thread {
     }
 }
 
-/// The thread: serves until nobody asks any more.
+/// Serves jobs until the channel closes.
 fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     let mut searcher = None;
     for job in jobs {

@@ -1,5 +1,5 @@
-//! How a runner keeps to the protocol, apart from the pairs that it finds: errors without an end,
-//! fields of later versions, fingerprints, the clock, and what it can measure.
+//! Checks how a runner follows the protocol, apart from its pairs: errors that do not end it,
+//! unknown fields, digests, the clock, and optional measurements.
 
 use std::path::Path;
 use std::time::Duration;
@@ -16,13 +16,13 @@ use contactbench_io::Given;
 
 #[derive(Debug, Default)]
 pub struct Manners {
-    /// The first that was wrong of each kind.
+    /// The first error of each kind.
     pub broken: Vec<Wrong>,
     /// What the runner measures besides time.
     pub abilities: Vec<&'static str>,
 }
 
-/// A sample of this length is asked for.
+/// Length of the requested sample.
 const SAMPLE_NS: u64 = 2_000_000;
 
 struct Talk {
@@ -30,7 +30,7 @@ struct Talk {
     manners: Manners,
 }
 
-/// Talks with a runner about a row of four discs of which three touch.
+/// Tests a runner with four discs in a row, of which the first three touch.
 pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
     let folder = disk::temporary()?;
     let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
@@ -87,7 +87,7 @@ impl Talk {
         self.manners.broken.push(Wrong::Breaks(what));
     }
 
-    /// Requests that cannot be done: an error, and life goes on.
+    /// Sends requests that must fail without ending the runner.
     fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
         let frames = vec![missing.to_path_buf()];
         let radius = Some(0.5);
@@ -108,7 +108,7 @@ impl Talk {
         Ok(())
     }
 
-    /// With a field that no version has.
+    /// Sends a field that no version has.
     fn load(&mut self, row: Trajectory) -> anyhow::Result<()> {
         let when = "given a load with a field that it does not know";
         match self.say(when, &Request::Load(row), &[("remark", "of a later version")])? {
@@ -125,7 +125,7 @@ impl Talk {
         let request = Request::Sample { min_ns: SAMPLE_NS };
         for when in ["asked for a sample", "asked for a second sample"] {
             let Some(reply) = self.say(when, &request, &[])? else { return Ok(()) };
-            // It may refuse any scene.
+            // Any scene may be refused.
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
             }
@@ -141,7 +141,7 @@ impl Talk {
         Ok(())
     }
 
-    /// Is there something in the reply that cannot be? It is noted.
+    /// Records what is impossible in the reply; returns whether anything was.
     fn impossible(&mut self, when: &str, request: &Request, reply: &Reply) -> bool {
         let found = self.line.impossible(request, reply);
         let wrong = found.is_some();
@@ -178,12 +178,12 @@ impl Talk {
         Ok(())
     }
 
-    /// The pairs of the row are known: is their digest computed as it should be?
+    /// Checks the digest of the known pairs of the row.
     fn digest(&mut self, when: &str, found: &Found, right: Digest) {
         let Found { contacts, digest: text, .. } = found;
         match digest(*contacts, text) {
             Err(wrong) => self.manners.broken.push(wrong),
-            // Other pairs are found in the scenes, and shown.
+            // Wrong pairs are found and shown by the scenes of the check.
             Ok(said) if said.contacts == right.contacts && said != right => {
                 let sample = "of the pairs 0,1 and 1,2";
                 self.breaks(format!(

@@ -1,14 +1,14 @@
-//! Cross-checks: every detector against all pairs tested, on every generator, in 2D and 3D, in the
-//! arithmetics asked for, with many seeds and small N; and, in a [`battery`], on the hard cases,
-//! committed regressions and random bytes; or on given scenes. A detector keeps its buffers from
-//! scene to scene, so that what one call leaves behind is checked, too. It works in a thread of its
-//! own ([`contender`]), so that one that hangs is found like any other. When one is wrong, the
-//! scene is made as small and simple as it can be ([`shrink`](mod@shrink)) while a fresh detector
-//! is still wrong, and written as a [`regression`] file.
+//! Checks detectors against the truth on many small scenes, in 2D and 3D, in several arithmetics.
 //!
-//! A detector in another language is a [`process`], which is asked the same questions over the
-//! runner protocol, or, where that language calls this crate, a function. A contact list of another
-//! code is compared with the truth in [`verify`].
+//! [`check`] uses every generator with many seeds. [`battery`] adds the hard cases, the committed
+//! regressions and random bytes. A detector keeps its buffers from scene to scene, so errors caused
+//! by earlier scenes are found, too. Each detector runs in a thread ([`contender`]), so endless
+//! loops are found. If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while
+//! a fresh detector is still wrong, and written as a [`regression`] file.
+//!
+//! A detector in another language is a [`process`] that speaks the runner protocol, or a function
+//! of the program that calls this crate. [`verify`] compares a contact list of another program with
+//! the truth.
 
 pub mod bytes;
 mod cases;
@@ -37,24 +37,24 @@ use contactbench_core::detect::Options;
 use contactbench_core::detect::table::Entry;
 use contactbench_io::Given;
 
-/// No scene of the battery needs more than this if it is not to be refused, and a small machine has
-/// it. To fill much more takes as long as a hang.
+/// Memory limit, enough for every scene of the battery and available on small machines. Filling
+/// much more takes as long as a hang.
 const MOST_BYTES: u64 = 256 << 20;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Seeds tried at most; the first is always completed.
+    /// Maximum number of seeds; the first is always completed.
     pub seeds: u64,
-    /// No new generated scene is begun after this time.
+    /// No generated scene starts after this time.
     pub time: Duration,
-    /// A detection that takes longer hangs.
+    /// A detection that takes longer counts as a hang.
     pub deadline: Duration,
     pub effort: Effort,
     pub options: Options,
 }
 
 impl Default for Limits {
-    /// For CI: under 10 s, if nothing is wrong.
+    /// Defaults for CI: under 10 s, if nothing is wrong.
     fn default() -> Limits {
         Limits {
             seeds: 1000,
@@ -68,15 +68,15 @@ impl Default for Limits {
 
 #[derive(Default)]
 pub struct Report {
-    /// Detections compared with the truth.
+    /// Number of detections compared with the truth.
     pub cases: u64,
-    /// The same of each detector in each arithmetic; one without an entry was never compared.
+    /// The same by detector and arithmetic; a missing entry means that nothing was compared.
     pub compared: BTreeMap<(String, &'static str), u64>,
-    /// Scenes tried, by where they are from.
+    /// Number of scenes, by origin.
     pub scenes: BTreeMap<&'static str, u64>,
-    /// True if the time was over before a [`battery`] was complete.
+    /// Whether the time was over before a [`battery`] was complete.
     pub cut: bool,
-    /// Detections refused, with reason: not wrong, but said.
+    /// Number of refused detections, by reason.
     pub refused: BTreeMap<String, u64>,
     /// The first failure of each detector.
     pub failures: Vec<Failure>,
@@ -84,10 +84,10 @@ pub struct Report {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Every answer that was compared is right.
+    /// Every compared answer is right.
     Right,
     Wrong,
-    /// No answer was compared: all scenes were refused. It is not a pass.
+    /// All scenes were refused. This does not count as a pass.
     Nothing,
 }
 
@@ -102,7 +102,7 @@ impl Report {
         }
     }
 
-    /// Whether an answer of this detector in this arithmetic was compared with the truth.
+    /// Whether any answer of this detector in this arithmetic was compared.
     pub fn has_compared(&self, detector: &str, arithmetic: Arithmetic) -> bool {
         self.compared.contains_key(&(detector.to_string(), arithmetic.name()))
     }
@@ -111,20 +111,19 @@ impl Report {
 pub struct Failure {
     pub detector: String,
     pub arithmetic: Arithmetic,
-    /// On which scene it was noticed.
+    /// The scene on which the error was found.
     pub found_on: String,
     pub found: Wrong,
     pub given: Given,
-    /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed
-    /// on, if a fresh one is right or hangs.
+    /// The smallest scene on which a fresh detector is wrong. If a fresh detector is right or
+    /// hangs, this is the scene on which the error was found.
     pub smallest: Given,
-    /// In which way, there; `None` if a fresh detector is right there: what earlier scenes left in
-    /// its buffers makes it wrong.
+    /// The error on that scene. `None` if a fresh detector is right there, so that earlier scenes
+    /// caused the error.
     pub wrong: Option<Wrong>,
 }
 
-/// Checks `detectors` in the given arithmetics on generated scenes, with seeds 1, 2, ... until a
-/// limit is reached.
+/// Checks detectors on generated scenes, with seeds 1, 2, ... until a limit is reached.
 pub fn check(
     detectors: &[&'static Entry],
     arithmetics: &[Arithmetic],
@@ -140,9 +139,8 @@ pub fn check(
     Ok(checker.report)
 }
 
-/// Checks contenders on all there is: generated scenes of the first seed (always completed); every
-/// hard case with its history; the regressions that the tests keep; then scenes of random bytes,
-/// and generated ones with further seeds, until a limit is reached.
+/// Checks subjects on generated scenes with the first seed, hard cases with their history, and
+/// regressions; then on random bytes and further seeds until a limit is reached.
 pub fn battery(
     contenders: &[Contender],
     arithmetics: &[Arithmetic],
@@ -163,8 +161,7 @@ pub fn battery(
     Ok(checker.report)
 }
 
-/// Checks `detectors` in the given arithmetics on one scene. An arithmetic that cannot hold it
-/// counts as a refusal.
+/// Checks detectors on one scene. An arithmetic that cannot store the scene counts as a refusal.
 pub fn check_scene(
     scene: &Given,
     name: &str,
@@ -176,7 +173,6 @@ pub fn check_scene(
     one_scene(scene, name, &contenders, arithmetics, limits)
 }
 
-/// The same of any contenders.
 pub fn one_scene(
     scene: &Given,
     name: &str,

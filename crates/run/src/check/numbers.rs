@@ -1,15 +1,14 @@
-//! A scene as plain numbers, which can be changed one by one: what the shrinker works on.
+//! A scene as plain numbers, which the shrinker changes one by one.
 
 use nalgebra::Point;
 
 use contactbench_core::scene::{AnyScene, Radii, Real, Scene, SceneError, array};
 use contactbench_core::with_scene;
 
-/// The coordinates and the radius of every particle, one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
     pub dim: usize,
-    /// `dim + 1` numbers for each particle, the radius last.
+    /// `dim + 1` numbers per particle, the radius last.
     pub values: Vec<f64>,
 }
 
@@ -43,7 +42,7 @@ impl Numbers {
         self.radii().any(|r| r != self.values[self.dim])
     }
 
-    /// The scene, as a file of these numbers is read: with one radius for all where all are equal.
+    /// The scene, like a file of these numbers: equal radii become one.
     pub fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
         let radii = match self.values.get(self.dim) {
             Some(&r) if !self.mixed() => Radii::Uniform(r),
@@ -56,7 +55,6 @@ impl Numbers {
         })
     }
 
-    /// The centres, in `D` = `dim` dimensions.
     pub fn centres<const D: usize>(&self) -> Vec<Point<f64, D>> {
         self.values
             .chunks_exact(self.stride())
@@ -65,35 +63,35 @@ impl Numbers {
     }
 }
 
-/// The number of significant bits of the mantissa: 0 for 0, 1 for powers of two, up to 53.
+/// Number of significant bits of the mantissa: 0 for 0, 1 for powers of two, at most 53.
 pub fn bits(x: f64) -> u32 {
     if x == 0.0 {
         return 0;
     }
-    // Between 1/2 and 1, also for subnormal numbers: the leading bit is the hidden one.
+    // The fraction lies between 1/2 and 1, also for subnormal numbers.
     let (fraction, _) = libm::frexp(x);
     53 - (fraction.to_bits() & ((1 << 52) - 1)).trailing_zeros().min(52)
 }
 
-/// The nearest number with at most `count` significant bits.
+/// Rounds to at most `count` significant bits.
 pub fn rounded(x: f64, count: u32) -> f64 {
     let (fraction, exponent) = libm::frexp(x);
     libm::scalbn(libm::round(libm::scalbn(fraction, count as i32)), exponent - count as i32)
 }
 
-/// `x` times a power of two, if that can be done without error.
+/// `x` times a power of two, if that is exact.
 pub fn scaled(x: f64, exponent: i32) -> Option<f64> {
     let scaled = libm::scalbn(x, exponent);
     (scaled.is_finite() && libm::scalbn(scaled, -exponent) == x).then_some(scaled)
 }
 
-/// a - b, if that can be done without error.
+/// a - b, if that is exact.
 pub fn difference(a: f64, b: f64) -> Option<f64> {
-    // The error of a rounded sum (Knuth's TwoSum, for a and -b).
+    // Knuth's TwoSum for a and -b gives the rounding error.
     let d = a - b;
     let part = d - a;
     let error = (a - (d - part)) + (-b - part);
-    // An overflow makes the error NaN.
+    // After an overflow, the error is NaN.
     (error == 0.0).then_some(d)
 }
 

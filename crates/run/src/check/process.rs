@@ -1,9 +1,8 @@
-//! A runner under test: the questions of the check, asked over the runner protocol
-//! (docs/PROTOCOL.md).
+//! A runner as a subject of the check, over the runner protocol (docs/PROTOCOL.md).
 //!
-//! Every scene is loaded from a file, sampled once, and its pairs are fetched, if it is small or
-//! the fingerprint is not the right one. A runner that dies, or does not answer in time, is started
-//! anew for the next scene.
+//! Every scene is loaded from a file and sampled once. Its pairs are requested if the scene is
+//! small or the digest is wrong. A runner that dies or does not answer in time is restarted for the
+//! next scene.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -25,37 +24,36 @@ use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
 
-/// Address space of a runner under test, in bytes: enough for an interpreter and its libraries.
+/// Address space in bytes; enough for an interpreter and its libraries.
 const ADDRESS_SPACE: u64 = 8 << 30;
-/// The first line must be there after this time: an interpreter may take a while to load its
-/// libraries.
+/// Limit for the first line, because an interpreter may load libraries slowly.
 const GREETING: Duration = Duration::from_secs(30);
-/// Lines of what a runner said on its standard error that are kept.
+/// Number of lines of standard error that are kept.
 const LAST_LINES: usize = 12;
-/// The pairs of scenes of at most so many particles are always fetched.
+/// Up to this many particles, the pairs are always requested.
 const SMALL: usize = 100;
 
 #[derive(Clone)]
 pub struct Foreign {
-    /// What it calls itself, made fit for the name of a file.
+    /// Its name, made valid for a file name.
     pub name: String,
-    /// What it says of its version; may be empty.
+    /// Its own version; may be empty.
     pub version: String,
     pub arithmetic: Arithmetic,
     pub command: Vec<String>,
 }
 
-/// What came of a first meeting with a runner.
+/// The result of starting a runner and reading its hello.
 pub enum Met {
     Runner(Foreign),
     Wrong(Wrong),
 }
 
-/// Why the runner is asked no further about a scene.
+/// Why a scene ends early.
 pub(super) enum Stop {
-    /// That is its answer.
+    /// The answer is decided.
     Answer(Answer),
-    /// The check itself cannot go on.
+    /// The check itself cannot continue.
     Failed(anyhow::Error),
 }
 
@@ -76,8 +74,8 @@ fn breaks(what: String) -> Stop {
 }
 
 impl Foreign {
-    /// Starts a runner to hear who it is. An error if it cannot be started, or its library is not
-    /// there.
+    /// Starts a runner and reads its hello. Fails if it cannot be started, or its library is
+    /// missing.
     pub fn meet(command: Vec<String>) -> anyhow::Result<Met> {
         let mut client = spawn(&command, GREETING)?;
         match client.greet(GREETING) {
@@ -109,7 +107,7 @@ impl Foreign {
         Ok(Met::Runner(Foreign { name, version, arithmetic, command }))
     }
 
-    /// A process that has said hello.
+    /// Starts a process and reads its hello.
     fn start(&self, limit: Duration) -> Result<Client, Stop> {
         let mut client = spawn(&self.command, limit)?;
         match client.greet(GREETING) {
@@ -124,7 +122,7 @@ fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
     Client::spawn(&start).map_err(|failure| anyhow!(failure.reason))
 }
 
-/// A failure in the words of the check; its answer was none.
+/// Translates a failure of a runner that did not answer.
 fn broken(client: &Client, failure: client::Failure) -> Wrong {
     if failure.outcome == Outcome::Wrong || failure.reason.starts_with(NO_REPLY) {
         return Wrong::Breaks(failure.reason);
@@ -141,7 +139,7 @@ pub(super) fn digest(contacts: u64, text: &str) -> Result<Digest, Wrong> {
     protocol::digest(contacts, text).map_err(Wrong::Breaks)
 }
 
-/// A connection to a runner, which is started again after it has ended.
+/// A connection to a runner, which is restarted after it has ended.
 pub(super) struct Line {
     pub foreign: Foreign,
     pub deadline: Duration,
@@ -149,7 +147,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Sends a request with additional fields, and returns the reply, of whatever kind.
+    /// Sends a request with additional fields, and returns any kind of reply.
     pub fn say(&mut self, request: &Request, fields: &[(&str, &str)]) -> Result<Reply, Stop> {
         let mut client = match self.client.take() {
             Some(client) => client,
@@ -174,7 +172,6 @@ impl Line {
         }
     }
 
-    /// Returns what is impossible in the last reply.
     pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
         self.client.as_ref().and_then(|client| client.impossible(request, reply))
     }
@@ -202,12 +199,12 @@ impl Process {
         }
     }
 
-    /// The pairs that it writes; none if it does not.
+    /// Requests the pairs; `None` if the runner does not support that.
     fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
         let n = given.scene.len();
         let box_dim = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");
-        // What was written before is not the answer; mostly there is nothing to remove.
+        // An old file must not be taken for the answer.
         let _ = std::fs::remove_file(&path);
         let contacts = match self.request(&Request::Pairs { path: path.clone(), frame: None })? {
             Reply::Pairs { contacts } => contacts,
@@ -215,7 +212,7 @@ impl Process {
             other => return Err(astray("pairs", &other)),
         };
         let found = exchange::read_contacts(&path, box_dim).map_err(|error| {
-            // The name of a temporary file would say nothing.
+            // The name of the temporary file does not help the user.
             let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
             breaks(format!("the file of its pairs: {why}"))
         })?;

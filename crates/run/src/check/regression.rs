@@ -1,5 +1,5 @@
-//! Regression files: a scene as CSV, with a comment that says on what it was found and how to see
-//! it again; with a box as extended XYZ.
+//! Regression files: a scene as CSV, with a comment that states where it was found and how to
+//! reproduce it; in a box, extended XYZ.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::check::numbers::Numbers;
 use contactbench_core::scene::AnyScene;
 use contactbench_io::write::{self, SceneFormat};
 
-/// The scenes that were once got wrong, by their names in `tests/regressions`.
+/// Committed regressions, with their names in `tests/regressions`.
 pub const KEPT: [(&str, &str); 5] = [
     ("far-apart.csv", include_str!("../../../../tests/regressions/far-apart.csv")),
     ("subnormal.csv", include_str!("../../../../tests/regressions/subnormal.csv")),
@@ -29,8 +29,8 @@ pub fn as_csv(scene: &AnyScene<'_>) -> String {
     text
 }
 
-/// The regression file of a failure; `path` is where it will stand, `who` the options of the check
-/// that say who was wrong.
+/// The regression file of a failure. `path` is its path, `who` the option of `check` that selects
+/// the subject.
 pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
     let arithmetic = arithmetic.name();
@@ -47,9 +47,9 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
          --scene {name} {who}"
     );
     if smallest.lattice.is_some() {
-        // There is no place for a comment.
+        // Extended XYZ cannot hold the comment.
         let mut text = Vec::new();
-        // Nothing fails in memory.
+        // Writing to memory cannot fail.
         let _ = write::scene_to(&mut text, SceneFormat::Xyz, smallest);
         return String::from_utf8_lossy(&text).into_owned();
     }

@@ -1,14 +1,15 @@
-//! The smallest scene on which something still fails: few particles, few bits.
+//! Finds the simplest scene on which a condition still fails: few particles, few bits.
 //!
-//! Passes of simplifications, until none helps any more or the effort is spent: particles are taken
-//! away in ever smaller chunks (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without their
-//! complements); all particles get one radius, lose an axis, move towards the origin, are scaled by
-//! a power of two, are rounded; every number becomes 0, 1, or is rounded to ever more bits. A
-//! simplification stands if the scene costs less by it and still fails. The cost is, in this order:
-//! particles, more than one radius, significant bits of all numbers, their distance from 1 in
-//! binary places, minus signs. It falls with every step, so passes come to an end.
+//! Simplifications are tried in passes, until none helps or the effort is spent. Particles are
+//! removed in ever smaller groups (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without
+//! complements). All particles get one radius, lose an axis, move towards the origin, are scaled by
+//! a power of two, are rounded. Each number becomes 0, 1, or is rounded to ever more bits.
 //!
-//! Translation and scaling are tried only where they are exact, so that they keep all distances.
+//! A simplification is kept if the scene still fails and its cost falls. The cost compares, in this
+//! order: particles, more than one radius, significant bits, distance from 1 in powers of two,
+//! minus signs. Because the cost always falls, the passes end.
+//!
+//! Translations and scalings are only tried if exact, so that distances do not change.
 
 use std::time::{Duration, Instant};
 
@@ -22,10 +23,10 @@ pub struct Effort {
     pub time: Duration,
 }
 
-/// To how many significant bits numbers are rounded.
+/// Numbers of significant bits to round to.
 const BITS: [u32; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40];
 
-/// This many particles are tried as the new origin.
+/// Number of particles that are tried as the new origin.
 const ORIGINS: usize = 16;
 
 type Cost = (usize, bool, u64, u64, u64);
@@ -38,8 +39,7 @@ struct Shrinker<F> {
     until: Instant,
 }
 
-/// The smallest scene found on which `fails` holds, as a file of it is read; `scene` itself if it
-/// does not fail so.
+/// Returns the simplest scene on which `fails` holds, or `scene` itself if it does not hold there.
 pub fn shrink(
     scene: &AnyScene<'static>,
     effort: Effort,
@@ -95,8 +95,7 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         true
     }
 
-    /// The scene with its k-th number replaced by what `change` makes of it, for all k; none if
-    /// that fails for one.
+    /// The scene with `change` applied to each number; `None` if that fails for one.
     fn changed(&self, change: impl Fn(usize, f64) -> Option<f64>) -> Option<Numbers> {
         let values: Option<Vec<f64>> =
             self.best.values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
@@ -143,7 +142,7 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
                 }
             }
         }
-        // So that the largest radius, the largest or the smallest number is between 1 and 2.
+        // Scales the largest radius, the largest or the smallest number to between 1 and 2.
         let sizes = || self.best.values.iter().map(|x| x.abs()).filter(|&x| x > 0.0);
         let units = [largest, sizes().reduce(f64::max), sizes().reduce(f64::min)];
         for unit in units.into_iter().flatten() {

@@ -1,5 +1,3 @@
-//! In which way an answer is wrong.
-
 use std::fmt;
 use std::time::Duration;
 
@@ -9,46 +7,44 @@ use contactbench_core::sink::Digest;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrong {
     Pairs(Differences),
-    /// It refuses the scene, but has reported so many pairs before.
+    /// It refuses the scene after reporting this many pairs.
     RefusesLate(u64),
     Panics(String),
     Hangs(Duration),
-    /// A runner died: how, and the end of what it said on its standard error.
+    /// A runner died.
     Dies {
-        /// How, and its last words, in one sentence.
+        /// The cause and its last words, in one sentence; `errors` is the end of its standard
+        /// error.
         how: String,
         errors: String,
     },
-    /// A runner broke the protocol: what it should have done, and what it did.
+    /// A runner broke the protocol, as described.
     Breaks(String),
-    /// A function does something else than answering: what, as in `raises an error`.
+    /// A function failed, as described: `raises an error`, for example.
     Fails(String),
-    /// Pairs that nobody can see, of a runner that does not give them or too many for a list, are
-    /// others than the truth.
+    /// The digest is wrong, and the pairs are not known: a runner does not write them, or they are
+    /// too many.
     Counts {
         said: Digest,
         truth: Digest,
     },
 }
 
-/// What is wrong with a list of contacts. The smaller index stands first; in open scenes images are
-/// 0.
+/// The errors of a contact list. The smaller index comes first; in open space, images are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
-    /// Touching pairs not reported.
     pub missed: Vec<ImagePair>,
-    /// Reported pairs that do not touch.
     pub spurious: Vec<ImagePair>,
     pub selves: Vec<ImagePair>,
-    /// Pairs reported again, once for each time.
+    /// Repeated pairs, once per repetition.
     pub duplicate: Vec<ImagePair>,
 }
 
 const SHOWN: usize = 4;
 
 impl Differences {
-    /// Compares what was reported, in any order, with the true pairs, each once and in ascending
-    /// order.
+    /// Compares reported pairs, in any order, with the true pairs, which must be unique and
+    /// ascending.
     pub fn new(mut reported: Vec<ImagePair>, truth: &[ImagePair]) -> Differences {
         reported.sort_unstable();
         let duplicate: Vec<ImagePair> =

@@ -37,7 +37,7 @@ fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
     follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
 }
 
-/// Asked in every frame, and with lists that promise to miss nothing; and with one that does not.
+/// A detector in every frame, lists that must miss nothing, and one that may.
 #[test]
 fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     let trackers = [
@@ -77,8 +77,8 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     assert!(missed > 500, "{missed}");
 }
 
-/// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
-/// far they go.
+/// In a shear, particles move with the box. Only the tilt makes a list invalid, however far they
+/// move.
 #[test]
 fn a_list_serves_a_box_that_is_sheared() {
     let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
@@ -89,7 +89,7 @@ fn a_list_serves_a_box_that_is_sheared() {
     assert_eq!(followed.trackers[0].builds.built, 1);
 }
 
-/// Two that touch fly on together, through one face after the other.
+/// Two touching particles move together through several faces.
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
     let flight = |k: u32| {
@@ -102,7 +102,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     assert_eq!([moved.contacts, moved.born, moved.ended, moved.tunnelled], [60, 0, 0, 0]);
     assert!((moved.way.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
     assert_eq!(trackers[0].late.missed, 0, "it was never out of the list");
-    // The same in a box that is sheared, and flipped back: seen from one, the other is at rest.
+    // The same in a box that is sheared and flipped back: relative to each other, both are at rest.
     let frames: Vec<Given> = (0..60)
         .map(|k| {
             let tilt = 0.3 * f64::from(k);
@@ -112,7 +112,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
             given(vec![[1.0, 7.75], [(1.25 + tilt).rem_euclid(8.0), 0.5]], 0.5, lattice)
         })
         .collect();
-    // The image above the second stays where it is, though everything else moves.
+    // The image above the second particle stays in place while everything else moves.
     let still: Vec<Given> = frames
         .iter()
         .map(|frame| {
@@ -124,12 +124,14 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     let moved = followed(&still, &[]).moved;
     assert_eq!([moved.contacts, moved.born, moved.ended], [60, 0, 0]);
     assert!(moved.way.longest < 0.31, "{moved:?}");
-    // And one that the box carries past ends, and is another when it comes again.
+    // A contact with an image that the box carries away ends, and begins anew when the next image
+    // arrives.
     let moved = followed(&frames, &[]).moved;
     assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
 }
 
-/// Missed since the frame in which they met, through the face, to the one in which it is reported.
+/// The contact is missed from the frame in which they meet, through the face, to the one in which
+/// it is reported.
 #[test]
 fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
     let frames: Vec<Given> = (0..9)
@@ -147,13 +149,13 @@ fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
     assert_eq!(late.deepest, 0.5);
 }
 
-/// Places and ways that are whole sixteenths: nothing is rounded.
+/// Positions in whole sixteenths, so that nothing is rounded.
 fn sixteenths(seed: u64, n: u64, most: u64) -> Vec<[f64; 2]> {
     let draw = |k: u64| (splitmix64(seed << 32 | k) % (2 * most + 1)) as f64 / 16.0;
     (0..n).map(|k| [draw(2 * k), draw(2 * k + 1)].map(|x| x - most as f64 / 16.0)).collect()
 }
 
-/// A dump may wrap its particles, or not, or name any image.
+/// A dump may wrap its particles, or not, or use any image.
 #[test]
 fn a_wrapped_dump_and_its_twin_are_one_motion() {
     for (seed, way) in [(1, 3), (2, 20), (3, 40)] {
@@ -166,7 +168,8 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
             };
             (0..25).map(|k| given((0..40).map(|i| at(k, i)).collect(), 0.5, square(8.0))).collect()
         };
-        // Between two builds nobody goes half of the box: what is listed does not hang on names.
+        // Between two rebuilds, displacements are below half of the box, so the list does not
+        // depend on images.
         let tracker = ["verlet(nbs,rule=every-2)"];
         let onwards = followed(&frames(&|_, x| x), &tracker);
         let wrapped = followed(&frames(&|_, x| x.rem_euclid(8.0)), &tracker);
@@ -183,7 +186,7 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
     }
 }
 
-/// All images of all couples, in boxes that move and are flipped.
+/// Compares with all images of all pairs, in boxes that move and are flipped.
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {
     let mut all = 0;
@@ -192,7 +195,7 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
         (2, 14, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
         (3, 14, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
         (4, 14, [[1.5, 0.0], [0.5, 2.0]], [[1.5, 0.0], [-0.75, 2.0]]),
-        // The box alone moves.
+        // Only the box moves.
         (5, 0, [[4.0, 0.0], [1.5, 3.0]], [[4.0, 0.0], [-1.25, 3.0]]),
         (6, 0, [[1.5, 0.0], [0.5, 1.5]], [[1.5, 0.0], [-0.125, 1.5]]),
     ] {
@@ -257,13 +260,13 @@ fn boxes_that_change_too_much_are_not_counted() {
         moved.uncounted.as_deref(),
         Some("the box changes too much from one frame to the next")
     );
-    // Nor are frames that do not follow each other; that costs nothing else.
+    // Steps between frames with and without a box are not counted; nothing else is lost.
     let open: Given = frames[0].scene.clone().into();
     let moved = followed(&[frames[0].clone(), open, frames[1].clone()], &["every-step(nbs)"]).moved;
     assert_eq!((moved.frames, moved.tunnelled, moved.born), (3, 0, 0));
 }
 
-/// By all images that can be the nearest, in boxes that are tilted by more than their length, too.
+/// Compares with all images that can be the nearest, also in boxes with large tilts.
 #[test]
 fn ways_are_those_to_the_nearest_image() {
     for (vectors, repeats) in [

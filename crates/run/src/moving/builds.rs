@@ -1,22 +1,21 @@
-//! When a tracker built its list, and whether it was high time.
+//! Counts the rebuilds of a tracker, and whether they came too late.
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Builds {
-    /// Frames in which the detector was asked, or all was made anew, the first among them.
+    /// Frames in which the list was built, the first included.
     pub built: u64,
-    /// Of those, how many LAMMPS would call dangerous.
+    /// Builds that LAMMPS would call dangerous.
     pub dangerous: u64,
-    /// Of those, how many came after a frame with a missed contact, counted from the build before.
+    /// Dangerous builds after a frame with a missed contact since the last build.
     pub rightly: u64,
-    /// Builds that came after such a frame, dangerous or not. Misses after the last build belong to
-    /// none.
+    /// All builds after such a frame. Misses after the last build are not counted.
     pub missing: u64,
-    /// Missed when the list was last built.
+    /// Missed contacts up to the last build.
     missed_before: u64,
 }
 
 impl Builds {
-    /// One more frame. Before it, so many contacts were missed, summed over the frames.
+    /// Adds a frame; `missed` contacts were missed in all frames before it.
     pub fn take(&mut self, built: bool, dangerous: bool, missed: u64) {
         if !built {
             return;
@@ -42,9 +41,8 @@ mod tests {
         for (built, dangerous, missed) in [
             (true, false, 0),
             (false, false, 0),
-            // Nothing was missed.
             (true, true, 0),
-            // Two frames with misses, and nobody says so.
+            // Two frames with misses, without a warning.
             (false, false, 3),
             (true, false, 5),
             (true, true, 6),

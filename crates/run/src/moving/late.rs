@@ -1,4 +1,4 @@
-//! What a tracker missed, over the frames.
+//! Missed contacts of a tracker, over all frames.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -6,28 +6,28 @@ use std::hash::Hash;
 use super::names::Names;
 use contactbench_core::periodic::ImagePair;
 
-/// Contacts that were not reported in the frame in which they were there.
+/// Contacts that were not reported in a frame in which they existed.
 ///
-/// A *missed pair-step* is a pair that touches in a frame and is not reported in it. A contact is
-/// missed from one frame on, until it is reported, or until it has ended and nobody knew of it.
-/// Pairs go by names that are the same in all frames.
+/// A *missed pair-step* is a touching pair that is not reported in one frame. A contact is missed
+/// from one frame until it is reported or ends. Contacts are identified by names that are the same
+/// in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Late<P: Eq + Hash = ImagePair> {
     /// Missed pair-steps.
     pub missed: u64,
     /// Largest number of contacts missed in one frame.
     pub worst: u64,
-    /// First frame with this many missed contacts.
+    /// First frame with a missed contact.
     pub first: Option<u64>,
-    /// Number of frames in which a contact was missed.
+    /// Number of frames with a missed contact.
     pub frames: u64,
-    /// Contacts that ended, or were there in the last frame, and were never reported.
+    /// Contacts that ended, or lasted to the last frame, without being reported.
     pub never: u64,
-    /// Of those that were reported too late, the most frames.
+    /// Largest delay of a reported contact, in frames.
     pub latest: u64,
-    /// Of those, the largest overlap when they were first reported, in mean radii of the couple.
+    /// Largest overlap of a late contact when it was first reported, in mean radii of the pair.
     pub deepest: f64,
-    /// Missed so far, and since which frame.
+    /// Contacts missed now, with the frame in which that began.
     open: HashMap<P, u64>,
 }
 
@@ -66,10 +66,10 @@ impl Late {
 }
 
 impl<P: Copy + Eq + Hash> Late<P> {
-    /// These were missed in frame `k`, each once; `depth` is that of a contact which is there, and
-    /// none of one that has ended.
+    /// Notes the contacts missed in frame `k`, each once. `depth` returns the overlap of a contact,
+    /// or `None` if it has ended.
     pub fn note(&mut self, k: u64, missed: &[P], depth: impl Fn(&P) -> Option<f64>) {
-        // What was missed before and is so no more was reported, or has ended.
+        // Contacts that are no longer missed were reported or have ended.
         let mut before = std::mem::take(&mut self.open);
         for &pair in missed {
             self.open.insert(pair, before.remove(&pair).unwrap_or(k));
@@ -92,7 +92,7 @@ impl<P: Copy + Eq + Hash> Late<P> {
         self.worst = self.worst.max(missed);
     }
 
-    /// Is something missed that may still be reported?
+    /// Whether some contact is still missed.
     pub(crate) fn is_open(&self) -> bool {
         !self.open.is_empty()
     }
@@ -130,7 +130,7 @@ mod tests {
             let (spurious, late) = take(k, reported, truth);
             assert_eq!((spurious, late.never), (0, u64::from(k > 2)), "{k}");
         }
-        // Pairs that do not touch, and one twice.
+        // Two spurious pairs and a duplicate.
         assert_eq!(take(6, &[a, a, d, c], &[a]).0, 3);
         late.end();
         let truth = Late {

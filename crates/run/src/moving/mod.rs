@@ -1,4 +1,4 @@
-//! Trackers held to the truth, frame by frame: what a kept list costs, and what it misses.
+//! Compares trackers with the truth in every frame: their cost, and the contacts that they miss.
 
 #[cfg(test)]
 mod box_tests;
@@ -30,13 +30,13 @@ pub use survey::Survey;
 pub struct Question<'a> {
     pub trackers: &'a [TrackerSpec],
     pub arithmetic: Arithmetic,
-    /// Frames at most, the first among them.
+    /// Maximum number of frames, the first included.
     pub frames: u64,
-    /// For lists, in bytes.
+    /// Maximum bytes of a list.
     pub memory_limit: u64,
 }
 
-/// What trackers did in the frames of a scene in motion.
+/// Results of all trackers for one motion.
 #[derive(Debug)]
 pub struct Followed {
     pub moved: Moved,
@@ -46,27 +46,27 @@ pub struct Followed {
 #[derive(Clone, Debug)]
 pub struct Tracked {
     pub spec: TrackerSpec,
-    /// It promises to miss nothing.
+    /// Whether it must not miss contacts.
     pub is_safe: bool,
     pub times: Vec<Duration>,
-    /// Time for building lists, in all frames.
+    /// Time for building lists, over all frames.
     pub building: Duration,
     pub builds: Builds,
-    /// Pairs that were looked at, in all frames.
+    /// Pairs that were tested, over all frames.
     pub listed: u64,
-    /// Pairs that were reported, in all frames.
+    /// Pairs that were reported, over all frames.
     pub reported: u64,
-    /// Pairs that were reported and do not touch.
+    /// Reported pairs that do not touch.
     pub spurious: u64,
     pub late: Late,
-    /// Bytes between frames, by formula.
+    /// Bytes kept between frames, by formula.
     pub bytes: u64,
-    /// Why it ended before the last frame.
+    /// Why it stopped before the last frame.
     pub refused: Option<String>,
 }
 
 impl Tracked {
-    /// A tracker that promises to miss nothing did, or any reported a pair that does not touch.
+    /// Whether it missed a contact although it is safe, or reported a pair that does not touch.
     pub fn is_wrong(&self) -> bool {
         self.spurious > 0 || self.is_safe && self.late.missed > 0
     }
@@ -78,13 +78,11 @@ struct Follower {
     contacts: Contacts,
 }
 
-/// Follows the frames with all trackers side by side, and with the truth. `frame` gives the one of
-/// each number in turn, and none after the last; making frames and finding the truth is outside the
-/// clock.
+/// Runs all trackers on the frames, and compares them with the truth. `frame` returns the frame of
+/// a number, and `None` after the last. Making frames and finding the truth is not timed.
 ///
 /// # Errors
-/// Frames that cannot be made or stored, and scenes without a truth. What a tracker refuses is in
-/// its answer.
+/// A frame cannot be made or stored, or has no truth. Refusals of trackers are part of the result.
 pub fn follow(
     mut frame: impl FnMut(u64) -> anyhow::Result<Option<Given>>,
     question: &Question<'_>,
@@ -132,7 +130,6 @@ pub fn follow(
 }
 
 impl Follower {
-    /// Asks the tracker for the contacts of a frame, and holds them to the truth.
     fn step(
         &mut self,
         k: u64,

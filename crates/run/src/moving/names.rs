@@ -1,44 +1,44 @@
-//! What contacts in a box are called in all frames.
+//! Names of contacts in a periodic box that stay the same in all frames.
 //!
-//! A contact (i, j, S) in a box changes its name where a particle leaves through a face and comes
-//! in on the other side, and where a sheared box is flipped back. Two things are kept, so that it
-//! has one name for as long as it lasts: by how many whole vectors W each particle has been brought
-//! about so far, from frame to frame to the image nearest to where it was; and the vectors of the
-//! box as whole numbers C of those of the first frame, as they have moved on. Then S·C + Wi - Wj is
-//! the same in all frames.
+//! The image S of a contact (i, j, S) changes if a particle leaves through a face and enters on the
+//! other side, or if a sheared box is flipped back. So two things are tracked. W is the number of
+//! box vectors that each particle was moved so far, always to the image nearest to its last
+//! position. C are the box vectors in terms of those of the first frame, as they have moved. Then
+//! S·C + Wi - Wj does not change.
 
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_scenes::touching::particle;
 
-/// Whole numbers, one row for each vector of a box.
+/// Whole numbers, one row per box vector.
 type Numbers = [[i32; 3]; 3];
 
 const SAME: Numbers = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-/// From one frame in a box to the next.
+/// The step from one frame to the next.
 pub(crate) struct Onward {
-    /// So many vectors of the later box bring a particle nearest to where it was.
+    /// Number of vectors of the later box that bring each particle nearest to its earlier position.
     pub by: Vec<[i32; 3]>,
-    /// The vectors of the later box by those of the earlier one, as they have moved on.
+    /// Vectors of the later box in terms of the moved vectors of the earlier one; `back` is the
+    /// inverse.
     turned: Numbers,
     back: Numbers,
 }
 
-/// The names in the frame that was seen last.
+/// The names in the last frame.
 #[derive(Default)]
 pub struct Names {
     last: Option<Periodic<'static>>,
-    /// W of each particle, of vectors of the first frame.
+    /// W of each particle, in vectors of the first frame.
     brought: Vec<[i32; 3]>,
-    /// C, and the other way.
+    /// C; `back` is the inverse.
     turned: Numbers,
     back: Numbers,
 }
 
 impl Names {
-    /// One more frame. Gives the one before it, and how it goes on from there; none for the first,
-    /// and where there are other particles, or a box that repeats otherwise.
+    /// Adds a frame. Returns the frame before it and the step between them; `None` for the first
+    /// frame, for other particles, or for other periodic axes.
     pub(crate) fn next(
         &mut self,
         frame: &Periodic<'static>,
@@ -61,13 +61,13 @@ impl Names {
         step
     }
 
-    /// The name in all frames.
+    /// The name of a contact in all frames.
     pub fn name(&self, pair: ImagePair) -> ImagePair {
         let apart = self.apart(pair);
         ImagePair::new(pair.i, pair.j, add(times(pair.image, &self.turned), apart))
     }
 
-    /// What has this name, as this frame calls it.
+    /// The contact in this frame that has this name.
     pub fn called(&self, name: ImagePair) -> ImagePair {
         let apart = self.apart(name).map(i32::wrapping_neg);
         ImagePair::new(name.i, name.j, times(add(name.image, apart), &self.back))
@@ -94,21 +94,21 @@ impl Onward {
         Some(Onward { by, turned, back })
     }
 
-    /// What is called so in the earlier frame, as the later one calls it.
+    /// The image, in the later frame, of a contact of the earlier frame.
     pub fn called(&self, ImagePair { i, j, image }: ImagePair) -> [i32; 3] {
         let [of_i, of_j] = [i, j].map(|k| self.by[k as usize]);
         add(times(image, &self.back), add(of_j, of_i.map(i32::wrapping_neg)))
     }
 
-    /// The vectors of the later box that have become of those of the earlier one; 0 where it is
-    /// open.
+    /// Vectors of the later box that the vectors of the earlier one have moved to; 0 along open
+    /// axes.
     pub fn vectors(&self, to: &Lattice) -> [[f64; 3]; 3] {
         let vectors = repeating(to);
         self.back.map(|row| sum(row, &vectors))
     }
 }
 
-/// The vectors along which a box repeats, and 0 for the others.
+/// The periodic vectors of a box, and 0 for the others.
 pub(super) fn repeating(lattice: &Lattice) -> [[f64; 3]; 3] {
     let (vectors, repeats) = (lattice.vectors(), lattice.periodic());
     std::array::from_fn(|v| if repeats[v] { vectors[v] } else { [0.0; 3] })
@@ -119,8 +119,8 @@ pub(super) fn sum(image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * vectors[v][k]).sum())
 }
 
-/// The vectors of one box by those of another, and the other way; as they are where they are not
-/// of one lattice that has moved on.
+/// The vectors of one box in terms of the other, and the inverse; the identity if the lattice has
+/// not simply moved.
 fn turned(from: &Lattice, to: &Lattice) -> (Numbers, Numbers) {
     if from.vectors() == to.vectors() {
         return (SAME, SAME);
@@ -137,7 +137,7 @@ fn turned(from: &Lattice, to: &Lattice) -> (Numbers, Numbers) {
     inverse(&turned).map_or((SAME, SAME), |back| (turned, back))
 }
 
-/// Of whole numbers, if it has such.
+/// The inverse, if it is integral.
 fn inverse(of: &Numbers) -> Option<Numbers> {
     let minor = |a: usize, b: usize| -> i128 {
         let at = |i: usize, k: usize| i128::from(of[(a + i) % 3][(b + k) % 3]);
@@ -160,7 +160,7 @@ fn add(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
     std::array::from_fn(|v| a[v].wrapping_add(b[v]))
 }
 
-/// A row by a matrix.
+/// A row times a matrix.
 fn times(row: [i32; 3], by: &Numbers) -> [i32; 3] {
     let product = |v: usize, k: usize| row[v].wrapping_mul(by[v][k]);
     std::array::from_fn(|k| (0..3).fold(0, |sum: i32, v| sum.wrapping_add(product(v, k))))
@@ -170,18 +170,17 @@ fn product(a: &Numbers, b: &Numbers) -> Numbers {
     a.map(|row| times(row, b))
 }
 
-/// Centres with three coordinates.
 pub(super) fn centres(scene: &AnyScene<'_>) -> Vec<[f64; 3]> {
     (0..scene.len() as u32).map(|k| particle(scene, k).0).collect()
 }
 
-/// Finds the nearest image. Vectors are as short as can be: then the nearest one is among those
-/// around the fractions, each rounded (as in the `minimum_image` of ASE).
+/// Finds the nearest image. Vectors are reduced to be as short as possible. Then the nearest image
+/// is among those next to the rounded fractions (as in `minimum_image` of ASE).
 pub(super) struct Nearest {
     vectors: [[f64; 3]; 3],
     duals: [[f64; 3]; 3],
     numbers: Numbers,
-    /// The square of a length: whoever has gone no farther has no nearer image.
+    /// Square of a length. A particle that moved at most this far has no nearer image.
     near: f64,
 }
 
@@ -190,12 +189,12 @@ impl Nearest {
         let (lattice, numbers) = lattice.reduced();
         let repeats = lattice.periodic();
         let duals = std::array::from_fn(|v| if repeats[v] { lattice.dual(v) } else { [0.0; 3] });
-        // With a little less than half for rounding.
+        // Slightly less than half, because of rounding.
         let near = 0.49 * lattice.shortest();
         Nearest { vectors: repeating(&lattice), duals, numbers, near: near * near }
     }
 
-    /// How many vectors of the box bring `at` nearest to `then`.
+    /// Number of box vectors that bring `at` nearest to `then`.
     pub fn by(&self, at: [f64; 3], then: [f64; 3]) -> [i32; 3] {
         let way: [f64; 3] = std::array::from_fn(|k| then[k] - at[k]);
         if square(way) <= self.near {
@@ -214,7 +213,7 @@ impl Nearest {
         let others = steps(0).flat_map(|x| steps(1).map(move |y| (x, y)));
         let others = others.flat_map(|(x, y)| steps(2).map(move |z| [x, y, z]));
         for by in others.map(|step| add(about, step)) {
-            // Most are next to where they were.
+            // Most particles are near their last position.
             if best.0 <= self.near {
                 break;
             }

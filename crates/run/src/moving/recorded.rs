@@ -1,4 +1,4 @@
-//! The frames of a file as those of one motion: of the same particles.
+//! Reads the frames of a file as one motion of the same particles.
 
 use anyhow::{Context, bail, ensure};
 
@@ -7,8 +7,8 @@ use contactbench_io::Given;
 use contactbench_io::boxes::along;
 use contactbench_io::{About, Particles};
 
-/// Frames of the same particles, in boxes that repeat along the same axes. Particles are told apart
-/// by the ids of the file, where it has such, and then in their order; else by their places.
+/// Frames of the same particles, with the same periodic axes. Particles are identified and sorted
+/// by the ids of the file, otherwise by position in the file.
 pub struct Recorded<'a, I> {
     frames: I,
     name: &'a str,
@@ -20,7 +20,7 @@ struct First {
     len: usize,
     dim: usize,
     ids: Option<Vec<i64>>,
-    /// Along which axes its box repeats.
+    /// Periodic axes of its box.
     repeats: [bool; 3],
 }
 
@@ -30,15 +30,13 @@ fn repeats(particles: &Particles) -> [bool; 3] {
 }
 
 impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I> {
-    /// Of [`Frames`](contactbench_io::Frames); the radius is that of all, for files that hold none.
+    /// `radius` is the radius of all particles, for files without radii.
     pub fn new(frames: I, name: &'a str, radius: Option<f64>) -> Recorded<'a, I> {
         Recorded { frames, name, radius, first: None }
     }
 
-    /// The next frame, none after the last.
-    ///
-    /// # Errors
-    /// The file is broken, or the frame holds other particles than the first, or repeats otherwise.
+    /// The next frame, or `None` after the last. Fails if the file is broken, or particles or
+    /// periodic axes differ from the first frame.
     pub fn next_frame(&mut self) -> anyhow::Result<Option<Given>> {
         let Some((mut particles, about)) = self.frames.next().transpose()? else {
             return Ok(None);
@@ -100,7 +98,7 @@ mod tests {
     use super::*;
     use contactbench_io::{Frame, Options, frames_from};
 
-    /// Frames of a dump by their rows `id x`, and how the reading of them ends.
+    /// Reads frames of a dump from rows `id x`; also returns the error at the end.
     fn read(frames: &[&[(i64, f64)]]) -> (Vec<Vec<f64>>, String) {
         let frame = |(k, rows): (usize, &&[(i64, f64)])| {
             let n = rows.len();

@@ -1,11 +1,9 @@
-//! Statistics of a motion from frame to frame.
-
 use super::names::Names;
 use super::through::Through;
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_terms::moved::Moved;
 
-/// Sums up what happens from frame to frame.
+/// Statistics of a motion.
 #[derive(Default)]
 pub struct Survey {
     pub moved: Moved,
@@ -15,7 +13,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Takes one more frame, and its contacts in ascending order.
+    /// Adds a frame, with its contacts in ascending order.
     pub fn take(&mut self, frame: &Periodic<'static>, contacts: &[ImagePair], memory_limit: u64) {
         let step = self.names.next(frame);
         let mut named: Vec<_> = contacts.iter().map(|&pair| self.names.name(pair)).collect();
@@ -49,7 +47,7 @@ impl Survey {
     }
 }
 
-/// Counts the pairs that are in both lists, which are in ascending order.
+/// Counts the pairs in both lists, which must be in ascending order.
 fn common(a: &[ImagePair], b: &[ImagePair]) -> u64 {
     let mut b = b.iter().peekable();
     let is_there = |pair: &&ImagePair| {
@@ -84,11 +82,11 @@ mod tests {
         assert_eq!((moved.way.at_rest, moved.steps()), (2, 1));
         assert!((moved.way.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
         assert!((moved.mean_way() - 0.125).abs() < 1e-12);
-        // The last flies through all others but the first, and beyond the third.
+        // The last disc passes through all others except the first, and stops beyond the third.
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
         assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
         assert_eq!(moved.uncounted, None);
-        // A scene that cannot be counted loses nothing else.
+        // If a step cannot be counted, nothing else is lost.
         take([0.0, 2.5, 4.5, 1.7e308], &[]);
         let moved = take([0.0, 2.5, 4.5, -1.7e308], &[]);
         assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");

@@ -1,15 +1,15 @@
-//! From one frame in a box to the next: ways to the nearest image, and contacts between the two.
+//! One step in a box: displacements to the nearest image, and contacts between two frames.
 //!
-//! Particle i goes from xi to yi, its image in the next frame that is nearest. The image of j by S
-//! goes from xj + S·H to yj + S·H', where H' are the vectors of the box that have become of H (a
-//! box that is flipped back goes on). Both are rounded to f64, and go straight; so what is counted
-//! may differ by couples that come nearer than rounding to touching.
+//! Particle i moves from xi to yi, its nearest image in the next frame. The image S of j moves from
+//! xj + S·H to yj + S·H', where H' are the vectors that H has moved to (a flipped box continues).
+//! Both paths are rounded to f64 and straight. So the count may differ for pairs whose least
+//! distance is within rounding of touching.
 //!
-//! **Who can meet.** A couple that touches on its way is, before, at a distance d of at most ri +
-//! rj, its ways, and what the box moves the image, which is at most the sum over vectors of |Sv|
-//! |H'v - Hv|. With the dual vectors g and the width w of all particles along them, |Sv| <= wv +
-//! |gv| d. So d (1 - B) <= ri + rj + ways + A with A = sum of wv |H'v - Hv| and B = sum of |gv|
-//! |H'v - Hv|.
+//! **Which pairs can meet.** For a pair that touches on its way, let d be its distance before. d is
+//! at most ri + rj, plus both displacements, plus the displacement of the image by the box. The
+//! last is at most the sum over vectors of |Sv| |H'v - Hv|. With dual vectors g and the width w of
+//! all particles along them, |Sv| <= wv + |gv| d. So d (1 - B) <= ri + rj + displacements + A, with
+//! A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
 
 use super::names::{Onward, centres, repeating, sum};
 use contactbench_core::contact::Arithmetic;
@@ -22,14 +22,14 @@ use contactbench_core::scene::{AnyScene, Radii, Scene};
 use contactbench_core::track::way;
 use contactbench_scenes::touching::particle;
 
-/// Of sums of a dozen terms.
+/// Relative rounding error of sums of about a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 pub(crate) struct Through<'a> {
     last: &'a Periodic<'a>,
     frame: &'a Periodic<'a>,
     onward: &'a Onward,
-    /// x, y, and the places of the next frame as given.
+    /// x, y, and the given positions of the next frame.
     from: Vec<[f64; 3]>,
     to: Vec<[f64; 3]>,
     given: Vec<[f64; 3]>,
@@ -43,7 +43,8 @@ impl<'a> Through<'a> {
         Through { last, frame, onward, from: centres(last.scene()), to, given }
     }
 
-    /// The way of each particle, rounded up, and how many stay exactly where they are.
+    /// The displacement of each particle, rounded up, and the number of particles that did not
+    /// move.
     pub fn ways(&self) -> (Vec<f64>, usize) {
         let ends = || self.from.iter().zip(&self.to);
         let gone = |a, b| if a == b { 0.0 } else { way(a, b) };
@@ -55,7 +56,7 @@ impl<'a> Through<'a> {
         self.onward.vectors(self.frame.lattice()) != now
     }
 
-    /// Contacts between the two, or why they were not counted.
+    /// Contacts between the two frames, or why they were not counted.
     pub fn tunnelled(&self, ways: &[f64], memory_limit: u64) -> Result<u64, String> {
         let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
         let onward = self.onward.vectors(self.frame.lattice());
@@ -69,7 +70,8 @@ impl<'a> Through<'a> {
             let apart = |at: &[[f64; 3]], image, vectors| {
                 compare(&at[i], &at[j], ri, rj, Shift { image, vectors }).is_gt()
             };
-            // Also as rounded, or couples at rest would meet that are nearly in touch.
+            // The rounded positions must not touch either; otherwise nearly touching pairs at rest
+            // would count.
             let [from_apart, to_apart] = [&from, &to].map(|[a, b]| !label(a, b, ri, rj).touches());
             touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
                 && from_apart
@@ -80,7 +82,7 @@ impl<'a> Through<'a> {
         Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
     }
 
-    /// How much farther apart than by their own ways bodies may be before, since the box moves.
+    /// Additional distance before the step that the motion of the box allows.
     fn more(
         &self,
         ways: &[f64],
@@ -125,7 +127,7 @@ impl<'a> Through<'a> {
     }
 }
 
-/// A scene with radii that are larger by so much.
+/// A scene with radii increased by `by`.
 fn wider_by<const D: usize>(
     scene: &Scene<'_, f64, D>,
     by: Vec<f64>,

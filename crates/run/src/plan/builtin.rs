@@ -1,5 +1,5 @@
-//! The experiments that come with the program; a name on the command line that is not a file is
-//! looked up here.
+//! The experiments that are part of the program; names on the command line that are not files refer
+//! to them.
 
 use std::path::Path;
 
@@ -30,7 +30,6 @@ pub fn all() -> anyhow::Result<Vec<Experiment>> {
     FILES.iter().map(|(name, text)| parse(name, text)).collect()
 }
 
-/// The experiment of a name or file, and its text.
 pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
     if let Some((name, text)) = FILES.iter().find(|(known, _)| *known == name) {
         return Ok((parse(name, text)?, text.to_string()));

@@ -1,5 +1,4 @@
-//! Names of detectors in experiments: groups become the detectors in them, and every detector with
-//! parameters has one way of being written.
+//! Names of detectors in experiments: resolves groups, and normalises parameters.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,10 +10,9 @@ use contactbench_record::experiment::twice;
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
 
-/// Groups that are not a [`Group`] of the table, but several.
+/// A group of several [`Group`]s of the table.
 const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
 
-/// The names of all groups, for messages and the documentation.
 pub fn groups() -> impl Iterator<Item = &'static str> {
     Group::ALL.iter().map(|group| group.name()).chain([ALL.0])
 }
@@ -31,7 +29,7 @@ pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
         }
         let name = match written(name) {
             Ok(name) => name,
-            // Its rows say how to get it.
+            // A detector that was not compiled gets rows that state how to enable it.
             Err(TrackerError::Detector(SpecError::NotBuilt { .. })) => name.clone(),
             Err(_) if is_copy => name.clone(),
             Err(error) => return Err(error.to_string()),
@@ -47,9 +45,8 @@ pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
     Ok(all)
 }
 
-/// The text of an experiment with the groups of its detectors written out, as a record keeps it: a
-/// group may have more detectors later, which the record does not lack. A text that cannot be read
-/// is left as it is.
+/// The text of an experiment with its groups written out, as records keep it, because groups may
+/// grow later. A text that cannot be read is left unchanged.
 pub fn in_full(text: &str) -> String {
     #[derive(serde::Deserialize)]
     struct Named {
@@ -78,7 +75,7 @@ pub fn members(group: &str) -> Result<Vec<String>, String> {
         }
     };
     let names = TABLE.iter().filter(|entry| groups.contains(&entry.group)).map(|entry| entry.name);
-    // Peers are asked for also where they were not compiled: their rows say how to get them.
+    // Peers that were not compiled are included; their rows state how to enable them.
     let peers = groups.contains(&Group::Peers).then(|| PEERS.iter().map(|peer| peer.name));
     let mut names: Vec<String> = names.map(String::from).collect();
     for peer in peers.into_iter().flatten() {
@@ -98,7 +95,7 @@ pub fn role(role: table::Role) -> Role {
     }
 }
 
-/// Which of these are libraries that were not compiled, and how to have them measured.
+/// Lists the libraries that were not compiled, and how to enable them.
 pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> {
     let missing = names.filter(|name| peers::missing(name).is_some());
     let missing: BTreeSet<&str> = missing.map(String::as_str).collect();
@@ -110,18 +107,17 @@ pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> 
     Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
 }
 
-/// The one way of writing a detector or a tracker; another name stays as it is.
+/// The normal form of a detector or tracker; other names stay unchanged.
 pub fn normal(name: &str) -> String {
     written(name).unwrap_or_else(|_| name.to_string())
 }
 
 fn written(name: &str) -> Result<String, TrackerError> {
     let spec = track::parse(name)?;
-    // A detector by itself keeps its name, though it does what `every-step` does.
+    // A plain detector keeps its name, although `every-step` does the same.
     Ok(if is_tracker(name) { spec.to_string() } else { spec.detector().to_string() })
 }
 
-/// Is this the text of a tracker, not of a detector?
 pub fn is_tracker(name: &str) -> bool {
     name.contains('(')
 }
@@ -162,7 +158,7 @@ mod tests {
         }
     }
 
-    /// The text of a tracker is the normal form of its row.
+    /// A tracker's text is the normal form in its row.
     #[test]
     fn rows_have_the_normal_form_of_a_tracker() {
         for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]

@@ -1,5 +1,4 @@
-//! docs/EXPERIMENTS.md against the types: it has every key and no other, its defaults are the
-//! defaults, what it calls required is required, and its examples can be read.
+//! Compares docs/EXPERIMENTS.md with the types: keys, defaults, required keys, and examples.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +8,7 @@ use contactbench_record::experiment::{
 };
 
 const PAGE: &str = include_str!("../../../../docs/EXPERIMENTS.md");
-/// A key as older files call it.
+/// The name of a key in older files.
 const OLD: &str = "per-element";
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
@@ -38,7 +37,7 @@ fn examples(section: &str) -> Vec<&str> {
     blocks.map(|block| block.split("```").next().unwrap_or_default()).collect()
 }
 
-/// An example with what it needs to be a file.
+/// Completes an example to a valid file.
 fn completed(example: &str) -> String {
     let mut head = if example.contains("question = ") { String::new() } else { HEAD.to_string() };
     if !example.contains("detectors = ") {
@@ -109,7 +108,7 @@ fn the_examples_can_be_read_and_planned() {
     assert_eq!((complete.planned.scenes.len(), complete.planned.quick.len()), (3, 3));
 }
 
-/// The lines of an example without a key.
+/// Removes a key from an example.
 fn without(example: &str, key: &str) -> String {
     let assigns = |line: &&str| line.split([' ', '.']).next() == Some(key);
     example.lines().filter(|line| !assigns(line)).map(|line| format!("{line}\n")).collect()
@@ -126,7 +125,7 @@ fn defaults_are_the_defaults_and_required_keys_are_required() {
             } else {
                 without(example, key)
             };
-            // Without `threads` its ceiling makes no sense.
+            // `ceiling` requires `threads`.
             let bare = if key == "threads" { without(&bare, "ceiling") } else { bare };
             let head =
                 if key == "detectors" || key == "scene" { bare.clone() } else { completed(&bare) };

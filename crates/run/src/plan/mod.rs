@@ -1,5 +1,5 @@
-//! What experiments mean: the detectors that their names stand for, the scenes of their sweeps, and
-//! who looks at them. [`read`] fills in what [`Experiment`] leaves open.
+//! Plans experiments: resolves names of detectors and scenes to subjects and cells, and fills in
+//! what [`Experiment`] leaves open.
 
 pub mod builtin;
 pub mod detectors;
@@ -18,12 +18,12 @@ use contactbench_record::experiment::{
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
 
-/// The bytes of an experiment file, at most; the largest of ours has 15 kB.
+/// Maximum size of an experiment file, in bytes; the largest of ours has 15 kB.
 const MOST_BYTES: u64 = 1 << 20;
-/// What stands for the number of threads in the command of a runner in another language.
+/// Placeholder for the number of threads in the command of a runner.
 pub const THREADS: &str = "{threads}";
 
-/// The text of an experiment file, which is read no further than its bound.
+/// Reads the text of an experiment file, up to its maximum size.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path);
@@ -45,8 +45,8 @@ fn short_enough(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads and checks an experiment file for a run that is to begin: names in claims and figures must
-/// be of rows that it will have.
+/// Reads an experiment file for a new run; claims and figures may only name rows that the run will
+/// have.
 pub fn read(path: &Path) -> anyhow::Result<Experiment> {
     let text = text_of(path)?;
     let named = || {
@@ -58,13 +58,13 @@ pub fn read(path: &Path) -> anyhow::Result<Experiment> {
     named().with_context(|| format!("in {}", path.display()))
 }
 
-/// Parses and checks; relative file names of scenes are taken from `folder`.
+/// Parses and checks; relative file names of scenes start from `folder`.
 pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
     checked(text, folder, false).map(|read| read.0)
 }
 
-/// Parses and checks the copy of an experiment in a record. It may name detectors, trackers and
-/// motions that this program does not have: rows of them are reported, and cannot be made.
+/// Parses the copy of an experiment in a record. It may name detectors, trackers and motions that
+/// this program lacks, because their rows are only reported.
 pub fn parse_copy(text: &str) -> anyhow::Result<Experiment> {
     checked(text, Path::new(""), true).map(|read| read.0)
 }
@@ -101,7 +101,7 @@ fn checked<'a>(
     Ok((experiment, document))
 }
 
-/// Resolves groups and parameters where claims and figures name detectors.
+/// Resolves groups and parameters in claims and figures.
 fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow::Result<()> {
     let runners = experiment.runners.iter().map(|runner| runner.name.clone());
     let known: Vec<String> = experiment.detectors.iter().cloned().chain(runners).collect();
@@ -122,7 +122,7 @@ fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow
     Ok(())
 }
 
-/// Writes the name of a detector in its normal form; an error unless it is `known`.
+/// Normalises the name of a detector; fails unless it is `known`.
 fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String> {
     *name = detectors::normal(name);
     if known.contains(name) {
@@ -155,14 +155,13 @@ pub fn memory_limit(experiment: &Experiment) -> u64 {
     experiment.memory_limit_mib.map_or_else(default_limit, |mib| mib << 20)
 }
 
-/// The subjects of every scene, in the order of the record.
 fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     let Experiment { threads, .. } = experiment;
     let mut all = Vec::new();
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
-            // A sequential detector has one thread, whatever the others are given; so has a peer
-            // that was not compiled. A tracker is what its detector is.
+            // Sequential detectors, and peers that were not compiled, run with one thread. A
+            // tracker counts like its detector.
             let spec = contactbench_core::track::parse(name);
             let entry = spec.as_ref().map(|spec| spec.detector().entry);
             let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));
@@ -177,7 +176,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
         }
     }
     for runner in &experiment.runners {
-        // A command that does not say how many threads is the same for all numbers of them.
+        // A command without `{threads}` is run once.
         let counts = if says_threads(runner) { &threads[..] } else { &threads[..1] };
         all.extend(counts.iter().map(|&threads| Entrant {
             name: runner.name.clone(),
@@ -189,7 +188,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     all
 }
 
-/// Returns whether the command of a runner says how many threads.
+/// Whether the command of a runner contains `{threads}`.
 pub fn says_threads(runner: &ExternalRunner) -> bool {
     runner.command.iter().any(|word| word.contains(THREADS))
 }

@@ -1,4 +1,4 @@
-//! The scenes that an experiment plans: the product of the lists in its sweeps.
+//! The scenes of an experiment: the product of the lists in its sweeps.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
@@ -11,12 +11,12 @@ use contactbench_record::record::value::AxisValue;
 use contactbench_scenes::spec::{Course, Generator, Order, Spec};
 use contactbench_scenes::{generate, hard};
 
-/// Scenes of an experiment, at most: a plan holds all of them.
+/// Maximum number of scenes, because a plan keeps all of them in memory.
 const MOST_SCENES: u64 = 100_000;
-/// Scenes times detectors, arithmetics and numbers of threads, at most.
+/// Maximum number of scenes times detectors, arithmetics and numbers of threads.
 const MOST_CELLS: u64 = 1_000_000;
 
-/// All scenes of an experiment, in the order run. Too many are refused before one is made.
+/// All scenes in the order in which they run. If there are too many, none is made.
 pub fn specs(experiment: &Experiment, quick: bool) -> anyhow::Result<Vec<Spec>> {
     let of_run = |sweep: &SceneSweep| if quick { sweep.quickened() } else { sweep.clone() };
     let sweeps: Vec<SceneSweep> = experiment.scenes.iter().map(of_run).collect();
@@ -37,7 +37,6 @@ pub fn specs(experiment: &Experiment, quick: bool) -> anyhow::Result<Vec<Spec>> 
     Ok(all)
 }
 
-/// The axes of a scene of an experiment, without a detector.
 pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
     CellId {
         experiment: experiment.name.clone(),
@@ -51,7 +50,7 @@ pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
     }
 }
 
-/// The generators of the experiment that decide the number of particles.
+/// Generators that determine their own n.
 pub(super) fn own_n(experiment: &Experiment) -> BTreeSet<String> {
     let own = generators(experiment).filter(|generator| generator.own_n);
     own.map(|generator| generator.name.to_string()).collect()
@@ -61,7 +60,6 @@ fn generators(experiment: &Experiment) -> impl Iterator<Item = &'static Generato
     experiment.scenes.iter().filter_map(|sweep| generate::table::find(&sweep.name).ok())
 }
 
-/// The default values of the parameters of all scenes, by scene and dimension.
 pub(super) fn defaults(
     experiment: &Experiment,
 ) -> BTreeMap<(String, u32), BTreeMap<String, AxisValue>> {
@@ -72,7 +70,7 @@ pub(super) fn defaults(
     generators(experiment).flat_map(|generator| [2, 3].map(|dim| of(generator, dim))).collect()
 }
 
-/// An error if there are more scenes, or more cells, than can be planned.
+/// Fails if there are too many scenes or cells.
 fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
     let mut scenes = 0u64;
     for sweep in sweeps {
@@ -108,7 +106,7 @@ fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Takes relative paths of files from this folder.
+/// Prefixes relative paths with `folder`.
 pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Result<()> {
     for params in [&mut sweep.params, &mut sweep.quick.params] {
         match params.get_mut("path").map(|list| list.0.as_mut_slice()) {
@@ -129,7 +127,7 @@ pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Resu
     Ok(())
 }
 
-/// The lists whose product the scenes are, with their lengths.
+/// The lists whose product gives the scenes, with their lengths.
 fn factors(sweep: &SceneSweep) -> Vec<(&str, u64)> {
     let len = |list: &[toml::Value]| list.len() as u64;
     let all_cases = takes_all_cases(sweep);
@@ -180,7 +178,6 @@ fn product(sweep: &SceneSweep) -> anyhow::Result<Vec<Spec>> {
     Ok(all)
 }
 
-/// The parameters of a sweep in one dimension, each with its values.
 fn axes(sweep: &SceneSweep, dim: u32) -> Vec<(&str, Vec<toml::Value>)> {
     let params = sweep.params.iter().map(|(name, list)| (name.as_str(), list.to_vec()));
     let mut axes: Vec<(&str, Vec<toml::Value>)> = params.collect();
@@ -191,7 +188,6 @@ fn axes(sweep: &SceneSweep, dim: u32) -> Vec<(&str, Vec<toml::Value>)> {
     axes
 }
 
-/// All combinations of one value per axis.
 fn combinations(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
     let mut all = vec![BTreeMap::new()];
     for (name, values) in axes {

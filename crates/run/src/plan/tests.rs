@@ -1,4 +1,4 @@
-//! What a file may not say, and where the error is.
+//! Experiment files that must be refused, with the place of the error.
 
 use std::path::Path;
 
@@ -193,7 +193,7 @@ fn whole_numbers_may_have_an_exponent_and_lists_may_lack_brackets() {
     assert!(error.contains("1.5 stands where a whole number of at least 0 is expected"), "{error}");
 }
 
-/// The product of lists is known before one scene is made: a test that made them would not end.
+/// The product is checked before a scene is made; otherwise this test would not end.
 #[test]
 fn plans_are_bounded_before_they_are_made() {
     let list = |unit: &str| (1..=2000).map(|k| format!("{k}{unit}")).collect::<Vec<_>>().join(", ");
@@ -209,14 +209,14 @@ fn plans_are_bounded_before_they_are_made() {
     for words in ["line 6", "8000000000 scenes", "2000 values of seed", "at most 100000"] {
         assert!(refused.contains(words), "{refused}");
     }
-    // Of a quick run, too, and of several scenes together.
+    // Also for a quick run, and for several scenes together.
     let quick = format!("{packed}n = 5\nquick = {{ n = [{whole}], seed = [{whole}] }}\n");
     assert!(plan("\"nbs\"", &quick).unwrap_err().contains("4000000 scenes"));
     let half = format!("{packed}n = [{whole}]\nseed = [{}]\n", "1, 2, 3, 4, 5, 6, 7");
     let many = (1..=8).map(|dim| half.replace("\nn =", &format!("\nspacing = {dim}.5\nn =")));
     let refused = plan("\"nbs\"", &many.collect::<String>()).unwrap_err();
     assert!(refused.contains("112000 scenes with those above"), "{refused}");
-    // Cells, and the text itself.
+    // Also the number of cells, and the size of the text.
     let some =
         format!("{packed}n = [{whole}]\nseed = [{}]\n", &whole[..whole.find(", 41,").unwrap()]);
     let all = format!("threads = [1, 2, 3, 4, 5, 6, 7, 8]\n{some}");
@@ -237,7 +237,7 @@ fn a_runner_is_no_control_whatever_its_name() {
     assert_eq!(roles, [("nbs", &Role::Detector), ("x-twin", &Role::Runner)]);
 }
 
-/// A grading curve is a file, too, unless its points are written out.
+/// A grading curve is a file, unless its points are written out.
 #[test]
 fn files_are_taken_from_the_folder_of_the_experiment() {
     let text = format!(
@@ -250,7 +250,7 @@ fn files_are_taken_from_the_folder_of_the_experiment() {
     assert_eq!(curves, ["/home/a/sand.csv", "1 0, 2 100"]);
 }
 
-/// The committed records have all that their experiments plan, but for what was not installed.
+/// Committed records are complete, except for software that was not installed.
 #[test]
 fn the_committed_records_are_whole() {
     let mut seen = 0;

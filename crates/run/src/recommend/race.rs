@@ -1,14 +1,15 @@
-//! The race: who is slower by far drops out early, the others run blocks until the time is over.
+//! The race: detectors that are much slower drop out early, the others run blocks until the time is
+//! over.
 //!
-//! 1. A probe of each contender, one process at a time, in half of the time: the scene is loaded,
-//!    one sample is taken, its answer is judged. It may take `PATIENCE` times as long as the
-//!    fastest so far. Who takes over `HOPELESS` times the time of the fastest is out; of the others
-//!    the memory is measured.
-//! 2. Blocks: a sample of each in random order, and of the fastest once more as its own twin, every
-//!    one in a fresh process and all of a block on the same processor. Who takes over `FAR` times
-//!    the time of the fastest in each of the first two is out, and so are after `FEWEST` blocks
-//!    those whose interval is above `BEHIND` times the fastest. Two always remain, so that the
-//!    margin between them is measured.
+//! * Probes take up to half of the time. Each detector is started, loads the scene, takes one
+//!   sample, and its answer is judged. A probe may take [`PATIENCE`] times as long as the fastest.
+//!   A detector that takes over 12 times the fastest's time drops out ([`HOPELESS`]); for the
+//!   others, memory is measured.
+//! * In each block, each detector takes a sample in random order, and the fastest a second one as
+//!   its own twin. Each sample has a new process; all of a block run on one processor. A detector
+//!   that takes over 3 times the fastest's time in each of the first two blocks drops out
+//!   ([`FAR`]). After [`FEWEST`] blocks, so does one whose interval lies above 1.5 ([`BEHIND`]).
+//!   Two always remain, so that their ratio is measured.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -33,30 +34,29 @@ use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::{Interval, ratio};
 
-/// A probe may take so many times as long as the fastest one.
+/// A probe may take this many times as long as the fastest one.
 const PATIENCE: u32 = 20;
-/// So many blocks show who is far behind: one may be disturbed.
+/// Blocks needed to drop a slow detector, because one block may be disturbed.
 const FIRST_BLOCKS: u32 = 2;
-/// Fewer blocks tell nothing with 95%.
+/// Fewer blocks do not give an interval of 95%.
 const FEWEST: u32 = 6;
-/// More blocks make intervals hardly narrower.
+/// More blocks hardly narrow the interval.
 const MOST: u32 = 51;
-/// Blocks go on until there are [`FEWEST`] of them, but not beyond so many times the time asked
-/// for.
+/// To reach [`FEWEST`] blocks, the race may take this multiple of its time.
 const BEYOND: f64 = 1.5;
-/// A probe is given at least so long: a process must start.
+/// Minimum time of a probe, because a process must start.
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
 pub struct Question<'a> {
     pub given: &'a Given,
-    /// Scenes that detectors are given before, as some hard cases want it.
+    /// Scenes that detectors process first, as in some hard cases.
     pub history: &'a [Given],
     pub arithmetic: Arithmetic,
     /// For detectors that can use several.
     pub threads: usize,
-    /// For a detector's arrays, in bytes.
+    /// Maximum bytes of a detector's arrays.
     pub memory_limit: u64,
     pub time: Duration,
-    /// This program and its first arguments, to be started as runner.
+    /// This program and its first arguments, used to start runners.
     pub program: Vec<String>,
 }
 
@@ -81,7 +81,7 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let loads = Trajectory::write_all(folder.path(), scenes)?;
     let mut entries: Vec<_> =
         TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
-    // The others need not be waited for.
+    // Fast detectors come first, so that probes of slow ones can be cut short.
     entries.sort_by_key(|entry| entry.speed);
     let mut ground = Ground {
         question,
@@ -109,7 +109,7 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// What is left of this share of the time.
+    /// The rest of this share of the time.
     fn left(&self, share: f64) -> Duration {
         self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
     }
@@ -125,7 +125,7 @@ impl Ground<'_> {
         for entry in entries {
             note(&format!("probing {}", entry.name));
             let mut standing = self.entered(entry);
-            // The first may take all of the time, the others what the probes have left.
+            // The first probe may use all of the time, later ones what is left of half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
                 let reason = "not tried: the time was over (--seconds)".into();
@@ -150,8 +150,8 @@ impl Ground<'_> {
         Standing::new(entry, threads, Start::of(&command, time.max(SHORTEST_PROBE), room))
     }
 
-    /// Starts, loads, takes a first sample, and measures the memory unless others are far faster;
-    /// how long that took. None: it is out.
+    /// Starts a detector, takes a first sample, and measures its memory unless others are much
+    /// faster. Returns the time that this took, or `None` if the detector is out.
     fn probe(
         &mut self,
         standing: &mut Standing,
@@ -171,7 +171,7 @@ impl Ground<'_> {
             return Ok(None);
         };
         let took = started.elapsed();
-        // From now on it has shown how long it takes.
+        // From here on, the limit follows its own speed.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.time_limit = standing.start.time_limit;
         standing.probe_ns = Some(time);
@@ -182,7 +182,7 @@ impl Ground<'_> {
                     standing.peak_bytes = Some(memory.peak_bytes);
                     standing.formula_bytes = memory.formula_bytes;
                 }
-                // It is measured without.
+                // Memory is optional.
                 Ok(_) => {}
                 Err(failure) => standing.fail(failure),
             }
@@ -190,8 +190,8 @@ impl Ground<'_> {
         Ok(Some(took).filter(|_| standing.racing))
     }
 
-    /// Nanoseconds of a detection in a fresh process, whose answer is judged; and the process.
-    /// None: it is out.
+    /// Takes one judged sample in a new process; returns nanoseconds per detection and the process,
+    /// or `None` if the detector is out.
     fn sample(
         &mut self,
         standing: &mut Standing,
@@ -222,8 +222,7 @@ impl Ground<'_> {
         Ok(None)
     }
 
-    /// Samples of all that are left and of a twin, until the time is over; the number of blocks,
-    /// and what the twin says.
+    /// Runs blocks until the time is over. Returns their number, and the ratio of the twin.
     fn blocks(
         &mut self,
         standings: &mut [Standing],
@@ -231,7 +230,7 @@ impl Ground<'_> {
     ) -> anyhow::Result<(u32, Option<Interval>)> {
         let racing = standings.iter().filter(|standing| standing.racing);
         let original = racing.min_by_key(|standing| standing.probe_ns);
-        // With the limits that its original has since the probe.
+        // The twin has the limits that its original got after the probe.
         let mut twin = original.map(|it| Standing::new(it.entry, it.threads, it.start.clone()));
         let mut done = 0;
         for block in 1..=MOST {

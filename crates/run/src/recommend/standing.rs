@@ -11,17 +11,16 @@ use crate::run::client::{Failure, Start};
 pub struct Standing {
     pub entry: &'static Entry,
     pub threads: usize,
-    /// `ok`, or `lossy` with textbook filters: it has finished, or was only slow. All else: why
-    /// not.
+    /// `ok` or `lossy` if it finished or was only slow; otherwise its failure.
     pub outcome: Outcome,
-    /// Why it is out; empty for those that were measured to the end.
+    /// Why it is out; empty if it was measured to the end.
     pub reason: String,
     pub probe_ns: Option<u64>,
     pub times: Blocks,
-    /// Most bytes held at one time, without scene and pairs.
+    /// Peak of bytes, without scene and pairs.
     pub peak_bytes: Option<u64>,
     pub formula_bytes: Option<u64>,
-    /// Against exact decisions on the scene as given.
+    /// Compared with exact decisions on the given scene.
     pub errors: Option<Errors>,
     pub(super) racing: bool,
     pub(super) start: Start,
@@ -63,11 +62,11 @@ impl Standing {
 
 pub struct Race {
     pub standings: Vec<Standing>,
-    /// True pairs in the arithmetic.
+    /// Number of true pairs in the arithmetic.
     pub contacts: u64,
     pub blocks: u32,
-    /// The time of one of them over its own, measured again in every block: what equal code differs
-    /// by. None with less than two blocks.
+    /// The twin's time over its original's, which shows the noise of equal code. `None` with fewer
+    /// than two blocks.
     pub twin: Option<Interval>,
 }
 
@@ -86,13 +85,13 @@ pub(super) struct Rule {
     place: Option<&'static str>,
 }
 
-/// Far more than one look may be disturbed.
+/// A larger factor than a single disturbed sample can cause.
 pub(super) const HOPELESS: Rule = Rule {
     limit: 12.0,
     over: |one, best| Some(one.probe_ns? as f64 / best.probe_ns?.max(1) as f64),
     place: Some("a first probe"),
 };
-/// In every block so far.
+/// Compares all blocks so far.
 pub(super) const FAR: Rule = Rule {
     limit: 3.0,
     over: |one, best| {

@@ -1,30 +1,29 @@
-//! From a race to a recommendation: the fastest, or, of those that cannot be told apart from it and
-//! are not much slower by their medians either, the leanest.
+//! Chooses the recommended detector: the fastest, or one with less memory that is undecided against
+//! it and has a similar median.
 
 use crate::recommend::standing::{Race, Standing, fastest};
 use contactbench_record::findings::noise::Noise;
 use contactbench_record::stats::interval::{Interval, interval, ratio};
 
-/// Who cannot be told apart from the fastest only because the machine is noisy may be much slower:
-/// a lower memory is worth at most so many times the shortest median.
+/// A detector may be undecided only because the machine is noisy. So less memory counts only up to
+/// this multiple of the shortest median.
 const LEANER: f64 = 1.2;
 
 pub struct Verdict {
-    /// The one to use, by its place in the race.
+    /// Index of the recommended detector in the race.
     pub choice: usize,
-    /// The fastest of those that take longer for sure, and the ratio of its time to that of the
-    /// choice.
+    /// The fastest detector that is decidedly slower, and its time over that of the choice.
     pub next: Option<(usize, Interval)>,
-    /// Those that cannot be told apart from the fastest, without the choice; and the ratios of
-    /// their times to that of the choice.
+    /// Other detectors that are undecided against the fastest, and their times over that of the
+    /// choice.
     pub tied: Vec<(usize, Option<Interval>)>,
     pub is_fastest: bool,
-    /// What decides nothing: times of the same code differ by this factor. None without a twin.
+    /// The factor by which times of equal code differ; `None` without a twin.
     pub floor: Option<f64>,
 }
 
 impl Verdict {
-    /// Reads a race; none if nobody has a time.
+    /// Returns `None` if no detector has a time.
     pub fn new(race: &Race) -> Option<Verdict> {
         let standings = &race.standings;
         let best = fastest(standings)?;

@@ -1,5 +1,3 @@
-//! A recommendation in words, and all of it for programs.
-
 use serde_json::{Value, json};
 
 use contactbench_record::stats::interval::{Interval, ratio};
@@ -8,7 +6,7 @@ use contactbench_terms::number::{number, with_interval};
 use crate::recommend::standing::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 
-/// Its answer against exact decisions on the scene as given, in words.
+/// Errors compared with exact decisions on the given scene, in words.
 pub fn error(standing: &Standing) -> String {
     match standing.errors {
         None => "not compared".into(),
@@ -17,13 +15,12 @@ pub fn error(standing: &Standing) -> String {
     }
 }
 
-/// The recommendation in a sentence.
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let standings = &race.standings;
     let name = |k: usize| standings[k].entry.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
-    // Ratios first: they are the same from run to run, and times are not.
+    // Ratios come first, because they vary less between runs than times.
     if let Some((k, ratio)) = &verdict.next {
         let next =
             if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
@@ -74,7 +71,6 @@ fn numbers(interval: Interval) -> Value {
     json!({ "median": median, "low": low, "high": high, "coverage": coverage, "blocks": count })
 }
 
-/// All of it for programs.
 pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
     let standings = &race.standings;
     let name = |k: usize| standings[k].entry.name;

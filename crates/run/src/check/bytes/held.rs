@@ -1,4 +1,4 @@
-//! Every detector, held to the truth on the scenes that bytes describe.
+//! Compares every detector with the truth on scenes built from bytes.
 
 use crate::check::bytes::{nudged, scene_from_bytes};
 use crate::check::contender::{Answer, Expected, answer};
@@ -14,17 +14,17 @@ use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_core::searcher::Searcher;
 use contactbench_io::Given;
 
-/// A fuzzer is slow with large arrays: detectors refuse early.
+/// Detectors refuse large arrays early, because they slow a fuzzer down.
 const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
 
-/// Holds every detector to the truth on the scene that the bytes describe, in every safe
-/// arithmetic; with textbook filters, a detector may lose pairs, and nothing else. Panics with the
-/// scene where one is wrong.
+/// Compares every detector with the truth, on the scene that the bytes describe, in every safe
+/// arithmetic. With textbook filters, a detector may lose pairs but must not add any. Panics with
+/// the scene if a detector is wrong.
 pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
     let keep = data[0] & 4 != 0;
-    // With a history: some particles, all, others in another order, all once more.
+    // A history of scenes: half of the particles, all, others in reverse order, and all again.
     let n = scene.len() as u32;
     let mut scenes = vec![scene];
     if keep {
@@ -36,9 +36,8 @@ pub fn fuzz_one(data: &[u8]) {
     hold(&scenes, keep);
 }
 
-/// The same in a box, which the first four bytes say: along which vectors it repeats, its edges in
-/// halves of a diameter, some of them a last bit longer or shorter, and a tilt in eighths of an
-/// edge. The others say the scene.
+/// Like [`fuzz_one`], in a periodic box. The first four bytes choose the periodic vectors, the
+/// edges in half diameters (some changed in the last bit), and a tilt in eighths of an edge.
 pub fn fuzz_box(data: &[u8]) {
     let Some((&[flags, x, y, z], data)) = data.split_first_chunk() else { return };
     let Some(scene) = scene_from_bytes(data) else { return };
@@ -55,8 +54,8 @@ pub fn fuzz_box(data: &[u8]) {
     hold(&[given], false);
 }
 
-/// Holds every detector to the truth, with what those before have left in its buffers if they are
-/// kept; in open space in every form of its code, which images do not change.
+/// Compares every detector with the truth on each scene; if `keep`, detectors keep their buffers
+/// between scenes. In open space, all forms of their code are compared.
 fn hold(scenes: &[Given], keep: bool) {
     let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
     let entries = TABLE.iter().filter(|entry| entry.must_be_right());
@@ -88,7 +87,7 @@ fn hold(scenes: &[Given], keep: bool) {
                         Refusal::Domain { .. }
                         | Refusal::Extent { .. }
                         | Refusal::Memory { .. } => entry.memory != "0",
-                        // What the truth does without images.
+                        // The truth does not need images.
                         Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
                             given.lattice.is_some()
                         }
@@ -100,12 +99,13 @@ fn hold(scenes: &[Given], keep: bool) {
                     (answer, Ok(truth)) => answer
                         .wrong(truth)
                         .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
-                    // Where there is no truth because a square overflows, no detector may say more.
+                    // If a square overflows, there is no truth, and a detector must not report
+                    // pairs.
                     (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
                         None
                     }
-                    // Without wrapping, numbers of images are twice as large; rounded truths list
-                    // pairs of two images, too.
+                    // Without wrapping, image numbers are twice as large, and rounded truths also
+                    // list pairs of two images.
                     (
                         Answer::Right | Answer::Pairs(_),
                         Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
@@ -126,13 +126,12 @@ fn hold(scenes: &[Given], keep: bool) {
     }
 }
 
-/// What textbook filters may do.
 fn only_loses(wrong: &Wrong) -> bool {
     let Wrong::Pairs(pairs) = wrong else { return false };
     pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty()
 }
 
-/// The contact test's filter decides as integers do.
+/// Checks the filter of the contact test against integer arithmetic.
 fn the_truth_is_exact(scene: &AnyScene<'_>) {
     let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
         panic!("exact arithmetic refuses:\n{}", as_csv(scene))

@@ -1,19 +1,19 @@
-//! Fuzzing: any bytes make a scene, and often one that is hard; every detector must be right on it.
+//! Fuzzing: any bytes describe a scene, often a hard one, and every detector must be right on it.
 //!
-//! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are
-//! instructions: most particles stand in a lattice of small whole numbers, or exactly a diameter
-//! from an earlier one, or some units in the last place beside such a place; few are raw doubles,
-//! subnormal or huge. The first four bytes say what holds for all particles:
+//! Random coordinates are never tangent and rarely near each other. So most particles are placed on
+//! a lattice of small whole numbers, exactly a diameter from an earlier particle, or some units in
+//! the last place from such a position. Few have arbitrary f64 coordinates, subnormal or huge. The
+//! first four bytes apply to all particles:
 //!
-//! | byte | says |
+//! | byte | meaning |
 //! |---|---|
-//! | 0 | bit 0: 3D; bit 1: a radius each; bit 2: several calls, in which detectors keep buffers |
-//! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, else any |
+//! | 0 | bit 0: 3D; bit 1: a radius per particle; bit 2: detectors keep their buffers over several calls |
+//! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, otherwise any |
 //! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
-//! | 3 | the radius: 1/2 to 16 halves of a unit, one of some odd lengths, or 0 |
+//! | 3 | the radius: 1/2 to 16 half units, one of some odd lengths, or 0 |
 //!
-//! Then each particle takes a byte that says how its place is found, and what that needs. Where the
-//! bytes end, so does the scene.
+//! Each particle then uses one byte that chooses the method of placing it, and the bytes that this
+//! method needs. The scene ends with the bytes.
 
 mod held;
 mod readers;
@@ -26,7 +26,7 @@ use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};
 
 const MOST: usize = 64;
 
-/// Legs and hypotenuse, all of whole numbers; those in the plane first.
+/// Legs and hypotenuse in whole numbers; plane triangles first.
 const PYTHAGOREAN: [([f64; 3], f64); 8] = [
     ([3.0, 4.0, 0.0], 5.0),
     ([5.0, 12.0, 0.0], 13.0),
@@ -65,24 +65,24 @@ struct Maker<'a> {
 
 #[derive(Clone, Copy)]
 struct Next {
-    /// The byte that says how its place is found.
+    /// The byte that chooses the method.
     how: u8,
     dim: usize,
-    /// The place of the particle beside which it is put; else the offset.
+    /// The position of the reference particle; without one, the offset.
     beside: [f64; 3],
     /// The distance at which the two just touch.
     contact: f64,
 }
 
-/// A way to find the place of a particle.
+/// A method of placing a particle.
 struct Way {
     place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
     beside: bool,
-    /// Then moved by some units in the last place.
+    /// Whether the position is then moved by some units in the last place.
     nudged: bool,
 }
 
-/// The ways, by the lowest three bits of the byte that says how.
+/// The methods, chosen by the lowest three bits of the byte.
 const WAYS: [Way; 8] = [
     Way { place: lattice, beside: false, nudged: true },
     Way { place: along_an_axis, beside: true, nudged: true },
@@ -110,7 +110,7 @@ fn along_a_hypotenuse(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     let code = usize::from(maker.bytes.next()?);
     let (legs, hypotenuse) = PYTHAGOREAN[code % if next.dim == 2 { 4 } else { 8 }];
     maker.each(next.dim, |_, axis| {
-        // In the plane 0 or 1 is swapped, in space the legs take turns.
+        // In 2D the two legs may be swapped; in 3D they rotate.
         let step = legs[(axis + code / 64) % next.dim] * (next.contact / hypotenuse);
         Some(next.beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step })
     })
@@ -148,7 +148,7 @@ fn huge(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     })
 }
 
-/// Where cells of the book end: whole diameters from another particle.
+/// Whole diameters from another particle, where cells of the book end.
 fn diameters_away(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     let diameter = 2.0 * maker.radius;
     maker.each(next.dim, |bytes, axis| {
@@ -192,7 +192,6 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Adds a particle; none where the bytes end.
     fn particle(&mut self) -> Option<()> {
         let how = self.bytes.next()?;
         let radius = self.radius()?;
@@ -228,7 +227,8 @@ impl<'a> Maker<'a> {
     }
 
     fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
-        // Not as a file is read: a radius each, even where all are equal, is code of its own.
+        // A radius per particle runs separate code even if all are equal, so equal radii are not
+        // merged.
         let radii = if self.mixed {
             Radii::Each(self.numbers.radii().collect::<Vec<_>>().into())
         } else {
@@ -242,14 +242,13 @@ impl<'a> Maker<'a> {
     }
 }
 
-/// The number `steps` doubles further; for an infinity and NaN something of the kind.
+/// Moves a number by `steps` units in the last place.
 fn nudged(x: f64, steps: i32) -> f64 {
     (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
 }
 
-/// The scene that the bytes describe; none if they are too few, or describe numbers that no scene
-/// may have, which `Scene::new` must have found: it panics if a valid scene is refused or an
-/// invalid one is not.
+/// Builds the scene that the bytes describe. Returns `None` if there are too few bytes or the
+/// numbers are not valid. Panics if `Scene::new` refuses a valid scene or accepts an invalid one.
 pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
     let mut maker = Maker::new(data)?;
     while maker.numbers.len() < MOST && maker.particle().is_some() {}

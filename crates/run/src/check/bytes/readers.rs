@@ -5,8 +5,7 @@ use contactbench_core::scene::Lattice;
 use contactbench_io as io;
 use contactbench_io::Given;
 
-/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what
-/// is beside it.
+/// The number that selects a reader in [`fuzz_reader`].
 pub fn reader(name: &str) -> Option<u8> {
     BESIDE
         .iter()
@@ -15,7 +14,7 @@ pub fn reader(name: &str) -> Option<u8> {
         .or_else(|| io::FORMATS.iter().position(|format| format.key == name).map(|k| k as u8))
 }
 
-/// Readers that are not formats of particles.
+/// Readers that are not particle formats.
 const BESIDE: [(u8, &str); 2] = [(14, "gzip"), (15, "pairs")];
 
 pub fn readers() -> impl Iterator<Item = String> {
@@ -25,7 +24,7 @@ pub fn readers() -> impl Iterator<Item = String> {
         .chain(BESIDE.map(|(_, name)| name.into()))
 }
 
-/// As [`fuzz_reader`], with one reader whatever the bytes say.
+/// Like [`fuzz_reader`], with a given reader.
 pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
     let mut data = data.to_vec();
     if let Some(kind) = data.first_mut() {
@@ -34,10 +33,9 @@ pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
     fuzz_reader(&data);
 }
 
-/// Reads the bytes as a particle file: the first says of which format, the second with which
-/// options; every sixteenth format is a contact list. Whatever they are, there is a scene or an
-/// error of one clear line, a scene reads back from the CSV that is made of it, and a box encloses
-/// something.
+/// Reads the bytes as a particle file or contact list. The first byte chooses the format, the
+/// second the options. The result must be a scene, or an error of one line. A scene must read back
+/// from its CSV, and its box must have a volume.
 pub fn fuzz_reader(data: &[u8]) {
     let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
     let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
@@ -88,7 +86,7 @@ pub fn fuzz_reader(data: &[u8]) {
     };
     let whole = |lattice: &Lattice| lattice.repeats() && (0..3).all(|k| lattice.height(k) > 0.0);
     assert!(lattice.as_ref().is_none_or(whole), "{lattice:?} is no box");
-    // An empty file has no place for the radius of all.
+    // An empty file cannot store the common radius.
     if !scene.is_empty() {
         let again = io::from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
         assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");

@@ -1,27 +1,27 @@
-//! A list of contacts against the contacts that are true.
+//! Compares a contact list with the true contacts.
 
 use crate::check::verify::listing::Listing;
 use contactbench_core::oracle::Errors;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::{gap, nearest};
 
-/// Pairs apart by more than this, in mean radii, do not belong to a skin.
+/// Larger gaps, in mean radii, do not belong to a skin.
 pub(super) const FAR: f64 = 2.5;
 
-/// What of a list is compared with what touches.
+/// How the entries of a list are compared with the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {
-    /// Pairs: none touches through several images, or boundaries are open.
+    /// As pairs: no pair touches through several images.
     #[default]
     Pairs,
     Images,
-    /// Pairs, each as often as images of it touch.
+    /// As pairs, each as often as its images touch.
     Each,
-    /// Pairs, each once, through how many images it touches.
+    /// As pairs, each once, however many images touch.
     Once,
 }
 
-/// Against what a list is held.
+/// The truth and what else a list may contain.
 #[derive(Clone, Copy)]
 pub(super) struct Against<'a> {
     pub space: &'a Periodic<'a>,
@@ -29,9 +29,9 @@ pub(super) struct Against<'a> {
     pub truth: &'a Contacts,
     /// All pairs within the skin; empty without one.
     pub near: &'a Contacts,
-    /// Pairs apart by no more than this length may be listed.
+    /// Pairs with at most this gap (a length) may be listed.
     pub skin: f64,
-    /// Number of pairs of each kind that are kept.
+    /// Maximum number of pairs kept of each kind.
     pub kept: usize,
 }
 
@@ -41,13 +41,13 @@ pub(super) struct Compared {
     pub errors: Errors,
     pub missed: Worst,
     pub spurious: Worst,
-    /// Pairs that do not touch and are within the skin.
+    /// Number of pairs that do not touch but are within the skin.
     pub within_skin: u64,
 }
 
 impl Against<'_> {
-    /// Compares the contacts of a list. A list without images names pairs, each as often as images
-    /// of it touch, or once: that with fewer errors is taken.
+    /// Compares the contacts of a list. Without images, a list may name each pair once or as often
+    /// as its images touch; the interpretation with fewer errors is used.
     pub fn hold(&self, listing: &Listing) -> Compared {
         let listed = &listing.contacts;
         if listing.has_images {
@@ -107,12 +107,12 @@ impl Against<'_> {
         }
     }
 
-    /// The deepest image of each pair that touches.
+    /// The deepest image of each touching pair.
     pub fn deepest(&self) -> Contacts {
         let ends = |pair: &ImagePair| [pair.i, pair.j];
         let deep = |pair: ImagePair| depth(self.space, pair);
         let mut shifted = Vec::new();
-        // Places of plain pairs that have a deeper image.
+        // Indices of plain pairs that have a deeper image.
         let mut beaten = Vec::new();
         for same in self.truth.shifted.chunk_by(|a, b| ends(a) == ends(b)) {
             let deeper = |best: (f64, ImagePair), &pair: &ImagePair| match deep(pair) {
@@ -144,8 +144,8 @@ impl Against<'_> {
         pairs
     }
 
-    /// Gives images to pairs that are listed without: those that touch, the deepest first; those
-    /// within the skin; where there are none, the nearest.
+    /// Assigns images to pairs listed without: touching images, the deepest first; otherwise images
+    /// within the skin; otherwise the nearest.
     fn with_images(&self, listed: &Contacts, once: bool) -> Contacts {
         let mut resolved = Contacts::default();
         for same in listed.plain.chunk_by(|a, b| a == b) {
@@ -162,7 +162,7 @@ impl Against<'_> {
                 [i, j] if i == j => ImagePair::new(i, i, [0; 3]),
                 _ => nearest(self.space, pair),
             });
-            // What is listed more often than it touches is repeated.
+            // An entry that is listed more often than it touches repeats the last image.
             let images = images.into_iter().chain(std::iter::repeat(last));
             resolved.extend(images.take(same.len()));
         }
@@ -181,12 +181,12 @@ fn several(contacts: &Contacts) -> bool {
 #[derive(Clone, Copy)]
 enum Difference {
     Missed,
-    /// Listed, and not true.
+    /// Listed but not true.
     Added,
     Repeated,
 }
 
-/// Hands on the pairs in which a sorted list differs from the sorted truth.
+/// Calls `each` for the pairs in which a sorted list differs from the sorted truth.
 fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Difference, C)) {
     let mut truth = truth.iter().copied().peekable();
     for same in listed.chunk_by(|a, b| a == b) {
@@ -202,16 +202,16 @@ fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Di
     truth.for_each(|pair| each(Difference::Missed, pair));
 }
 
-/// The worst of many pairs, and how many there are.
+/// The pairs with the largest error, and their total number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worst {
-    /// With the depth in mean radii, which is negative of pairs that are apart.
+    /// With the depth in mean radii; negative for a gap.
     pub pairs: Vec<(ImagePair, f64)>,
     pub count: u64,
     largest: f64,
-    /// Pairs that are apart by more than [`FAR`].
+    /// Number of pairs with a gap above [`FAR`].
     pub far: u64,
-    /// The widest gap of the others, in mean radii and as a length.
+    /// Widest gap of the others, in mean radii and, as `gap`, as a length.
     pub widest: f64,
     pub gap: f64,
 }

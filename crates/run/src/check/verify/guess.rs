@@ -1,16 +1,16 @@
-//! The periods of a box that nobody has declared, from listed pairs that are far apart.
+//! Guesses the periods of an undeclared box from listed pairs that are far apart.
 
 use crate::check::verify::compare::FAR;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::particle;
 
-/// At least this many pairs across a box are needed to guess it.
+/// Minimum number of pairs across a box.
 const ENOUGH: usize = 3;
 
-/// A box: the period along each axis, `None` along those that no pair crosses.
+/// The period along each axis; `None` along axes that no pair crosses.
 pub(super) type Periods = [Option<f64>; 3];
 
-/// The longest box in which all listed pairs that are far apart touch, and these pairs.
+/// The longest box in which all distant listed pairs touch, and these pairs.
 pub(super) fn periods(
     space: &Periodic<'_>,
     listed: &Contacts,
@@ -40,7 +40,7 @@ pub(super) fn periods(
         let ((a, ra), (b, rb)) = (particle(scene, i), particle(scene, j));
         let reach = (ra + rb) * (1.0 + 1e-9);
         let apart: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).collect();
-        // Along the other axes the two are near each other as they stand.
+        // Along the other axes, the two are near each other without the box.
         let beside: f64 = apart.iter().filter(|&&x| x <= reach).map(|x| x * x).sum();
         let square = reach * reach - beside;
         if square < 0.0 || apart.iter().all(|&x| x <= reach) {
@@ -56,7 +56,7 @@ pub(super) fn periods(
             across[k] = true;
         }
     }
-    // In a shorter box more pairs would touch than are listed.
+    // In a shorter box, more pairs would touch than are listed.
     let length = |k: usize| {
         let [low, high] = *lengths.get(k)?;
         across[k].then(|| short(low, high))
@@ -64,7 +64,7 @@ pub(super) fn periods(
     Some(([0, 1, 2].map(length), far))
 }
 
-/// The number in that range with the fewest digits, the largest of them.
+/// The number in the range with the fewest digits; of several, the largest.
 fn short(low: f64, high: f64) -> f64 {
     let power = high.abs().log10().floor() as i32;
     let rounded = |digits: i32| {

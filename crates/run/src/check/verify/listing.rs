@@ -1,4 +1,4 @@
-//! A contact list as it was read, and its pairs as contacts of the particles of a scene.
+//! Translates a contact list to contacts of a scene's particles.
 
 use std::collections::HashMap;
 
@@ -8,38 +8,34 @@ use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_io as io;
 use contactbench_io::Groups;
 
-/// A pair of the list, by the numbers that stand there.
+/// A pair by the numbers in the list.
 pub type Couple = [i64; 2];
 
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {
-    /// Pairs by the numbers that stand there.
     pub pairs: &'a [Couple],
-    /// The image of the second particle of each pair, if the list names images.
+    /// The image of the second particle of each pair, if the list has images.
     pub images: Option<&'a [[i32; 3]]>,
 }
 
 #[derive(Clone, Debug)]
 pub enum Naming {
-    /// Places in the particle file, from this number on.
+    /// Indices into the particle file, counted from this number.
     Base(i64),
-    /// Ids of the particles: the place of each.
+    /// Ids of the particles, mapped to their indices.
     Ids(HashMap<i64, u32>),
 }
 
 /// A kind of [`Naming`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Places in the particle file, from this number on.
+    /// Indices into the particle file, counted from this number.
     Base(i64),
     Ids,
 }
 
 impl Naming {
-    /// By these ids of the particles.
-    ///
-    /// # Errors
-    /// An id that stands there twice.
+    /// Uses the ids of the particles. Fails if an id occurs twice.
     pub fn by_id(ids: &[i64]) -> anyhow::Result<Naming> {
         let mut places = HashMap::with_capacity(ids.len());
         for (k, &id) in ids.iter().enumerate() {
@@ -60,7 +56,7 @@ impl Naming {
         }
     }
 
-    /// The place of a particle in a file of `n`, by its name.
+    /// The index of a particle in a file of `n`, by its number in the list.
     fn place(&self, name: i64, n: usize) -> Option<u32> {
         match self {
             Naming::Base(base) => name
@@ -71,7 +67,7 @@ impl Naming {
         }
     }
 
-    /// The name of the particle at each of these places.
+    /// The numbers of these pairs in the list.
     fn names(&self, places: &[[u32; 2]]) -> Vec<Couple> {
         let ids: HashMap<u32, i64> = match self {
             Naming::Ids(ids) if !places.is_empty() => ids.iter().map(|(&id, &k)| (k, id)).collect(),
@@ -85,14 +81,14 @@ impl Naming {
     }
 }
 
-/// What the images of a list are taken for.
+/// How the images of a list are interpreted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ImagesOf<'a> {
-    /// Images of the second particle, as they should be.
+    /// Images of the second particle, as expected.
     Second,
     First,
-    /// Images of the second particle, counted from where both are when they are put into the box:
-    /// by how many vectors each particle is outside.
+    /// Images of the second particle relative to wrapped positions; the value is the box that each
+    /// particle lies in.
     Wrapped(&'a [[i32; 3]]),
     LeftOut,
 }
@@ -101,29 +97,25 @@ pub(super) enum ImagesOf<'a> {
 pub(super) struct Taking<'a> {
     pub naming: &'a Naming,
     pub images: ImagesOf<'a>,
-    /// Each pair stands there from both sides, and is taken once.
+    /// Whether each pair is listed in both directions, and counts once.
     pub both_sides: bool,
     pub without: Option<&'a Groups>,
 }
 
-/// The pairs of a list as contacts of a scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Listing {
-    /// Sorted; a contact that is listed again stands there again.
+    /// Sorted, with repetitions.
     pub contacts: Contacts,
     pub has_images: bool,
-    /// Pairs that name no particle.
+    /// Pairs with a number that no particle has.
     pub unknown: Vec<Couple>,
-    /// Pairs that are there from one side only, where both are expected.
+    /// Pairs listed in one direction only, if both are expected.
     pub one_sided: Vec<Couple>,
     pub left_out: u64,
 }
 
 impl Listing {
-    /// Reads a list for a scene of `n` particles.
-    ///
-    /// # Errors
-    /// No memory for the pairs.
+    /// Translates a list for a scene of `n` particles. Fails if there is no memory.
     pub fn new(list: Listed<'_>, taking: Taking<'_>, n: usize) -> anyhow::Result<Listing> {
         let Taking { naming, images, both_sides, without } = taking;
         let of = list.images.filter(|_| images != ImagesOf::LeftOut);
@@ -169,7 +161,7 @@ impl Listing {
         let plain = once([&forward.plain, &backward.plain], own, |pair, forward| {
             single.push(turn(pair, forward));
         });
-        // Its own image at the other side is another pair of numbers.
+        // The reverse of a contact with itself has another image.
         let shifted = once(
             [&forward.shifted, &backward.shifted],
             |_| false,
@@ -181,7 +173,7 @@ impl Listing {
         Ok(Listing { contacts: Contacts { plain: plain?, shifted: shifted? }, ..listing })
     }
 
-    /// Pairs that are wrong whatever touches.
+    /// Number of pairs that are wrong whatever the truth is.
     pub fn faults(&self) -> u64 {
         (self.unknown.len() + self.one_sided.len()) as u64
     }
@@ -198,9 +190,8 @@ fn shift(image: [i32; 3], of: ImagesOf<'_>, [a, b]: [u32; 2]) -> [i32; 3] {
     }
 }
 
-/// Takes sorted pairs that are listed from both sides once each; `single` gets those of which one
-/// side is listed more often, and whether that is the first. A pair that is its `own` other side
-/// counts half.
+/// Merges pairs listed in both directions. `single` receives pairs listed more often in one
+/// direction, and whether that is the first. A pair that is its `own` reverse counts half.
 fn once<C: Copy + Ord>(
     [forward, backward]: [&[C]; 2],
     own: impl Fn(&C) -> bool,

@@ -1,54 +1,53 @@
-//! The usual mistakes of contact lists, in words and as options of `verify`.
+//! Common mistakes in contact lists, in words and as options of `verify`.
 
 use crate::check::verify::listing::Meaning;
 use contactbench_core::contact::Arithmetic;
 use contactbench_io::boxes::along;
 use contactbench_terms::number::{number, plural};
 
-/// A way to read a list, and what differs all the same.
+/// A list with assumed mistakes, and the remaining differences.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// What is different in the list: its numbers, its images, what it takes for a contact, its
-    /// box.
+    /// The assumed mistakes: in numbers, images, the definition of a contact, or the box.
     pub mistakes: Vec<Mistake>,
-    /// Pairs of the list, each once.
+    /// Number of different pairs in the list.
     pub listed: u64,
-    /// Pairs that differ all the same.
+    /// Number of pairs that still differ.
     pub wrong: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
     Numbers(Meaning),
-    /// Every pair stands there as i,j and as j,i.
+    /// Every pair is listed as i,j and as j,i.
     BothSides,
     ImagesOfFirst,
-    /// Its images are counted from where the particles are when they are put into the box.
+    /// Images are relative to particles wrapped into the box.
     ImagesWrapped,
-    /// Without its images the pairs agree; they may all be 0.
+    /// Pairs agree if images are ignored; `zero` if all images are 0.
     ImagesLeftOut {
         zero: bool,
     },
-    /// The box that the file declares repeats along these axes.
+    /// The box of the file is periodic along these axes.
     Declared([bool; 3]),
     Rounded(Arithmetic),
-    /// It lacks the contacts in one point.
+    /// Pairs that touch in exactly one point are missing.
     Strict,
-    /// All that differ are tangent to the last digits.
+    /// All differing pairs are tangent up to the last digits.
     Tangent,
-    /// All pairs up to this gap, a length, are there.
+    /// All pairs with at most this gap (a length) are listed.
     Skin(f64),
-    /// Its radii are this many times as large.
+    /// Radii are multiplied by this factor.
     Radii(f64),
     Open,
-    /// Contacts of particles with their own images are not there.
+    /// Contacts of particles with their own images are missing.
     WithoutOwn,
-    /// Only the nearest image of each pair is there.
+    /// Only the nearest image of each pair is listed.
     Nearest,
     Along([bool; 3]),
-    /// The box has these edges, and no tilt.
+    /// The box has these edges and no tilt.
     Straight([f64; 3]),
-    /// The particles repeat with these periods; `None` along open axes.
+    /// The particles have these periods; `None` along open axes.
     Periods([Option<f64>; 3]),
 }
 
@@ -99,7 +98,7 @@ impl Mistake {
         }
     }
 
-    /// The options of `verify` for scenes of `dim` dimensions with which a list is read so.
+    /// The options of `verify`, in `dim` dimensions, with which a list is read this way.
     pub fn flags(self, dim: usize) -> Option<String> {
         let lengths = |lengths: [f64; 3]| {
             lengths[..dim].iter().map(|length| format!("{length:?}")).collect::<Vec<_>>().join(",")
@@ -117,7 +116,7 @@ impl Mistake {
             Mistake::Straight(edges) => format!("--box {}", lengths(edges)),
             Mistake::Periods(periods) => format!(
                 "--box {} --periodic {}",
-                // The length of an axis that is open is not read.
+                // The length of an open axis is ignored.
                 lengths(periods.map(Option::unwrap_or_default)),
                 letters(periods.map(|period| period.is_some()))
             ),
@@ -126,13 +125,13 @@ impl Mistake {
     }
 }
 
-/// The axes as --periodic takes them.
+/// The axes in the form of `--periodic`.
 fn letters(axes: [bool; 3]) -> String {
     let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
     names.map(|(name, _)| name).collect()
 }
 
-/// Rounds upwards to three digits, in the fewest that read back.
+/// Rounds up to three digits, written in the fewest that read back.
 pub fn rounded_up(value: f64) -> f64 {
     let step = 10f64.powf(value.abs().log10().floor() - 2.0);
     let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);
@@ -144,18 +143,18 @@ impl Reading {
         Reading { mistakes: Vec::new(), listed, wrong: 0 }
     }
 
-    /// The same in the box that the file declares.
+    /// Adds that the box of the file is used.
     pub(super) fn declared(mut self, axes: [bool; 3]) -> Reading {
         let of_list = |it: &&Mistake| matches!(it, Mistake::Numbers(_) | Mistake::BothSides);
         let at = self.mistakes.iter().take_while(of_list).count();
-        // Other axes say it, too.
+        // `Along` already states the axes.
         if !self.mistakes.iter().any(|it| matches!(it, Mistake::Along(_))) {
             self.mistakes.insert(at, Mistake::Declared(axes));
         }
         self
     }
 
-    /// How the list would agree, and how far.
+    /// Describes how the list would agree, and how well.
     pub fn sentence(&self) -> String {
         let with: Vec<String> = self.mistakes.iter().map(|mistake| mistake.words()).collect();
         let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");

@@ -1,10 +1,9 @@
-//! A contact list of another code, compared with the exact truth; and how it may be meant where it
-//! differs.
+//! Compares a contact list of another program with the exact truth, and explains differences.
 //!
-//! A list with images names each contact once, as (i, j, S). A list without them names pairs, and
-//! in a box there are two kinds: each pair as often as images of it touch, or once. Both are taken,
-//! and [`Verification::taken`] says which; where all pairs touch through one image they are the
-//! same. In open space each contact has the image 0.
+//! A list with images names each contact once, as (i, j, S). A list without images names pairs. In
+//! a box, it may name each pair once, or as often as its images touch. Both are accepted, and
+//! [`Verification::taken`] states which; they are the same if every pair touches through one image.
+//! In open space, each contact has image 0.
 
 mod compare;
 mod guess;
@@ -30,17 +29,17 @@ use contactbench_io::Given;
 use contactbench_io::{Groups, boxes};
 use contactbench_scenes::touching::{contacts, gap, resized};
 
-/// Number of pairs of each kind that are kept, unless all that is missed is wanted.
+/// Number of pairs kept of each kind, unless all missed pairs are requested.
 pub const WORST: usize = 100;
-/// Bytes for each pair of list and truth that other readings of a list take at most.
+/// Bytes per pair of list and truth that the search for mistakes needs at most.
 const READING_BYTES: u64 = 128;
 
-/// What is not held against a list.
+/// Deviations that are not errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Allowed {
-    /// Each pair stands there as i,j and as j,i, and is taken once.
+    /// Each pair is listed as i,j and as j,i, and counts once.
     pub both_sides: bool,
-    /// Pairs that are apart by no more than this length may be listed.
+    /// Pairs with at most this gap (a length) may be listed.
     pub skin: f64,
 }
 
@@ -48,45 +47,43 @@ pub struct Allowed {
 pub struct Terms<'a> {
     pub arithmetic: Arithmetic,
     pub allowed: Allowed,
-    /// Most bytes for a list of pairs.
+    /// Maximum bytes of a list of pairs.
     pub memory_limit: u64,
-    /// Number of pairs of each kind that are kept.
+    /// Maximum number of pairs kept of each kind.
     pub kept: usize,
-    /// Contacts that are left out of truth and list.
+    /// Contacts left out of truth and list.
     pub without: Option<&'a Groups>,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
-    /// The particles in their box; in open space it repeats along no vector.
+    /// The particles in their box; in open space, the box has no periodic axis.
     pub space: &'a Periodic<'a>,
     pub list: Listed<'a>,
     pub naming: &'a Naming,
-    /// What its numbers may mean instead.
+    /// Other possible meanings of its numbers.
     pub others: &'a [Naming],
     pub terms: Terms<'a>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Verification {
-    /// The contacts, sorted.
+    /// The true contacts, sorted.
     pub truth: Contacts,
-    /// Against them.
     pub errors: Errors,
-    /// Pairs of the list that name no particle.
+    /// Pairs of the list with a number that no particle has.
     pub unknown: Vec<Couple>,
-    /// Contacts that are not listed and their overlap in mean radii, the deepest first, at most
-    /// as many as are kept.
+    /// Contacts that are not listed, with their overlap in mean radii, the deepest first.
     pub missed: Vec<(ImagePair, f64)>,
-    /// Pairs that are listed and do not touch, with their depth in mean radii, which is negative:
-    /// the widest gap first, at most as many as are kept.
+    /// Listed pairs that do not touch, with their depth in mean radii (negative), the widest gap
+    /// first.
     pub spurious: Vec<(ImagePair, f64)>,
-    /// Pairs of the list that are there from one side only, where both are expected.
+    /// Pairs listed in one direction only, if both are expected.
     pub one_sided: Vec<Couple>,
-    /// Pairs that do not touch and are within the skin.
+    /// Number of pairs that do not touch but are within the skin.
     pub within_skin: u64,
     pub taken: Taken,
-    /// Contacts and pairs of the list that were left out.
+    /// Number of contacts and of listed pairs that were left out.
     pub left_out: [u64; 2],
 }
 
@@ -100,11 +97,10 @@ impl Verification {
     }
 }
 
-/// Compares a list with the contacts that are true.
+/// Compares a list with the true contacts.
 ///
 /// # Errors
-/// The truth cannot be found; there is no memory for the pairs; the list names images along an axis
-/// that is open.
+/// No truth, no memory for the pairs, or images along an open axis.
 pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     let Job { space, list, naming, terms, .. } = *job;
     let boxed = space.lattice().repeats();
@@ -121,7 +117,7 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     let taking = Taking { naming, images: ImagesOf::Second, both_sides, without };
     let listing = Listing::new(list, taking, space.scene().len())?;
     left_out = [left_out[0] - truth.len(), listing.left_out];
-    // Through how many images a pair may be listed; other lists are measured pair by pair.
+    // Only lists without images need the images within the skin.
     let near = match boxed && skin > 0.0 && !listing.has_images {
         true => within(space, skin, terms.memory_limit)?,
         false => Contacts::default(),
@@ -143,12 +139,9 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     })
 }
 
-/// How a list that differs may be meant, so that it agrees: the reading with the fewest pairs that
-/// differ, if it is better by half than the list as it stands. `declared` is the box that the file
-/// of the particles declares, where boundaries are open.
-///
-/// # Errors
-/// No memory for the pairs.
+/// Finds the mistakes that best explain a list that differs. They must at least halve the number of
+/// differing pairs. `declared` is the box of the particle file, if boundaries are open. Fails if
+/// there is no memory.
 pub fn explain(
     job: &Job<'_>,
     found: &Verification,
@@ -156,7 +149,7 @@ pub fn explain(
 ) -> anyhow::Result<Option<Reading>> {
     let plain = job.terms.allowed == Allowed::default() && job.terms.without.is_none();
     let pairs = job.list.pairs.len() as u64 + found.truth.len();
-    // A hint is not worth all the memory there is, and a list of nothing explains nothing.
+    // A hint should not use all memory, and an empty list explains nothing.
     if found.is_same()
         || !plain
         || pairs * READING_BYTES > job.terms.memory_limit
@@ -168,12 +161,12 @@ pub fn explain(
     let explained = reading.as_ref().is_some_and(|reading| reading.wrong == 0);
     let Some(declared) = declared.filter(|_| !explained) else { return Ok(reading) };
     let job = Job { space: declared, ..*job };
-    // A hint is not worth an error.
+    // A hint must not cause an error.
     let in_box = in_declared(&job).unwrap_or_default();
     Ok(in_box.or(reading))
 }
 
-/// How a list agrees entirely in the box that the file declares.
+/// Whether the list agrees fully in the box of the file, and with which mistakes.
 fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
     let found = verify(job)?;
     let reading = match found.is_same() {
@@ -184,11 +177,8 @@ fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
     Ok(reading.map(|reading| reading.declared(job.space.lattice().periodic())))
 }
 
-/// The errors of a list by cause, whose contacts were decided in an arithmetic; none where no truth
-/// is known. A list of contacts may take `memory_limit` bytes.
-///
-/// # Errors
-/// A box that does not suit the scene.
+/// Errors by cause of a list whose contacts were decided in an arithmetic; `None` if there is no
+/// truth. A list of contacts may use `memory_limit` bytes. Fails if the box does not fit the scene.
 pub fn causes(
     given: &Given,
     contacts: &Contacts,
@@ -201,7 +191,7 @@ pub fn causes(
     Ok(judge.judge("list", said, |_| Ok(contacts.clone()))?.0.causes)
 }
 
-/// The truth in an arithmetic, sorted; lists may take `limit` bytes.
+/// The true contacts in an arithmetic, sorted; lists may use `limit` bytes.
 fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Contacts, NoTruth> {
     if space.lattice().repeats() {
         return Ok(periodic::truth(space, arithmetic, limit)?.pairs.into_iter().collect());
@@ -211,7 +201,7 @@ fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Con
     Ok(Contacts { plain, ..Contacts::default() })
 }
 
-/// All pairs that are apart by no more than a length, sorted.
+/// All pairs with at most this gap (a length), sorted.
 fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Contacts> {
     let near = contacts(&resized(space, |r| with_skin(r, most))?, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())

@@ -1,5 +1,4 @@
-//! The frames of particles and the contact lists that another code wrote for them, brought
-//! together.
+//! Matches frames of particles with the contact lists that another program wrote for them.
 
 use std::cmp::Ordering;
 
@@ -8,35 +7,33 @@ use anyhow::{bail, ensure};
 use contactbench_io::pairs::{List, Lists};
 use contactbench_io::{About, Frames, Particles};
 
-/// Steps that are named in a message.
+/// Number of steps that a message names.
 const NAMED: usize = 6;
 
-/// Frames with their lists: by time steps where both files have them, else by number. One of each
-/// is held at a time.
+/// Frames with their lists, matched by time step if both files have steps, otherwise by number.
+/// Only one of each is in memory at a time.
 pub struct Paired<'a, 'b> {
     particles: Frames<'a>,
     lists: Lists<'b>,
-    /// Of the particles, and of the lists.
+    /// Names of the particle file and of the list file.
     names: [&'a str; 2],
-    /// The next list; none where there are no more.
+    /// The next list; `None` at the end.
     next: Option<List>,
     begun: bool,
-    /// By time steps.
     by_step: bool,
-    /// A list does not show its step.
+    /// Whether some list has no step.
     stepless: bool,
-    /// A list has another number than its frame.
+    /// Whether some list has another number than its frame.
     renumbered: bool,
     /// The steps of the first particle frames, and of the last.
     steps: (Vec<i64>, Option<i64>),
     /// Particle frames without a list.
     pub left_out: Vec<u64>,
-    /// Frames of which no row of the list speaks: lists without pairs.
+    /// Number of frames without a row in the list, which have no contacts.
     pub without_rows: u64,
 }
 
 impl<'a, 'b> Paired<'a, 'b> {
-    /// Two files by their names.
     pub fn new(particles: Frames<'a>, lists: Lists<'b>, names: [&'a str; 2]) -> Paired<'a, 'b> {
         Paired {
             particles,
@@ -53,15 +50,12 @@ impl<'a, 'b> Paired<'a, 'b> {
         }
     }
 
-    /// They are brought together by time steps.
     pub fn is_by_step(&self) -> bool {
         self.by_step
     }
 
-    /// The next frame of the particles that has a list, and the list.
-    ///
-    /// # Errors
-    /// A file is broken, or a list has no particles, or the other way round.
+    /// The next frame that has a list, and the list. Fails if a file is broken, a list has no
+    /// particles, or a frame that should have a list has none.
     pub fn next_frame(&mut self) -> anyhow::Result<Option<(Particles, About, List)>> {
         loop {
             let Some((particles, about)) = self.particles.next().transpose()? else {
@@ -91,7 +85,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(())
     }
 
-    /// The list of a frame; none where it is left out.
+    /// The list of a frame; `None` if the frame has none.
     fn list_of(&mut self, about: &About) -> anyhow::Result<Option<List>> {
         let [particles, lists] = self.names;
         let listed = self.next.as_ref().and_then(|list| list.step);
@@ -138,8 +132,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         }
     }
 
-    /// Lists of which some do not show their step, as a file without rows, have to be numbered as
-    /// the frames are.
+    /// If some lists do not show their step, like a file without rows, lists must be numbered like
+    /// the frames.
     fn hold_numbers(&mut self, same: bool) -> anyhow::Result<()> {
         let [particles, lists] = self.names;
         self.renumbered |= !same;
@@ -151,7 +145,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(())
     }
 
-    /// The step of a frame of the particles, which is larger than that before.
+    /// The step of a frame, which must be larger than the last.
     fn step(&mut self, about: &About) -> anyhow::Result<i64> {
         let name = self.names[0];
         let Some(step) = about.step else {
@@ -169,7 +163,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(step)
     }
 
-    /// Refuses a list.
+    /// The error for a list without particles.
     fn without_particles<T>(&self, list: &List) -> anyhow::Result<T> {
         let [particles, lists] = self.names;
         match list.step.filter(|_| self.by_step) {
@@ -218,8 +212,8 @@ mod tests {
         steps.iter().map(frame).collect()
     }
 
-    /// Frames and the first number of their list, -1 where it is empty; what was left out; and how
-    /// many have no rows.
+    /// Frames with the first number of their list (-1 if empty), frames left out, and number of
+    /// frames without rows.
     type Told = (Vec<(u64, i64)>, Vec<u64>, u64);
 
     fn told(frames: Frames<'_>, lists: Lists<'_>) -> anyhow::Result<Told> {
@@ -315,7 +309,7 @@ mod tests {
         assert!(short.starts_with("l has no list for frame 2 of p, and not both have"), "{short}");
         let long = paired(&xyz(1), &local(&[0, 20])).unwrap_err();
         assert!(long.starts_with("l: the list of frame 1 (from 0) has no particles: p"), "{long}");
-        // A list without frames is that of a single one.
+        // A list without frames belongs to a single frame.
         assert_eq!(paired(&xyz(1), "i,j\n7,8\n").unwrap(), (vec![(0, 7)], vec![], 0));
         assert!(paired(&xyz(2), "i,j\n7,8\n").unwrap_err().contains("no list for frame 1 of p"));
     }

@@ -1,4 +1,4 @@
-//! The usual mistakes, as a table: what would touch if the code had made each.
+//! The table of common mistakes: the contacts that each mistake would give.
 
 use crate::check::verify::guess::periods;
 use crate::check::verify::mistake::Mistake;
@@ -21,14 +21,14 @@ pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, Contacts) -> bool;
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Part,
-    /// Pairs that just touch are decided otherwise.
+    /// Another decision on pairs that just touch.
     Tie,
-    /// Other sizes or a skin: counts only if it explains all but what is far apart.
+    /// Other sizes or a skin: must explain all but distant pairs.
     Size,
     Box,
 }
 
-/// The particles for which a mistake is tried, and the contacts that are true there.
+/// The particles for which a mistake is tried, and their true contacts.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub space: &'a Periodic<'a>,
@@ -93,7 +93,7 @@ fn doubled(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
 
 fn skin(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
     let gap = search.found.spurious.gap;
-    // One pair beside the others is no skin.
+    // A single extra pair does not suggest a skin.
     if search.is_larger(2)
         && let Ok(near) = within(at.space, gap, search.job.terms.memory_limit)
     {

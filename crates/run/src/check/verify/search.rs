@@ -1,4 +1,4 @@
-//! Which of the usual mistakes explain a list that differs: [`ROWS`], tried in turn.
+//! Searches for the common mistakes that explain a list: [`ROWS`], tried in turn.
 
 use crate::check::verify::compare::{Against, Compared};
 use crate::check::verify::listing::{ImagesOf, Listing, Taking};
@@ -11,27 +11,25 @@ use contactbench_scenes::touching::{contacts, particle, resized};
 
 /// Differences below this, in mean radii, may be rounding of f32.
 const ROUNDED: f64 = 1e-3;
-/// Pairs within this of just touching, in mean radii, are tangent to the last digits.
+/// Pairs within this of just touching, in mean radii, count as tangent.
 const TANGENT: f64 = 1e-9;
-/// Two mistakes at once take some twenty detections: not of more particles than this.
+/// Two mistakes at once take about twenty detections, so they are not tried for more particles.
 const FEW: usize = 100_000;
 
-/// The search for the mistakes of a list.
 pub(super) struct Search<'a> {
     pub job: &'a Job<'a>,
-    /// A box may be guessed.
+    /// Whether a box may be guessed.
     pub may_guess: bool,
-    /// The list, its numbers and images taken in the way in which it differs least.
+    /// The list, with the interpretation of numbers and images that differs least.
     pub listing: Listing,
-    /// What is different in these.
+    /// The mistakes in that interpretation.
     of_list: Vec<Mistake>,
     pub found: Compared,
     best: Reading,
 }
 
 impl<'a> Search<'a> {
-    /// The reading with the fewest pairs that differ, if it is better by half than the list as it
-    /// stands.
+    /// Finds the best explanation. It must at least halve the number of differing pairs.
     pub fn best(
         job: &'a Job<'a>,
         truth: &Contacts,
@@ -49,8 +47,8 @@ impl<'a> Search<'a> {
         Ok(Some(search.best).filter(|reading| reading.wrong < given.div_ceil(2)))
     }
 
-    /// Takes numbers, sides and images of a list in all ways; and the pairs that differ as it
-    /// stands.
+    /// Tries all interpretations of numbers, directions and images; also returns the number of
+    /// differing pairs without a mistake.
     fn of_list(
         job: &'a Job<'a>,
         truth: &Contacts,
@@ -104,7 +102,8 @@ impl<'a> Search<'a> {
         Ok((search, given.unwrap_or_default()))
     }
 
-    /// Tries the rows of these kinds, with mistakes that were made before, until all is explained.
+    /// Tries the rows of these kinds, in addition to earlier mistakes, until everything is
+    /// explained.
     fn try_all(&mut self, at: At<'_>, before: &[Mistake], kinds: &[Kind]) {
         let errors = self.found.errors;
         let near = errors.duplicate + errors.self_pairs + self.listing.faults();
@@ -144,12 +143,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries two mistakes at once: a skin, or diameters and radii mixed up, in another box or a
-    /// part of it.
+    /// Tries two mistakes at once: a skin, or diameters and radii mixed up, with a mistake about
+    /// the box.
     fn two_at_once(&mut self, space: &Periodic<'_>) {
         let limit = self.job.terms.memory_limit;
         let Compared { spurious, .. } = &self.found;
-        // One pair beside the others is no skin.
+        // A single extra pair does not suggest a skin.
         let skin = (spurious.count - spurious.far > 1).then_some(Mistake::Skin(spurious.gap));
         for mistake in [0.5, 2.0].map(Mistake::Radii).into_iter().chain(skin) {
             let size = |r: f64| match mistake {
@@ -167,7 +166,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same numbers without images.
+    /// Tries the same numbers without images.
     fn without_images(&mut self, at: At<'_>) -> anyhow::Result<()> {
         let numbers = self.of_list.iter().find_map(|mistake| match mistake {
             Mistake::Numbers(meaning) => Some(*meaning),
@@ -192,24 +191,24 @@ impl<'a> Search<'a> {
         Against { space, truth, near: NONE, skin: 0.0, kept: WORST }
     }
 
-    /// The largest overlap or gap of a pair that differs, in mean radii.
+    /// The largest overlap or gap of a differing pair, in mean radii.
     pub fn largest(&self) -> f64 {
         self.found.errors.deepest_miss.max(self.found.errors.widest_false)
     }
 
-    /// Whether at least so many pairs are too many, not far apart, and none is missed.
+    /// Whether at least this many near pairs are extra, and none is missed.
     pub fn is_larger(&self, least: u64) -> bool {
         let Compared { errors, spurious, .. } = &self.found;
         errors.missed == 0 && spurious.count - spurious.far >= least
     }
 
-    /// Whether at least so many contacts are missed, and only pairs far apart are too many.
+    /// Whether at least this many contacts are missed, and only distant pairs are extra.
     pub fn is_smaller(&self, least: u64) -> bool {
         let Compared { errors, spurious, .. } = &self.found;
         errors.missed >= least && spurious.count == spurious.far
     }
 
-    /// Tries the contacts of radii `by` times as large, and of slightly larger ones.
+    /// Tries radii multiplied by `by`, and slightly larger ones.
     pub fn with_radii(
         &self,
         at: At<'_>,
@@ -226,7 +225,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries the contacts in a box of these vectors and axes; returns whether to try more.
+    /// Tries a box with these vectors and axes; returns whether to try more.
     pub fn in_box(
         &self,
         at: At<'_>,
@@ -242,7 +241,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// By how many vectors each particle is out of the box.
+/// Returns the periodic copy of the box in which each particle lies.
 fn cells(space: &Periodic<'_>) -> Vec<[i32; 3]> {
     let lattice = space.lattice();
     let cell = |k: u32| {

@@ -12,13 +12,14 @@ fn skin(skin: f64) -> Allowed {
     Allowed { skin, ..GIVEN }
 }
 
-/// Unit discs at 0, 1, 3, 10 and 20: 0,1 overlap by one radius, 1,2 are tangent, 0,2 is 1 apart.
+/// Unit discs at 0, 1, 3, 10 and 20. 0 and 1 overlap by one radius, 1 and 2 are tangent, 0 and 2
+/// have a gap of 1.
 fn row() -> AnyScene<'static> {
     let centres = [0.0, 1.0, 3.0, 10.0, 20.0].map(|x| nalgebra::Point::from([x, 0.0]));
     Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
 }
 
-/// Discs in a box of these edges that repeats along both.
+/// Discs in a box with these edges, periodic along both.
 fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static> {
     let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
     let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
@@ -26,7 +27,6 @@ fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static
     Periodic::new(scene.into(), lattice).unwrap()
 }
 
-/// The comparison, and the reading that explains what differs.
 fn ask(
     space: &Periodic<'_>,
     list: Listed<'_>,
@@ -56,7 +56,7 @@ fn in_box(
     ask(periodic, Listed { pairs, images }, &Naming::Base(0), &others, allowed)
 }
 
-/// Missed, spurious, repeated, and with itself.
+/// Missed, spurious, duplicate and self pairs.
 fn counts(found: &Verification) -> [u64; 4] {
     let Errors { missed, spurious, duplicate, self_pairs, .. } = found.errors;
     [missed, spurious, duplicate, self_pairs]
@@ -92,8 +92,8 @@ fn both_sides_and_skins_are_allowed_where_asked_for() {
     }
 }
 
-/// The pairs of a pack whose centres are less than `reach` apart, across a box of that length if
-/// there is one.
+/// The pairs of a packing whose centres are less than `reach` apart, across a box of length
+/// `period`.
 fn apart(scene: &AnyScene<'_>, reach: f64, period: f64) -> Vec<Couple> {
     let n = scene.len() as u32;
     let near = |i: u32, j: u32| {
@@ -127,7 +127,7 @@ fn usual_mistakes_are_recognised_alone_and_together() {
         (&pack, map(&right, |i| i + 1), vec![one]),
         (&pack, map(&right, |i| 3 * i + 7), vec![Mistake::Numbers(Meaning::Ids)]),
         (&pack, map(&twice, |i| i + 1), vec![one, Mistake::BothSides]),
-        // Diameters of 2 for radii of 0.5 reach 2; a radius that was halved reaches 0.5.
+        // Diameters used as radii give 2; radii that were halved give 0.5.
         (&dense, apart(&dense, 0.5, none), vec![Mistake::Radii(0.5)]),
         (&pack, apart(&pack, 2.0, none), vec![Mistake::Radii(2.0)]),
     ] {
@@ -147,13 +147,13 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     };
     assert!(skin <= 0.2 && skin > 0.05 && reading.wrong == 0, "{skin}");
     assert!(periods.iter().all(good), "{periods:?}");
-    // What is far apart does not hide a skin.
+    // Distant pairs do not hide a skin.
     let mut far = apart(&pack, 1.2, none);
     let close = apart(&pack, 5.0, none);
     far.extend(apart(&pack, 99.0, none).into_iter().filter(|it| !close.contains(it)).take(2));
     let reading = read(&pack, &far).unwrap();
     assert!(matches!(reading.mistakes[..], [Mistake::Skin(_)]) && reading.wrong == 2);
-    // Any wrong pairs are explained by nothing.
+    // Random wrong pairs have no explanation.
     let mut wrong = right.clone();
     wrong.extend((0..200).map(|k| [k, (7 * k + 5) % 216]).filter(|[i, j]| i != j));
     assert_eq!(read(&pack, &wrong), None);
@@ -161,7 +161,7 @@ fn usual_mistakes_are_recognised_alone_and_together() {
 
 #[test]
 fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
-    // In a box of 2 by 9, 0 and 1 touch at both sides, exactly; 1 and 2 once.
+    // In a box of 2 by 9, discs 0 and 1 touch on both sides, exactly; 1 and 2 touch once.
     let row = discs(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], 0.5, [2.0, 9.0]);
     let each = [[0, 1], [1, 2], [1, 0]];
     for (list, taken, expected) in [
@@ -180,12 +180,12 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
         assert_eq!((found.taken, counts(&found)), (taken, expected), "{list:?}");
         assert_eq!((found.truth.len(), found.is_same()), (3, expected == [0; 4]), "{list:?}");
     }
-    // A spurious pair is shown by its nearest image: 0 and 2 are sqrt 2 apart at both sides.
+    // A spurious pair is shown with its nearest image: 0 and 2 are sqrt 2 apart on both sides.
     let (found, _) = in_box(&row, &[[0, 1], [1, 2], [0, 2]], None, GIVEN);
     let (pair, depth) = found.spurious[0];
     assert_eq!((pair.i, pair.j), (0, 2));
     assert!((depth + 2.0 * (2f64.sqrt() - 1.0)).abs() < 1e-15, "{depth}");
-    // From both sides.
+    // In both directions.
     let twice = [[0, 1], [1, 0], [0, 1], [1, 0], [1, 2], [2, 1]];
     assert!(in_box(&row, &twice, None, BOTH).0.is_same());
     let (found, _) = in_box(&row, &twice[..5], None, BOTH);
@@ -194,7 +194,7 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
 
 #[test]
 fn particles_touch_their_own_images() {
-    // One disc in a square of its diameter: two contacts with itself, four neighbours.
+    // One disc in a square of its diameter has two contacts with itself, or four directed ones.
     let one = discs(&[[0.3, 7.0]], 0.5, [1.0, 1.0]);
     for (rows, allowed, taken, expected) in [
         (1, GIVEN, Taken::Once, [0; 4]),
@@ -221,7 +221,7 @@ fn particles_touch_their_own_images() {
 
 #[test]
 fn pairs_within_a_skin_may_be_there_through_each_image() {
-    // 0.5 apart at both sides.
+    // The gap is 0.5 on both sides.
     let row = discs(&[[0.0, 0.0], [1.5, 0.0]], 0.5, [3.0, 9.0]);
     let ask = |pairs: &[Couple], images, allowed| in_box(&row, pairs, images, allowed).0;
     let images: Vec<[i32; 3]> = vec![[0; 3], [-1, 0, 0]];
@@ -232,10 +232,10 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert!(ask(&[[0, 1]], None, skin(0.5)).is_same());
     assert!(ask(&[], None, skin(0.5)).is_same());
     assert_eq!(counts(&ask(&[[0, 1]], None, skin(0.4))), [0, 1, 0, 0]);
-    // A little farther is farther.
+    // A slightly larger gap is outside the skin.
     let far = discs(&[[0.0, 0.0], [1.5 + 1e-10, 0.0]], 0.5, [9.0, 9.0]);
     assert_eq!(counts(&in_box(&far, &[[0, 1]], None, skin(0.5)).0), [0, 1, 0, 0]);
-    // They touch through one image, and are 0.75 apart through another.
+    // They touch through one image, and have a gap of 0.75 through another.
     let mixed = discs(&[[0.0, 0.0], [1.0, 0.0]], 0.5, [2.75, 9.0]);
     let ask = |pairs: &[Couple]| in_box(&mixed, pairs, None, skin(0.8)).0;
     let found = ask(&[[0, 1]; 2]);
@@ -246,7 +246,7 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Skin(0.5)], 0));
 }
 
-/// Lists of pairs up to 0.2 apart that differ in their box, too.
+/// Lists of pairs up to a gap of 0.2, with another box.
 #[test]
 fn a_skin_is_recognised_together_with_another_box() {
     let pack = Spec::parse("packed:dim=3,n=216,lattice=cubic").unwrap().make().unwrap();
@@ -257,7 +257,7 @@ fn a_skin_is_recognised_together_with_another_box() {
     let list = apart(&pack, 1.2, f64::INFINITY);
     let Reading { mistakes, wrong, .. } = in_box(&boxed, &list, None, GIVEN).1.unwrap();
     assert!(skin(&mistakes) && mistakes[1..] == [Mistake::Open] && wrong == 0, "{mistakes:?}");
-    // The file declares the box, and boundaries are open.
+    // The file declares a box, but boundaries are open.
     let (open, list) = (in_open_space(&pack).unwrap(), apart(&pack, 1.2, 6.0));
     let (space, naming) = (&open, &Naming::Base(0));
     let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
@@ -270,7 +270,7 @@ fn a_skin_is_recognised_together_with_another_box() {
     assert!(skin(&mistakes[1..]), "{mistakes:?}");
 }
 
-/// The nearest image, from far away and in a box with a shear.
+/// The nearest image of a distant particle in a sheared box.
 #[test]
 fn the_nearest_image_is_found() {
     let scene = Scene::new(
@@ -280,8 +280,8 @@ fn the_nearest_image_is_found() {
     let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
     let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
     let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
-    // By -3 of the second vector and 27 of the first, (1.25, 0) are left; by -4 and 28, (0.25, 1),
-    // which is shorter, though the fractions of the difference are 27.3125 and -3.
+    // After -3 second and 27 first vectors, (1.25, 0) is left. After -4 and 28, (0.25, 1) is left,
+    // which is shorter, although the fractions of the difference are 27.3125 and -3.
     let pair = nearest(&periodic, [0, 1]);
     assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
     let distance = (0.0625f64 + 1.0 + 0.25).sqrt();
@@ -289,7 +289,7 @@ fn the_nearest_image_is_found() {
     assert!((gap(&periodic, pair) - (distance - 1.0)).abs() < 1e-14);
 }
 
-/// Beyond what is tested by all pairs, and against the guess of a list that knows no box.
+/// Too many particles for testing all pairs; the list ignores the box.
 #[test]
 fn many_particles_are_compared_with_what_two_detectors_say() {
     let pack = Spec::parse("packed:dim=3,n=3375,lattice=cubic").unwrap().make().unwrap();
@@ -319,7 +319,7 @@ fn many_particles_are_compared_with_what_two_detectors_say() {
     assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Open], 0));
 }
 
-/// A list that has a pair once stands for the deepest of its images.
+/// A pair that is listed once stands for its deepest image.
 #[test]
 fn a_pair_listed_once_is_its_deepest_image() {
     for (second, inside) in [([1.0, 0.5], true), ([3.5, 0.5], false)] {
