@@ -1,7 +1,6 @@
-//! What the particles of a file and their contacts make doubtful: radii in another unit, diameters
-//! taken for radii, particles written twice. Scenes that are made are not doubted.
-//!
-//! The rules stand here alone: `inspect` and all other verbs print their [`Notice`]s.
+//! Doubts about a file's particles and contacts: radii in another unit, diameters taken for radii,
+//! particles written twice. Generated scenes raise no doubts. `inspect` and all other verbs print
+//! the [`Notice`]s made here.
 
 use std::collections::BTreeSet;
 
@@ -18,48 +17,47 @@ use contactbench_io::{Notice, RadiusSource};
 
 use crate::touching::particle;
 
-/// At most about so many pairs are looked at, spread over the list: large scenes lose no time.
+/// About this many contacts at most are examined, spread evenly over the list.
 const EXAMINED: usize = 1 << 18;
-/// More bytes of pairs than this are estimated, not looked for.
+/// If the contacts would take more bytes than this, their number is estimated.
 const MOST_BYTES: u64 = 400_000_000;
-/// Fewer contacts say nothing of their mean.
+/// The mean overlap of fewer contacts than this means nothing.
 const ENOUGH: u64 = 10;
-/// Hard bodies overlap less in the mean, in mean radii; places at random by 0.5 and more.
+/// Suspicious mean overlap, in mean radii. Packed particles overlap less; random ones 0.5 or more.
 const DEEP: f64 = 0.25;
-/// Spheres that overlap by more than this, in mean radii, are nearly concentric; 2 is all.
+/// Pairs that overlap by more than this many mean radii are nearly concentric; 2 is concentric.
 const NESTED: f64 = 1.8;
-/// f32 places bodies to this part of their radius, or else that is a doubt.
+/// Suspicious spacing of f32 coordinates, in mean radii.
 const COARSE: f64 = 1e-3;
 
-/// What the contacts of a scene look like.
+/// Statistics of the contacts of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Touching {
-    /// Contacts per particle; an estimate where they are too many to be looked for.
+    /// Contacts per particle; estimated if there are too many to find.
     pub each: f64,
-    /// Contacts; none if they are estimated.
+    /// Number of contacts; `None` if estimated.
     pairs: Option<u64>,
     examined: u64,
-    /// The sum over the pairs examined, in mean radii.
+    /// Sum over the examined pairs, in mean radii.
     overlap: f64,
-    /// Pairs that are nearly concentric, and the first.
+    /// Number of nearly concentric pairs; `first` is one of them.
     nested: u64,
     first: [u32; 2],
-    /// Particles with the centre of an earlier one.
+    /// Particles at the centre of an earlier particle.
     coincident: BTreeSet<u32>,
 }
 
 impl Touching {
-    /// An estimate of contacts per particle.
     pub fn estimated(each: f64) -> Touching {
         Touching { each, ..Touching::default() }
     }
 
-    /// These contacts in open space.
+    /// Examines contacts in open space.
     pub fn open(scene: &AnyScene<'_>, pairs: &[[u32; 2]]) -> Touching {
         Touching::over(scene, pairs, |&pair| (pair, overlap(scene, pair)))
     }
 
-    /// These contacts in a box that repeats.
+    /// Examines contacts in a periodic box.
     pub fn boxed(periodic: &Periodic<'_>, pairs: &[ImagePair]) -> Touching {
         let depth = |&pair: &ImagePair| ([pair.i, pair.j], periodic::depth(periodic, pair));
         Touching::over(periodic.scene(), pairs, depth)
@@ -68,7 +66,7 @@ impl Touching {
     fn over<P>(scene: &AnyScene<'_>, pairs: &[P], of: impl Fn(&P) -> ([u32; 2], f64)) -> Touching {
         let mut touching = Touching::default();
         for (pair, overlap) in pairs.iter().step_by(pairs.len() / EXAMINED + 1).map(of) {
-            // A small box brings bodies onto themselves.
+            // In a small box a particle can touch its own image.
             if pair[0] != pair[1] {
                 touching.examine(scene, pair, overlap);
             }
@@ -76,7 +74,7 @@ impl Touching {
         touching.of(pairs.len(), scene)
     }
 
-    /// Looks for the contacts; none where no detector takes the scene.
+    /// Finds and examines the contacts; `None` if the detector refuses the scene.
     pub fn search(given: &Given) -> Option<Touching> {
         let scene = &given.scene;
         if let Err(Refusal::Crowd { each, .. }) = crowd::within(scene, MOST_BYTES) {
@@ -126,7 +124,8 @@ impl Touching {
     }
 }
 
-/// All doubts about a scene whose radii come from `source`, in the order in which they are printed.
+/// Returns all doubts in the order in which they are printed; `source` is where the radii come
+/// from.
 pub fn doubts(
     scene: &AnyScene<'_>,
     source: &RadiusSource,
@@ -144,7 +143,7 @@ pub fn doubts(
     if let Some(touching) = touching {
         let before = doubts.len();
         of_contacts(scene, radii[1], source, touching, &mut doubts);
-        // Where the contacts are those of a packing, the unit of length is a box's edge.
+        // A packing with such coordinates is probably scaled by the edges of its box.
         let scaled = || is_scaled(scene.len(), scene.dim(), |k| particle(scene, k as u32).0);
         if doubts.len() > before && scaled() {
             doubts.push(Notice::Scaled);
@@ -168,7 +167,7 @@ fn of_contacts(
     touching: &Touching,
     doubts: &mut Vec<Notice>,
 ) {
-    // Equal bodies that do not overlap have at most 12 neighbours, or 6.
+    // Equal particles that do not overlap have at most 6 neighbours in 2D and 12 in 3D.
     let crowded = if scene.dim() == 2 { 9.0 } else { 18.0 };
     let mean = touching.overlap / touching.examined.max(1) as f64;
     if touching.pairs == Some(0) {
@@ -183,8 +182,7 @@ fn of_contacts(
     }
 }
 
-/// Spacing of f32 at the coordinate farthest from the origin, in mean radii; not finite where all
-/// are points.
+/// Returns the spacing of f32 at the largest coordinate, in mean radii; 0 if all radii are 0.
 pub fn f32_spacing(scene: &AnyScene<'_>) -> f64 {
     let n = scene.len().max(1) as f64;
     let (largest, mean) = with_scene!(scene, scene => {
@@ -200,7 +198,7 @@ pub fn f32_spacing(scene: &AnyScene<'_>) -> f64 {
     if spacing.is_finite() { spacing } else { 0.0 }
 }
 
-/// Do the coordinates of many particles fill the range from 0 to 1?
+/// Returns whether there are over 100 particles and their coordinates fill the range from 0 to 1.
 pub fn is_scaled(n: usize, dim: usize, centre: impl Fn(usize) -> [f64; 3]) -> bool {
     let (mut low, mut high) = ([1.0f64; 3], [0.0f64; 3]);
     n > 100
@@ -214,7 +212,7 @@ pub fn is_scaled(n: usize, dim: usize, centre: impl Fn(usize) -> [f64; 3]) -> bo
         && (0..dim).all(|axis| high[axis] - low[axis] > 0.9)
 }
 
-/// The smallest radius and the largest.
+/// Returns the smallest and the largest radius.
 fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
     with_scene!(scene, scene => match scene.radii() {
         Radii::Uniform(r) => [r.wide(); 2],
@@ -224,10 +222,10 @@ fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
     })
 }
 
-/// Overlap in mean radii, rounded; not a finite number where it cannot be told.
+/// Returns the overlap in mean radii, rounded; not finite if it overflows.
 fn overlap(scene: &AnyScene<'_>, pair: [u32; 2]) -> f64 {
     let [(a, ra), (b, rb)] = pair.map(|k| particle(scene, k));
     let square: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
-    // Points that touch are in one place.
+    // Two points that touch coincide.
     if ra + rb == 0.0 { 2.0 } else { 2.0 * (1.0 - square.sqrt() / (ra + rb)) }
 }

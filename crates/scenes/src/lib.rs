@@ -1,5 +1,4 @@
-//! Scenes: what they are asked to be, the generators, the catalogue of hard cases, and what they
-//! turned out to be.
+//! The scenes that detectors get: generators, hard cases, motion, and statistics of the scene made.
 
 pub mod doubts;
 pub mod generate;
@@ -22,8 +21,8 @@ mod tests {
     use contactbench_core::contact::Arithmetic;
     use contactbench_core::oracle;
 
-    /// Dyadic coordinates of few bits are stored without error wherever the scene is, so the
-    /// contacts are those of the scene.
+    /// The grid of centres is exact in f32 relative to each cell, wherever the scene lies, so
+    /// `f32-cell` must find the exact contacts.
     #[test]
     fn coordinates_by_cells_do_not_depend_on_the_offset() {
         for (offset, edge) in [

@@ -1,4 +1,3 @@
-//! The order of the particles: as made, at random, or along a curve.
 
 use std::str::FromStr;
 
@@ -9,23 +8,19 @@ use contactbench_core::scene::{AnyScene, Real, array};
 use contactbench_core::with_scene;
 use contactbench_terms::nearest::hint;
 
-/// The order of the particles in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Order {
-    /// A seeded random permutation.
     #[default]
     Shuffled,
-    /// As the generator makes them, or as they stand in the file.
+    /// As the generator makes the particles, or as they stand in the file.
     Generated,
-    /// Along a Morton curve.
     Morton,
 }
 
 impl Order {
-    /// All of them.
     pub const ALL: [Order; 3] = [Order::Shuffled, Order::Generated, Order::Morton];
 
-    /// Its name in files and records.
+    /// The name in experiment files and records.
     pub fn name(self) -> &'static str {
         match self {
             Order::Shuffled => "shuffled",
@@ -48,15 +43,15 @@ impl FromStr for Order {
     }
 }
 
-/// A permutation of `n` that depends on the seed alone.
+/// Returns a random permutation of 0 to n - 1; it depends on `n` and the seed only.
 pub fn shuffled(n: usize, seed: u64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.shuffle(&mut shuffler(seed));
     order
 }
 
-/// The order along a Morton curve through 2^32 cells per axis in 2D and 2^21 in 3D, of one cube
-/// around all centres; particles in one cell stay as they were.
+/// Returns the particles in order of a Morton curve through the smallest cube around all centres,
+/// which has 2^32 cells per axis in 2D and 2^21 in 3D. Particles in one cell keep their order.
 pub fn morton(scene: &AnyScene<'_>) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> = with_scene!(scene, scene => {
         let points = || scene.centres().iter().map(|centre| array(centre).map(Real::wide));
@@ -84,7 +79,7 @@ fn codes<const D: usize>(
     points.map(move |point| {
         let mut code = 0;
         for (k, x) in point.into_iter().enumerate() {
-            // A float-to-integer cast saturates and takes the NaN of 0/0 to 0.
+            // The cast saturates, and turns the NaN of 0/0 into 0.
             let cell = (((x - low[k]) / edge * cells) as u64).min((1 << bits) - 1);
             code |= (0..bits).map(|bit| (cell >> bit & 1) << (bit * D + k)).sum::<u64>();
         }

@@ -1,4 +1,4 @@
-//! A scene as it is named on a command line: a file, or a generator with parameters.
+//! A scene as named on a command line: a file, or a generator with parameters.
 
 use std::path::PathBuf;
 
@@ -6,20 +6,14 @@ use crate::spec::Spec;
 use contactbench_io as io;
 use contactbench_io::Given;
 
-/// Where a scene comes from.
 #[derive(Clone, Debug)]
 pub enum Origin {
-    /// A file of particles.
     File(PathBuf, Box<io::Options>),
-    /// A generator.
     Made(Spec),
 }
 
 impl Origin {
-    /// All of it.
-    ///
-    /// # Errors
-    /// What cannot be read or made.
+    /// Reads the file, or makes the scene.
     pub fn whole(&self) -> anyhow::Result<Given> {
         match self {
             Origin::Made(spec) => spec.given(),

@@ -1,5 +1,4 @@
-//! What a scene is asked to be: the generator, its parameters, the number of particles, the seed
-//! and the order.
+//! A requested scene: generator, parameters, number of particles, seed and order.
 
 use std::collections::BTreeMap;
 
@@ -15,37 +14,31 @@ use contactbench_core::scene::AnyScene;
 use contactbench_io::Given;
 use contactbench_terms::grammar;
 
-/// A scene to be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
-    /// The generator's name.
     pub name: String,
-    /// 2 or 3. A file decides its own: ask the scene made.
+    /// 2 or 3. Unused for a file, which has its own dimension.
     pub dim: u32,
-    /// Particles; 0 where the generator decides ([`Generator::own_n`]) and was not asked yet.
+    /// Number of particles; 0 if the generator decides ([`Generator::own_n`]) and has not run yet.
     pub n: u64,
-    /// Seed of the generator and of the shuffle.
     pub seed: u64,
-    /// Order of the particles.
     pub order: Order,
-    /// All parameters with the values used, defaults included.
+    /// All parameters with the values used, including defaults.
     pub params: BTreeMap<String, Value>,
-    /// How its particles move, if they do.
     pub course: Option<Course>,
 }
 
-/// Frames of a scene in motion.
+/// The motion of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// How particles move.
     pub motion: Motion,
-    /// Frames, the scene itself among them.
+    /// Number of frames, including the scene itself.
     pub frames: u64,
 }
 
 impl Course {
-    /// Takes the parameters `motion`, `speed`, `motion-seed` and `frames` out of those of a scene.
-    /// None if there is no `motion`: then the others are no parameters of its course.
+    /// Removes `motion`, `speed`, `motion-seed` and `frames` from the parameters of a scene and
+    /// parses them. Without `motion` it returns `None` and leaves the others.
     pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Course>> {
         let Some(kind) = params.remove("motion") else { return Ok(None) };
         let bare = |value: &toml::Value| match value {
@@ -73,7 +66,6 @@ impl Course {
         Ok(Some(Course { motion, frames }))
     }
 
-    /// The parameters, with the values used.
     fn axes(&self) -> impl Iterator<Item = (String, Value)> {
         let Motion { kind, speed, seed } = self.motion;
         let moves = kind != motion::Kind::Rest;
@@ -81,7 +73,7 @@ impl Course {
             ("motion", kind.name().into(), true),
             ("frames", self.frames.into(), true),
             ("speed", speed.into(), moves),
-            // Of most there is one, and it need not be said.
+            // The default seed is not recorded.
             ("motion-seed", seed.into(), moves && seed != motion::SEED),
         ];
         let said = axes.into_iter().filter(|(.., said)| *said);
@@ -89,14 +81,13 @@ impl Course {
     }
 }
 
-/// Where none are asked for.
+/// The default.
 const FRAMES: u64 = 100;
-/// Each is a file while it is measured, and has some sixty bytes in a reply, which is a line of at
-/// most 1 MiB.
+/// Each frame is a file during a measurement, and takes about 60 bytes in the runner's reply, which
+/// is one line of at most 1 MiB.
 const MOST_FRAMES: u64 = 10_000;
 
 impl Spec {
-    /// Checks the parameters and fills in the defaults.
     pub fn new(
         name: &str,
         dim: u32,
@@ -111,18 +102,19 @@ impl Spec {
         Ok(Spec { name: name.to_string(), dim, n, seed, order, params, course: None })
     }
 
-    /// All parameters, those of its course among them.
+    /// All parameters, including those of the motion.
     pub fn axes(&self) -> BTreeMap<String, Value> {
         let course = self.course.iter().flat_map(Course::axes);
         self.params.clone().into_iter().chain(course).collect()
     }
 
-    /// A scene as named on the command line:
+    /// Parses a scene as named on the command line:
     /// `packed:dim=3,n=1000,seed=2,order=morton,spacing=0.98`.
     ///
-    /// The keys are `dim` (2), `n` (1000), `seed` (1), `order` (shuffled) and the generator's
-    /// parameters. A piece without `=` belongs to the value before it, so that a path may hold
-    /// commas. For `file`, `dim` is the parameter `file-dim`; `file` and `hard` bring their own n.
+    /// The keys are `dim` (default 2), `n` (1000), `seed` (1), `order` (shuffled) and the
+    /// generator's parameters. A piece without `=` belongs to the value before it, so that a path
+    /// may hold commas. For `file`, `dim` sets the parameter `file-dim`; `file` and `hard` have
+    /// their own n.
     pub fn parse(text: &str) -> anyhow::Result<Spec> {
         let given = grammar::Spec::parse(text);
         given.form("write it as in packed:dim=3,n=1000,spacing=0.98")?;
@@ -158,20 +150,18 @@ impl Spec {
         Spec::new(name, dim, n, seed, order, &params)
     }
 
-    /// Makes the scene, for those who know no boxes.
-    ///
-    /// # Errors
-    /// It repeats, or cannot be made.
+    /// Makes the scene; fails if it is periodic.
     pub fn make(&self) -> anyhow::Result<AnyScene<'static>> {
         self.given()?.open(&self.name)
     }
 
-    /// Makes the scene, with the box in which it repeats.
+    /// Makes the scene with its periodic box, if it has one.
     pub fn given(&self) -> anyhow::Result<Given> {
         Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
     }
 
-    /// The frames of its course, if it has one, of the scene that [`Spec::given`] made.
+    /// Prepares the frames and returns them with their number, or `None` for a scene without
+    /// motion. `given` must be what [`Spec::given`] made.
     pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
         let Some(Course { motion, frames }) = self.course else { return Ok(None) };
         let made = Frames::new(given, motion)
@@ -179,8 +169,8 @@ impl Spec {
         Ok(Some((made, frames)))
     }
 
-    /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order:
-    /// none, but for hard cases of several steps. A detector may refuse them.
+    /// Makes the scenes that a detector must see before the one of [`Spec::make`], in order. Only
+    /// hard cases of several steps have any. A detector may refuse them.
     pub fn history(&self) -> anyhow::Result<Vec<Given>> {
         if self.name != hard::NAME {
             return Ok(Vec::new());
@@ -194,7 +184,7 @@ impl Spec {
         &self,
         then: impl FnOnce(&Generator, &Inputs<'_>) -> anyhow::Result<O>,
     ) -> anyhow::Result<O> {
-        // The fields are public: what was changed since `new` is checked here.
+        // The fields are public, so they may have changed since `new`.
         let generator = table::find(&self.name)?;
         let params = generator.check(self.dim, self.n, &self.params)?;
         let inputs = Inputs { dim: self.dim, n: self.n, seed: self.seed, params: &params };
@@ -212,7 +202,7 @@ impl Spec {
     }
 }
 
-/// NaN and infinities have no number in JSON; as text they are refused by name.
+/// JSON has no NaN or infinity; they become text, which the check of parameters refuses.
 fn json(value: &toml::Value) -> Value {
     match value {
         toml::Value::Integer(k) => (*k).into(),
@@ -223,7 +213,7 @@ fn json(value: &toml::Value) -> Value {
     }
 }
 
-/// A value of the command line: text where the parameter is, else whole number, number or text.
+/// Converts a value of the command line to text, a whole number or a number.
 fn scalar(is_text: bool, value: &str) -> toml::Value {
     if is_text {
         value.into()
@@ -269,7 +259,6 @@ mod tests {
         assert_eq!(exponents, Spec::parse("clustered:n=1000,seed=2,per-cluster=10").unwrap());
     }
 
-    /// Every kind of parameter, and all else that a request may hold.
     #[test]
     fn bad_requests_are_refused_by_name() {
         for (text, words) in [

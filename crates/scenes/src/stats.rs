@@ -1,9 +1,8 @@
-//! What a scene turned out to be: the statistics of [`Stats`] and a fingerprint.
+//! Statistics of a scene ([`Stats`]) and its fingerprint.
 //!
-//! All numbers are finite for every valid scene: lengths are taken relative to the box, and
-//! differences of halved coordinates, so that the largest doubles do not overflow; a ratio beyond
-//! the largest double is absent. Where all is smaller than 10^-300, lengths may underflow to a box
-//! without extent.
+//! Numbers are finite or absent for every valid scene: lengths are relative to the box, and
+//! coordinates are halved before they are subtracted, so that the largest doubles do not overflow.
+//! If all lengths are below 10^-300, the box may underflow to zero.
 
 pub use contactbench_terms::scene::Stats;
 
@@ -12,8 +11,9 @@ use contactbench_core::sink::splitmix64;
 use contactbench_core::with_scene;
 use contactbench_io::Given;
 
-/// The fingerprint of [`scene_hash`]; with a box the chain goes on with it: its vectors and its
-/// corner, as bits of doubles, and 0 or 1 for each vector along which it does not repeat or does.
+/// Returns the fingerprint of the scene and its box. In open space it is [`scene_hash`]. For a box,
+/// the chain continues over the box's vectors and corner (bits of doubles) and its three periodic
+/// flags (0 or 1).
 pub fn hash(given: &Given) -> String {
     let hash = chained_hash(&given.scene);
     let numbers = |lattice: &Lattice| {
@@ -25,12 +25,11 @@ pub fn hash(given: &Given) -> String {
     format!("{:#018x}", given.lattice.as_ref().map_or(hash, numbers))
 }
 
-/// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16
-/// hexadecimal digits.
+/// Returns a fingerprint as `0x` and 16 hexadecimal digits.
 ///
-/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of particles,
-/// the bits of all coordinates as doubles (x, y(, z) of particle 0, then 1, ...), 0 or 1 for one
-/// radius or one per particle, and the bits of the radius or radii. An f32 scene has the
+/// It is the chain h = splitmix64(h xor v), from h = 0, over these v: the dimension; the number of
+/// particles; the bits of all coordinates as doubles (x, y(, z) of particle 0, then 1, ...); 0 or 1
+/// for one radius or one per particle; and the bits of the radius or radii. An f32 scene has the
 /// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
 pub fn scene_hash(scene: &AnyScene<'_>) -> String {
     format!("{:#018x}", chained_hash(scene))
@@ -60,7 +59,7 @@ fn chained_hash(scene: &AnyScene<'_>) -> u64 {
     with_scene!(scene, scene => chained(scene))
 }
 
-/// The statistics of a scene in which `contacts` pairs touch.
+/// `contacts` is the number of pairs that touch.
 pub fn stats(given: &Given, contacts: u64) -> Stats {
     let Given { scene, lattice, .. } = given;
     let (n, lattice) = (scene.len(), lattice.as_ref());
@@ -76,12 +75,12 @@ pub fn stats(given: &Given, contacts: u64) -> Stats {
     }
 }
 
-/// Volume of the bodies over the volume of the box; 0 where the box has none.
+/// Returns the volume of the particles over that of the box, or 0 if the box has no volume.
 fn packing_fraction<T: Real, const D: usize>(
     scene: &Scene<'_, T, D>,
     lattice: Option<&Lattice>,
 ) -> f64 {
-    // Of a box that repeats along all axes, the edges of one along the axes with its volume.
+    // A fully periodic box is replaced by a rectangular one of equal volume.
     let repeats = lattice.and_then(|lattice| half_volume(lattice, D));
     let half = match repeats {
         Some(half) => std::array::from_fn(|k| half[k]),
@@ -96,8 +95,8 @@ fn packing_fraction<T: Real, const D: usize>(
     if fraction.is_finite() { fraction } else { 0.0 }
 }
 
-/// Half the edges of a box with the volume of one that repeats along all of its vectors: the parts
-/// of each that are at right angles to those before it.
+/// Returns half the edges of a rectangular box with the volume of the lattice (Gram-Schmidt), or
+/// `None` if the lattice is not periodic along all of its vectors.
 fn half_volume(lattice: &Lattice, dim: usize) -> Option<[f64; 3]> {
     let vectors = *lattice.vectors();
     lattice.periodic()[..dim].iter().all(|&repeats| repeats).then(|| {
@@ -119,8 +118,8 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
     libm::hypot(libm::hypot(x, y), z)
 }
 
-/// Edges of the box around the centres, or lengths of vectors where the scene repeats, in largest
-/// diameters; absent where the diameter is zero or the quotient overflows.
+/// Returns the edges of the box around the centres, and the lengths of periodic vectors, in units
+/// of the largest diameter. `None` if the diameter is zero or the quotient overflows.
 fn box_diameters<T: Real, const D: usize>(
     scene: &Scene<'_, T, D>,
     lattice: Option<&Lattice>,
@@ -132,12 +131,11 @@ fn box_diameters<T: Real, const D: usize>(
             half[k] = 0.5 * length(lattice.vectors()[k]);
         }
     }
-    // Half an edge over a radius is an edge over a diameter.
     let edges: Vec<f64> = half.iter().map(|half| half / radius).collect();
     (radius > 0.0 && edges.iter().all(|edge| edge.is_finite())).then_some(edges)
 }
 
-/// Largest over smallest radius; absent where the smallest is zero or the quotient overflows.
+/// `None` if the smallest radius is zero or the quotient overflows.
 fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64> {
     match scene.radii() {
         Radii::Each(radii) if !radii.is_empty() => {
@@ -150,8 +148,8 @@ fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64>
     }
 }
 
-/// Half the edges of the smallest box that holds all centres, each with an `extent` to every side.
-/// Zero without particles.
+/// Returns half the edges of the smallest box that holds all centres, each extended by `extent` to
+/// every side; zero without particles.
 fn half_edges<T: Real, const D: usize>(
     scene: &Scene<'_, T, D>,
     extent: impl Fn(usize) -> f64,
@@ -159,7 +157,7 @@ fn half_edges<T: Real, const D: usize>(
     let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; D];
     for (k, centre) in scene.centres().iter().enumerate() {
         for ([low, high], x) in bounds.iter_mut().zip(array(centre)) {
-            // Quartered: neither end can overflow, nor half their difference.
+            // Quartered, so that neither the ends nor half their difference can overflow.
             (*low, *high) = (
                 low.min(0.25 * x.wide() - 0.25 * extent(k)),
                 high.max(0.25 * x.wide() + 0.25 * extent(k)),

@@ -1,5 +1,5 @@
-//! Exact contacts of a scene in its box, the pairs that nearly touch, and the nearest image of a
-//! pair. Open space is a box that repeats along no vector.
+//! Exact contacts of a scene in its box, pairs that nearly touch, and nearest images. Open space is
+//! treated as a box without periodic vectors.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::crowd;
@@ -9,10 +9,10 @@ use contactbench_core::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
 use contactbench_core::with_scene;
 use contactbench_io::Given;
 
-/// The scene in its box, or in one that repeats along no vector.
+/// Returns the scene in its periodic box, or in one without periodic vectors.
 ///
 /// # Errors
-/// A box of discs that leaves their plane; a scene that f64 cannot store.
+/// Fails if the box of a 2D scene leaves the plane, or f64 cannot store the scene.
 pub fn in_any_box(given: &Given) -> anyhow::Result<Periodic<'static>> {
     match given.periodic()? {
         Some(periodic) => Ok(periodic),
@@ -20,15 +20,12 @@ pub fn in_any_box(given: &Given) -> anyhow::Result<Periodic<'static>> {
     }
 }
 
-/// The scene in a box that repeats along no vector.
-///
-/// # Errors
-/// A scene that f64 cannot store.
+/// Returns the scene in a box without periodic vectors; fails if f64 cannot store the scene.
 pub fn in_open_space(scene: &AnyScene<'_>) -> anyhow::Result<Periodic<'static>> {
     Ok(Periodic::new(scene.stored(Arithmetic::F64)?, Lattice::OPEN)?)
 }
 
-/// Centre and radius of a particle; in the plane the third coordinate is 0.
+/// Returns the centre and radius of particle `k`; in 2D the third coordinate is 0.
 pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
     let k = k as usize;
     with_scene!(scene, scene => {
@@ -38,25 +35,26 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
     })
 }
 
-/// Finds all contacts in exact arithmetic, with a detector that copes with any sizes and positions.
-/// The contact list and the periodic images may take `limit` bytes each.
+/// Finds all contacts in exact arithmetic, with a detector for any sizes and positions. The contact
+/// list and the periodic images may take `limit` bytes each.
 ///
 /// # Errors
-/// A scene with more contacts than the limit allows, before they are looked for; what the detector
-/// refuses.
+/// Fails before the search if the estimated contacts exceed the limit, or if the detector refuses.
 pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     crowd::within(periodic.scene(), limit)?;
     let options = Options { memory_limit: limit, ..Options::default() };
     Ok(periodic::contacts(periodic, &mut *table::robust(options), Arithmetic::Exact, limit)?)
 }
 
-/// The gap between the particles of a pair, in the units of the scene; negative where they overlap.
+/// Returns the gap between the particles of a pair, in the units of the scene; negative if they
+/// overlap.
 pub fn gap(periodic: &Periodic<'_>, pair: ImagePair) -> f64 {
     let [a, b] = [pair.i, pair.j].map(|k| particle(periodic.scene(), k).1);
     -depth(periodic, pair) * 0.5 * (a + b)
 }
 
-/// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
+/// Returns the image of j nearest to i. For i = j it is the nearest other image. In very skewed
+/// boxes a nearer image may exist.
 pub fn nearest(periodic: &Periodic<'_>, [i, j]: [u32; 2]) -> ImagePair {
     let ([a, b], lattice) = ([i, j].map(|k| particle(periodic.scene(), k).0), periodic.lattice());
     let axes = lattice.periodic();
@@ -81,7 +79,7 @@ pub fn nearest(periodic: &Periodic<'_>, [i, j]: [u32; 2]) -> ImagePair {
     best.1
 }
 
-/// The pairs that do not touch, with a gap under `part` mean radii, in order; none where they
+/// Returns the pairs with a positive gap of at most `part` mean radii, in order. Empty if they
 /// cannot be found.
 pub fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> {
     let Ok(swollen) = resized(periodic, |r| r * (1.0 + part)) else { return Vec::new() };
@@ -90,10 +88,7 @@ pub fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> 
     near
 }
 
-/// The same scene with other radii.
-///
-/// # Errors
-/// A radius that is negative or not finite.
+/// Returns the same scene with other radii; fails if a radius is negative or not finite.
 pub fn resized(
     periodic: &Periodic<'_>,
     radius: impl Fn(f64) -> f64,

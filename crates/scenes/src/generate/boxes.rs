@@ -1,9 +1,9 @@
 //! Boxes of generated scenes.
 //!
-//! The generators that draw places in a square or cube can let it repeat, along all axes or some of
-//! them: `periodic=true`, `periodic=xy`. Particles that are thrown out of it stay where they are.
-//! With a `tilt` the box is sheared as by Lees and Edwards (1972, doi:10.1088/0022-3719/5/15/006):
-//! the images above and below are moved along x, so that the vectors are
+//! Generators that fill a square or cube can make it periodic along all or some axes:
+//! `periodic=true`, `periodic=xy`. Particles outside the box keep their coordinates. A `tilt`
+//! shears the box as in Lees and Edwards (1972, doi:10.1088/0022-3719/5/15/006): the images above
+//! and below are moved along x, so that the vectors are
 //!
 //! ```text
 //! (lx, 0, 0), (tilt·lx, ly, 0), (0, 0, lz).
@@ -17,31 +17,27 @@ use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_io::Given;
 use contactbench_io::boxes::Axes;
 
-/// Along which axes the box repeats.
 pub const PERIODIC: Parameter = optional(
     "periodic",
     Kind::Axes,
     "the box repeats: true, or along these axes: x, xy and so on, none",
 );
 
-/// The shear.
 pub const TILT: Parameter = optional(
     "tilt",
     Kind::FINITE,
     "the images along y are moved along x by this, in edges of the box along x",
 );
 
-/// How the box of a scene repeats.
 #[derive(Clone, Copy, Debug)]
 pub struct Repeats {
-    /// Along which axes.
     pub axes: [bool; 3],
-    /// By how much the images along y are moved along x, in edges.
+    /// Shift of the images along y, as a multiple of the edge along x.
     pub tilt: Option<f64>,
 }
 
 impl Repeats {
-    /// As asked for; `None` for a scene without a box.
+    /// `None` for a scene without a box.
     pub fn new(inputs: &Inputs<'_>) -> anyhow::Result<Option<Repeats>> {
         let tilt = inputs.number(TILT.name).ok();
         let Ok(text) = inputs.text(PERIODIC.name) else {
@@ -58,7 +54,7 @@ impl Repeats {
     }
 }
 
-/// The scene in its box, if it has one. `edges` are in diameters.
+/// Puts the scene into its box, if it has one. `edges` are in diameters.
 pub fn boxed<const D: usize>(
     inputs: &Inputs<'_>,
     scene: impl Into<AnyScene<'static>>,
@@ -70,7 +66,7 @@ pub fn boxed<const D: usize>(
     let diameter = inputs.number(DIAMETER.name)?;
     let mut vectors = [[0.0; 3]; 3];
     for (k, edge) in edges.into_iter().enumerate() {
-        // Nobody fills no box.
+        // Without particles the edges would be 0.
         vectors[k][k] = if inputs.n == 0 { diameter } else { edge * diameter };
     }
     if let Some(tilt) = tilt {

@@ -11,12 +11,12 @@
 //! ```
 //!
 //! A share `background` of the particles (rounded to the nearest whole number) is uniform in a
-//! square (cube) whose volume is that of all bodies over `fraction`. The others form clusters of
-//! `per-cluster` particles (the last may be smaller): each has a centre uniform in the box and
-//! particles normal about it, with standard deviation `width` along each axis. A cluster near the
-//! border throws particles outside the box; they stay, so the box around the scene is somewhat
-//! larger and its packing fraction somewhat smaller than asked. In generated order the clusters
-//! come first, one after the other, then the background.
+//! square or cube, whose volume is that of all particles over `fraction`. The others form clusters
+//! of `per-cluster` particles; the last may be smaller. Each cluster has a centre uniform in the
+//! box, and its particles are normal about it, with standard deviation `width` along each axis.
+//! Some particles of clusters near the border lie outside the box, so the scene is slightly larger,
+//! and its packing fraction slightly smaller, than requested. In generated order the clusters come
+//! first, then the background.
 
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;

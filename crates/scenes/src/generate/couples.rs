@@ -1,5 +1,4 @@
-//! `couples`: couples at the very border of the contact test, each astride a border of the
-//! textbook's cells.
+//! `couples`: pairs that just touch, each across a border of the textbook's cells.
 //!
 //! ```text
 //!   |   o|o    |   o|o    |
@@ -7,15 +6,15 @@
 //!   |   o|o    |   o|o    |
 //! ```
 //!
-//! The cells of edge D begin at the lowest coordinate; the centres of a couple are D apart, the
-//! left one at a border, give or take the rounding error of (x - xmin) / D.
+//! Cells have the edge D and begin at the lowest coordinate. The centres of a pair are D apart, the
+//! left one at a border, up to the rounding error of (x - xmin) / D.
 //!
-//! On such couples rounding of (x - xmin) / D may put the members two cells apart, and a detector
-//! without a margin loses the contact. It does so where coordinates have more bits than x - xmin:
-//! near x = 0, when the lowest coordinate is negative. So one couple stands at the lowest
-//! coordinate, `offset`, and all others in columns 3D apart that begin at the border next to x = 0
-//! (at `offset`, if that is positive). The right member is at the largest double that still touches
-//! in exact arithmetic: n / 2 pairs (rounded down) touch.
+//! Rounding of (x - xmin) / D may put the two particles two cells apart, so that a detector without
+//! a margin misses the contact. This happens if coordinates have more bits than x - xmin: near x =
+//! 0, with a negative lowest coordinate. So one pair stands at the lowest coordinate, `offset`. All
+//! others stand in columns 3D apart, from the border next to x = 0 (from `offset`, if it is
+//! positive). The right particle is at the largest double that still touches in exact arithmetic,
+//! so n / 2 pairs (rounded down) touch.
 
 use anyhow::ensure;
 
@@ -43,13 +42,12 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// The double next to low + d·k, or its neighbour: near 0 that has far more bits than a rounded sum
-/// of the two.
+/// Returns the double next to low + d·k, or its neighbour. Near 0 it has far more bits than a
+/// rounded sum.
 fn border(low: f64, d: f64, k: f64) -> f64 {
     let product = d * k;
     let sum = low + product;
-    // What the product and the sum have lost, without error (Knuth, Dekker); a fused multiply-add
-    // is fixed by IEEE 754.
+    // The exact errors of product and sum (Knuth, Dekker); IEEE 754 defines the fused multiply-add.
     let rest = d.mul_add(k, -product);
     let part = sum - low;
     sum + ((low - (sum - part)) + (product - part) + rest)
@@ -68,8 +66,7 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
     let start = if low < 0.0 { (-low / d).ceil() } else { 0.0 };
     let row = |k: u64| 3.0 * d * k as f64;
     let couples = inputs.n.div_ceil(2);
-    // As many along x as in all rows together, or in each of them where there are rows in two
-    // directions.
+    // The smallest m with m^D at least the number of pairs.
     let across = (1..).find(|&m: &u64| m.saturating_pow(D as u32) >= couples).unwrap_or(1);
     let mut points = room(inputs.n + 1)?;
     for k in 0..couples {
@@ -90,6 +87,5 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         );
     }
     points.truncate(usize::try_from(inputs.n)?);
-    // Only an overflow can spoil a generated scene.
     Scene::new(points, Radii::Uniform(0.5 * d)).map_err(|_| crate::generate::beyond())
 }

@@ -4,48 +4,45 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, UnitDisc};
 
-/// ChaCha8 has 2^64 independent streams for one seed: each use of a scene's seed has its own.
+/// ChaCha8 has 2^64 independent streams per seed; each use of a scene's seed has its own.
 const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
 const SIZES_STREAM: u64 = 2;
 const ORDER_OF_SIZES_STREAM: u64 = 3;
-/// And those after it: one for each frame.
+/// The first of the frames' streams, which are the last ones.
 const MOTION_STREAM: u64 = 1 << 32;
 
-/// A seeded source of uniform and normal numbers.
 pub struct Draw {
     rng: ChaCha8Rng,
     spare: Option<f64>,
 }
 
 impl Draw {
-    /// The source for a generator.
     pub fn new(seed: u64) -> Draw {
         Draw { rng: stream(seed, GENERATOR_STREAM), spare: None }
     }
 
-    /// The source for radii, where they do not come between the draws of a generator.
+    /// The source for radii that the generator does not draw itself.
     pub fn of_sizes(seed: u64) -> Draw {
         Draw { rng: stream(seed, SIZES_STREAM), spare: None }
     }
 
-    /// The source for a frame of a motion.
     pub fn of_motion(seed: u64, frame: u64) -> Draw {
         Draw { rng: stream(seed, MOTION_STREAM.wrapping_add(frame)), spare: None }
     }
 
-    /// Uniform in [0, 1), a multiple of 2^-53.
+    /// Returns a uniform number in [0, 1), a multiple of 2^-53.
     pub fn unit(&mut self) -> f64 {
         self.rng.random()
     }
 
-    /// Uniform in [-1, 1).
+    /// Returns a uniform number in [-1, 1).
     pub fn symmetric(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
-    /// Normal with mean 0 and standard deviation 1, by Marsaglia's polar method, which gives two at
-    /// a time (Marsaglia and Bray 1964, doi:10.1137/1006063).
+    /// Returns a normal number with mean 0 and standard deviation 1, by Marsaglia's polar method,
+    /// which makes two at a time (Marsaglia and Bray 1964, doi:10.1137/1006063).
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -62,12 +59,12 @@ impl Draw {
     }
 }
 
-/// The source for the permutation of a scene: independent of what its generator draws.
+/// The source for the order of particles, independent of the generator's draws.
 pub fn shuffler(seed: u64) -> ChaCha8Rng {
     stream(seed, SHUFFLE_STREAM)
 }
 
-/// The source for which particle has which radius.
+/// The source for the assignment of radii to particles.
 pub fn sizes(seed: u64) -> ChaCha8Rng {
     stream(seed, ORDER_OF_SIZES_STREAM)
 }

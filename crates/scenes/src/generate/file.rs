@@ -1,4 +1,4 @@
-//! `file`: particles that somebody else made.
+//! `file`: particles from a file.
 //!
 //! ```text
 //!   x,y,r
@@ -6,9 +6,9 @@
 //!   1,0,0.5
 //! ```
 //!
-//! The formats and their rules are those of [`contactbench_io`]. The file decides the number of
-//! particles and the dimension: n = 0 takes what there is, another n must be the file's. `file-dim`
-//! says what an array with three columns means; see [`contactbench_io::Options`].
+//! [`contactbench_io`] reads the formats. The file decides the number of particles and the
+//! dimension: n = 0 accepts any number, another n must be the file's. `file-dim` is the dimension
+//! of an array with three columns; see [`contactbench_io::Options`].
 
 use std::path::Path;
 
@@ -18,10 +18,8 @@ use serde_json::Value;
 use crate::generate::table::{Generator, Kind, Parameter, Preset, optional};
 use contactbench_io as io;
 
-/// The name under which the program knows files.
 pub const NAME: &str = "file";
 
-/// The option at this place of [`io::OPTIONS`].
 const fn option(place: usize, name: &'static str, kind: Kind) -> Parameter {
     optional(name, kind, io::OPTIONS[place].meaning)
 }

@@ -4,10 +4,9 @@
 //!   case = every-neighbour   ->   o|o   o/o  ...
 //! ```
 //!
-//! The case decides the number of particles: n = 0 takes what there is, another n must be the
-//! case's. The scene made is the last step; the steps before it are the history,
-//! [`crate::spec::Spec::history`]. Where the order of the particles is part of the case,
-//! `order = generated` keeps it.
+//! The case decides the number of particles: n = 0 accepts any number, another n must be the
+//! case's. The scene is the last step; [`crate::spec::Spec::history`] returns the steps before it.
+//! If the order of the particles matters, `order = generated` keeps it.
 
 use anyhow::ensure;
 
@@ -16,7 +15,6 @@ use crate::generate::table::{Generator, Kind, Parameter, Preset};
 use crate::hard;
 use contactbench_io::Given;
 
-/// The name under which the program knows hard cases.
 pub const NAME: &str = "hard";
 
 pub const GENERATOR: Generator = Generator {
@@ -43,7 +41,6 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// The scenes of the case, in the order in which a detector is given them.
 pub fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
     hard::find(inputs.text("case")?)?.steps(inputs.dim)
 }

@@ -9,9 +9,9 @@
 //!   +----------------+
 //! ```
 //!
-//! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume
-//! is the volume of all bodies over `fraction`. Overlaps are kept, so that about 4·fraction·n/2
-//! (2D) or 8·fraction·n/2 (3D) pairs touch.
+//! Centres are independent and uniform in a square or cube with a corner at the origin, whose
+//! volume is that of all particles over `fraction`. Particles may overlap: about 4·fraction·n/2
+//! pairs touch in 2D and 8·fraction·n/2 in 3D.
 
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;

@@ -1,11 +1,11 @@
 //! Generators: scenes made from a seed, the same bits on every machine.
 //!
-//! One file per generator, each with a picture of its scene, its parameters and its table line
-//! ([`table::GENERATORS`]). A generator thinks in diameters: it draws coordinates and radii for a
-//! largest diameter of 1, and `assemble` multiplies both by `diameter` and moves the scene by
-//! `offset`. To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754
-//! fixes, and the `libm` crate's cube root and logarithm, which are plain Rust; never the functions
-//! of the machine's own mathematical library. Overlaps are allowed everywhere.
+//! Each generator has a file with a picture of its scene, its parameters and its entry in
+//! [`table::GENERATORS`]. It draws coordinates and radii for a largest diameter of 1. `assemble`
+//! multiplies both by `diameter` and moves the scene by `offset`. Results have the same bits
+//! everywhere, because generators use only + - * / and square roots, which IEEE 754 defines, and
+//! the cube root and logarithm of the `libm` crate, never the system's mathematical library. All
+//! scenes may contain overlaps.
 
 pub mod book;
 pub mod boxes;
@@ -29,15 +29,11 @@ use table::{Kind, Parameter, number};
 
 use contactbench_core::scene::{Radii, Scene};
 
-/// What a generator is given: everything in a [`crate::spec::Spec`] except the order.
+/// The inputs of a generator: everything in a [`crate::spec::Spec`] except the order.
 pub struct Inputs<'a> {
-    /// 2 or 3.
     pub dim: u32,
-    /// Number of particles.
     pub n: u64,
-    /// Seed of the draws.
     pub seed: u64,
-    /// All parameters, checked.
     pub params: &'a BTreeMap<String, serde_json::Value>,
 }
 
@@ -68,7 +64,7 @@ const OFFSET: Parameter = number(
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );
 
-/// The parameters of generators whose bodies have sizes and a box.
+/// Parameters of generators that have sizes and a box.
 const OF_BODIES: &[Parameter] = &[
     DIAMETER,
     OFFSET,
@@ -82,7 +78,7 @@ const OF_BODIES: &[Parameter] = &[
     boxes::TILT,
 ];
 
-/// The edge of a square or cube that the bodies fill to the packing fraction, in diameters.
+/// Returns the edge, in diameters, of the square or cube that the particles fill to `fraction`.
 fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {
     let power = |r: f64| if D == 2 { r * r } else { r * r * r };
     let sum = radii.map_or(n as f64 * power(0.5), |radii| radii.iter().map(|&r| power(r)).sum());
@@ -91,7 +87,7 @@ fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64
     if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
 }
 
-/// An empty list with room for `n`, or a sentence where the machine has not the memory.
+/// Returns an empty list with room for `n`; fails if there is not enough memory.
 fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
     let mut list = Vec::new();
     let n = usize::try_from(n)
@@ -101,7 +97,7 @@ fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
     Ok(list)
 }
 
-/// Scales centres and radii, given in diameters, and makes the scene.
+/// Makes the scene from centres and radii in diameters.
 fn assemble<const D: usize>(
     inputs: &Inputs<'_>,
     centres: impl Iterator<Item = [f64; D]>,
@@ -110,7 +106,7 @@ fn assemble<const D: usize>(
     let diameter = inputs.number("diameter")?;
     let offset = inputs.number("offset").unwrap_or(0.0) * diameter;
     let mut points = room(inputs.n)?;
-    // Adding 0 is not without effect: -0.0 would become 0.0.
+    // Without an offset nothing is added: adding 0.0 would turn -0.0 into 0.0.
     points.extend(centres.map(|centre| {
         Point::from(
             centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }),
@@ -123,7 +119,7 @@ fn assemble<const D: usize>(
             Radii::Each(radii.into())
         }
     };
-    // Only an overflow can spoil a generated scene.
+    // Generated coordinates are valid unless they overflow.
     Scene::new(points, radii).map_err(|_| beyond())
 }
 

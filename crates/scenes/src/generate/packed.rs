@@ -7,15 +7,15 @@
 //!   o o o o o o      o o o o o        o   o     o   o
 //! ```
 //!
-//! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart, the
-//! first N in the order x fastest, then y, then z. Each coordinate is moved by a number uniform in
-//! ± `jitter`. At the defaults about 58% of the lattice neighbours touch: 3.5 contacts per particle
-//! in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are
-//! exactly i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
+//! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart;
+//! particles occupy the first N, x fastest, then y, then z. Each coordinate is moved by a uniform
+//! number in ± `jitter`. By default about 58% of the lattice neighbours touch: 3.5 contacts per
+//! particle in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter
+//! are exactly i·spacing·diameter, rounded once, or not at all if spacing and diameter are dyadic.
 //!
-//! With `periodic` the lattice goes on through the faces of the box: hexagonal and fcc lattices
-//! have an even number of rows and layers then. Sites after the last particle stay empty: none in
-//! fcc if n = 4·k³, cubic if n = k³, square if n = k².
+//! `periodic` continues the lattice through the faces of the box, so hexagonal and fcc lattices
+//! then have an even number of rows and layers. Sites after the last particle stay empty. There are
+//! none in fcc if n = 4·k³, in cubic if n = k³, and in square if n = k².
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -78,7 +78,7 @@ where
     boxed(inputs, scene, period.map(|edge| edge * spacing))
 }
 
-/// Site k of a plane lattice, for a spacing of 1, and how far it goes until it repeats.
+/// Returns the sites of a lattice in 2D by number, and the edges of its period, for a spacing of 1.
 fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) {
     let square = lattice == "square";
     let pitch = if square { 1.0 } else { 3f64.sqrt() / 2.0 };
@@ -92,9 +92,9 @@ fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) 
     (site, [columns as f64, rows as f64 * pitch])
 }
 
-/// Site k of a space lattice, for a spacing of 1, and how far it goes until it repeats. The fcc
-/// sites are the points of a cubic lattice of edge 1/√2 whose three indices have an even sum; one
-/// that repeats has an even number of them along each axis.
+/// Returns the sites of a lattice in 3D by number, and the edges of its period, for a spacing of 1.
+/// The fcc sites are the points of a cubic lattice of edge 1/√2 whose three indices have an even
+/// sum. A periodic fcc lattice has an even number of them along each axis.
 fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + use<>, [f64; 3]) {
     let cubic = lattice == "cubic";
     let even = if cubic { 1 } else { 2 };
@@ -114,8 +114,8 @@ fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + us
     (site, [columns * even, rows, layers].map(|i| i as f64 * edge))
 }
 
-/// The smallest whole number >= 1 whose cube is at least `n` <= 2^33. In integers, as a rounded
-/// cube root may be one off.
+/// Returns the smallest whole number >= 1 whose cube is at least `n` <= 2^33. Integers are
+/// compared, because a rounded cube root may be off by one.
 fn root(n: u64) -> u64 {
     let near = libm::cbrt(n as f64) as u64;
     (near.saturating_sub(1)..).find(|edge| edge * edge * edge >= n).unwrap_or(near).max(1)

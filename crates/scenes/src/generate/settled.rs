@@ -1,5 +1,4 @@
-//! `settled`: bodies placed one after the other, the largest first, none over another by more than
-//! is asked for.
+//! `settled`: particles placed one after the other, the largest first, with a limit on overlaps.
 //!
 //! ```text
 //!   +------------------+
@@ -10,15 +9,16 @@
 //!   +------------------+
 //! ```
 //!
-//! Random sequential addition (Feder 1980, doi:10.1016/0022-5193(80)90358-6) by falling radius.
-//! Every centre is uniform in a square (cube) with a corner at the origin, whose volume is that of
-//! all bodies over `fraction`, and drawn again until the body overlaps no earlier one by more than
-//! `overlap` of the sum of their radii (as computed in f64). Bodies may reach over the border;
-//! where the box repeats, images of earlier bodies count as those do. Of one size up to about 0.54
-//! of a square and 0.38 of a cube can be filled so without overlap; with many sizes more. A body
-//! that has found no place after 100,000 draws ends it, or 1,000 draws for each body altogether:
-//! the request is refused, with the fraction that was reached; as is a box in which the largest
-//! body would overlap its own image by more.
+//! This is random sequential addition (Feder 1980, doi:10.1016/0022-5193(80)90358-6) by falling
+//! radius. Centres are uniform in a square or cube with a corner at the origin, whose volume is
+//! that of all particles over `fraction`. A centre is drawn again if the particle would overlap an
+//! earlier one, or in a periodic box its image, by more than `overlap` of the sum of their radii,
+//! as computed in f64. Particles may extend over the border.
+//!
+//! Without overlap, one size fills up to about 0.54 of a square and 0.38 of a cube; several sizes
+//! fill more. The generator fails after 100,000 draws for one particle, or 1,000 draws per particle
+//! on average, and reports the fraction reached. It also fails if the largest particle would
+//! overlap its own image by more than allowed.
 
 use anyhow::ensure;
 
@@ -54,14 +54,14 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// Draws for one body, and for each of all together.
+/// Most draws for one particle, and most draws per particle on average.
 const TRIES: u64 = 100_000;
 const TRIES_EACH: u64 = 1_000;
-/// The largest radius of a layer over that of the next.
+/// Ratio of the largest radius of a layer to that of the next.
 const STEP: f64 = 2.0;
-/// Cells of a layer for each of its bodies, at most.
+/// Most cells of a layer per particle.
 const CELLS: f64 = 4.0;
-/// No body.
+/// No particle.
 const NONE: u32 = u32::MAX;
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
@@ -84,7 +84,7 @@ where
         next: room(inputs.n)?,
         layers: Vec::new(),
     };
-    // The largest diameter is 1. Then no body meets an image beyond the next.
+    // The largest diameter is 1, so only images in adjacent boxes can be too near.
     ensure!(
         repeats.is_none() || inputs.n == 0 || edge >= placed.apart,
         "the box has an edge of {edge:.3} largest diameters, so that the largest body overlaps its \
@@ -123,37 +123,35 @@ where
     boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }
 
-/// In units of a ball's.
+/// Sum of the volumes, in units of the unit ball's.
 fn volume<const D: usize>(radii: impl Iterator<Item = f64>) -> f64 {
     radii.map(|r| if D == 2 { r * r } else { r * r * r }).sum()
 }
 
-/// What is there already: a grid for each layer of sizes, with lists.
+/// The particles placed so far: one grid with linked lists for each layer of sizes.
 struct Placed<const D: usize> {
     edge: f64,
-    /// How the box repeats, if it does.
     repeats: Option<Repeats>,
-    /// Two bodies must be at least so far apart, over the sum of their radii.
+    /// Least distance of two particles, as a multiple of the sum of their radii.
     apart: f64,
     centres: Vec<[f64; D]>,
-    /// The body that was first in the cell before it.
+    /// For each particle, the next one in its cell.
     next: Vec<u32>,
     layers: Vec<Layer>,
 }
 
-/// The bodies from one radius downwards to about half of it.
+/// The particles with radii from `largest` down to about half of it.
 struct Layer {
     largest: f64,
-    /// Cells along each axis.
     count: usize,
-    /// The body that was last put into each cell.
+    /// The newest particle of each cell.
     heads: Vec<u32>,
 }
 
 impl<const D: usize> Placed<D> {
-    /// Begins a layer for about so many bodies.
+    /// Begins a layer for about this many particles.
     fn begin(&mut self, largest: f64, bodies: usize) -> anyhow::Result<()> {
-        // A little wider than two radii, so that no rounding matters.
+        // A little wider than two radii, so that rounding does not matter.
         let fine = self.edge / (2.000_002 * largest);
         let most = CELLS * bodies.max(1) as f64;
         let coarse = if D == 2 { most.sqrt() } else { libm::cbrt(most) };
@@ -165,14 +163,14 @@ impl<const D: usize> Placed<D> {
         Ok(())
     }
 
-    /// The body, and those of its images that a body in the box may be too near to.
+    /// Finds the particle's images, itself included, that may be too near to a particle in the box.
     fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
         images.clear();
         images.push(centre);
         let Some(Repeats { axes, tilt }) = self.repeats else { return };
         let largest = self.layers.first().map_or(0.0, |layer| layer.largest);
         let reach = self.reach(radius, largest);
-        // Along x last, since images along y are moved along it.
+        // x comes last, because images along y are shifted along x.
         for k in (0..D).rev().filter(|&k| axes[k]) {
             for there in 0..images.len() {
                 for side in [-1.0, 1.0] {
@@ -193,7 +191,7 @@ impl<const D: usize> Placed<D> {
         }
     }
 
-    /// Beyond this distance no body of this size is too near to one of that.
+    /// Returns the distance beyond which two particles of these radii are never too near.
     fn reach(&self, radius: f64, largest: f64) -> f64 {
         1.000_001 * self.apart * (radius + largest)
     }
@@ -205,7 +203,7 @@ impl<const D: usize> Placed<D> {
                 if !centre.iter().all(|x| (-reach..=self.edge + reach).contains(x)) {
                     return true;
                 }
-                // Cells are wider than any reach here.
+                // Cells are wider than `reach`.
                 let [low, high] = [-1_isize, 1].map(|step| {
                     centre.map(|x| {
                         layer.cell(x / self.edge).saturating_add_signed(step).min(layer.count - 1)
@@ -233,7 +231,7 @@ impl<const D: usize> Placed<D> {
             })
     }
 
-    /// Puts the next body into the last layer.
+    /// Adds the next particle to the last layer.
     fn put(&mut self, centre: [f64; D]) {
         let body = self.centres.len() as u32;
         let Some(layer) = self.layers.last_mut() else { return };
@@ -244,7 +242,7 @@ impl<const D: usize> Placed<D> {
 }
 
 impl Layer {
-    /// The cell of a part of the edge.
+    /// Returns the cell index at this fraction of the edge.
     fn cell(&self, part: f64) -> usize {
         ((part * self.count as f64) as usize).min(self.count - 1)
     }

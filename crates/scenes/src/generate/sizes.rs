@@ -1,23 +1,22 @@
-//! Sizes: how the radii of a scene are distributed.
+//! Distributions of the radii.
 //!
-//! Radii lie between r / `size-ratio` and r, the largest. Without `sizes` they are uniform there,
-//! and all r where the ratio is 1. Otherwise, for d dimensions and ratio ω:
+//! Radii lie between r / `size-ratio` and r, the largest. Without `sizes` they are uniform in
+//! between; with a ratio of 1 all are r. Otherwise, in d dimensions with ratio ω:
 //!
-//! * `power`: the numbers of radii have the density r^`exponent`. Not drawn, but the quantiles of
-//!   it at 0, 1/(n-1), .. 1, as in Krijgsman, Ogarko and Luding 2014
-//!   (doi:10.1007/s40571-014-0020-9), so that every scene has both ends.
-//! * `binary`: two radii; `share` is the volume of the small ones over that of all. So there are
-//!   ω^d share / (1 - share) small ones for each large one, to the nearest whole number, and at
+//! * `power`: the number of radii has the density r^`exponent`. Radii are its quantiles at 0,
+//!   1/(n-1), .. 1, as in Krijgsman, Ogarko and Luding 2014 (doi:10.1007/s40571-014-0020-9), so
+//!   that every scene has both extremes.
+//! * `binary`: two radii. `share` is the volume of the small particles over that of all. For each
+//!   large one there are ω^d share / (1 - share) small ones, to the nearest whole number, and at
 //!   least one large one unless the share is 1.
-//! * `lognormal`: drawn; the logarithm is normal, cut off at two standard deviations either way,
-//!   which are ω apart.
-//! * `giants`: so many of radius r, all others of radius r / ω.
-//! * `grading`: as a grading curve says ([`super::grading`]), from a file with a sieve size and the
-//!   percent passing in each line, or written out (`grading=0.063 0, 0.2 15, 2 100`). Quantiles of
-//!   the numbers as for `power`, where the largest is r; the curve has the ratio, and `size-ratio`
-//!   stays away.
+//! * `lognormal`: the logarithm of a radius is normal, cut off at two standard deviations to either
+//!   side; the cut-offs have the ratio ω.
+//! * `giants`: this many particles have radius r, all others r / ω.
+//! * `grading`: a grading curve ([`super::grading`]) from a file with a sieve size and the percent
+//!   passing per line, or written out (`grading=0.063 0, 0.2 15, 2 100`). Radii are quantiles of
+//!   the numbers, as for `power`. The curve sets the ratio, so `size-ratio` must not be given.
 //!
-//! Which particle has which radius is drawn independently of everything else.
+//! The assignment of radii to particles is drawn independently of everything else.
 
 use anyhow::{bail, ensure};
 use rand::seq::SliceRandom;
@@ -27,7 +26,6 @@ use crate::generate::grading::Curve;
 use crate::generate::table::{Kind, Parameter, number, optional};
 use crate::generate::{Inputs, room};
 
-/// Smallest and largest.
 pub const SIZE_RATIO: Parameter = number(
     "size-ratio",
     Kind::AT_LEAST_ONE,
@@ -36,7 +34,6 @@ pub const SIZE_RATIO: Parameter = number(
               for all",
 );
 
-/// The distribution.
 pub const SIZES: Parameter = optional(
     "sizes",
     Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
@@ -44,19 +41,15 @@ pub const SIZES: Parameter = optional(
               it is left out",
 );
 
-/// Of [`SIZES`] `power`.
 pub const EXPONENT: Parameter =
     optional("exponent", Kind::FINITE, "for sizes=power: numbers of radii go as r^exponent");
 
-/// Of [`SIZES`] `binary`.
 pub const SHARE: Parameter =
     optional("share", Kind::SHARE, "for sizes=binary: volume of the small ones over that of all");
 
-/// Of [`SIZES`] `giants`.
 pub const GIANTS: Parameter =
     optional("giants", Kind::COUNT, "for sizes=giants: how many have the largest radius");
 
-/// Of [`SIZES`] `grading`.
 pub const GRADING: Parameter = optional(
     "grading",
     Kind::Text,
@@ -64,12 +57,12 @@ pub const GRADING: Parameter = optional(
               line, or these points",
 );
 
-/// The cube of its inverse is still a normal number.
+/// The cube of the inverse is still a normal number.
 const MOST: f64 = 1e100;
-/// The largest radius, for a diameter of 1.
 const LARGEST: f64 = 0.5;
 
-/// Radii for a diameter of 1, or none where all are 1/2. `draw` is asked for uniform ones only.
+/// Returns radii for a largest diameter of 1, or `None` if all are 1/2. Takes numbers from `draw`
+/// only for uniform radii.
 pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option<Vec<f64>>> {
     let ratio = inputs.number("size-ratio")?;
     let kind = inputs.params.get(SIZES.name).and_then(|value| value.as_str());
@@ -104,7 +97,7 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     );
     let (n, least) = (inputs.n, LARGEST / ratio);
     let mut radii = room(n)?;
-    // The bounds keep a radius that was rounded from leaving the range.
+    // Rounding might leave the range.
     let inside = |radius: f64| radius.clamp(least, LARGEST);
     match kind {
         None => {
@@ -117,7 +110,7 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
             radii.extend(
                 (0..n).map(|k| inside(least * quantile(1.0 - k as f64 / last, power, ratio))),
             );
-            // Which a rounded power might miss.
+            // The rounded power might miss the largest radius.
             radii.iter_mut().take(1).for_each(|radius| *radius = LARGEST);
         }
         Some("binary") => {
@@ -139,14 +132,13 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
             let giants = inputs.whole(GIANTS.name)?;
             radii.extend((0..n).map(|k| if k < giants { LARGEST } else { least }));
         }
-        // The table lets nothing else pass.
+        // The table of parameters admits no other word.
         Some(other) => bail!("there are no sizes '{other}'"),
     }
     radii.shuffle(&mut sizes(inputs.seed));
     Ok(Some(radii))
 }
 
-/// Radii as a grading curve says.
 fn graded(inputs: &Inputs<'_>) -> anyhow::Result<Vec<f64>> {
     let curve = Curve::new(inputs.text(GRADING.name)?)?;
     let mut radii = room(inputs.n)?;
@@ -155,13 +147,13 @@ fn graded(inputs: &Inputs<'_>) -> anyhow::Result<Vec<f64>> {
     Ok(radii)
 }
 
-/// The radius, from 1 to `ratio`, below which this part of the numbers is, if they have the density
-/// r^(power - 1).
+/// Returns the quantile `part` of radii from 1 to `ratio` whose numbers have the density r^(power -
+/// 1).
 fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
     if (power * libm::log(ratio)).abs() < 1e-9 {
         return libm::pow(ratio, part);
     }
-    // From the end that is nearer to 1, so that no power overflows.
+    // The formula starts at the end whose power is at most 1, so that nothing overflows.
     if power > 0.0 {
         ratio * libm::pow(part + (1.0 - part) * libm::pow(ratio, -power), 1.0 / power)
     } else {
@@ -169,7 +161,7 @@ fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
     }
 }
 
-/// How many of `n` are large.
+/// Returns the number of large particles among `n`.
 fn large(n: u64, share: f64, ratio: f64, dim: u32) -> u64 {
     let small_for_each =
         share / (1.0 - share) * if dim == 2 { ratio * ratio } else { ratio * ratio * ratio };

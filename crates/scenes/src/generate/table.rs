@@ -1,5 +1,4 @@
-//! The table of generators: the one place where they are registered, and how their parameters are
-//! checked.
+//! The table of generators, and the checks of their parameters.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +11,6 @@ use contactbench_io::Given;
 use contactbench_io::boxes::Axes;
 use contactbench_terms::nearest::hint;
 
-/// All generators.
 pub static GENERATORS: [Generator; 11] = [
     packed::GENERATOR,
     loose::GENERATOR,
@@ -27,27 +25,24 @@ pub static GENERATORS: [Generator; 11] = [
     hard::GENERATOR,
 ];
 
-/// Makes a scene, in generated order.
+/// Makes a scene with the particles in generated order.
 pub type Make = fn(&Inputs<'_>) -> anyhow::Result<Given>;
 
-/// One line of the table.
 #[derive(Clone, Copy)]
 pub struct Generator {
-    /// The name in experiments, records and on the command line.
+    /// The name in experiments, in records and on the command line.
     pub name: &'static str,
-    /// The dimensions it can make.
+    /// The supported dimensions.
     pub dims: &'static [u32],
-    /// What it makes, in a phrase.
+    /// A phrase for lists and help.
     pub summary: &'static str,
-    /// It decides the number of particles itself, and n is 0 where none is given.
+    /// The generator decides the number of particles, and accepts n = 0.
     pub own_n: bool,
-    /// Its parameters.
     pub params: &'static [&'static [Parameter]],
-    /// Makes the scene, in generated order.
     pub make: Make,
 }
 
-/// A parameter that is a number by default.
+/// A parameter with a number as its default.
 pub const fn number(
     name: &'static str,
     kind: Kind,
@@ -57,59 +52,50 @@ pub const fn number(
     Parameter { name, kind, default: [Preset::Number(default); 2], meaning }
 }
 
-/// A parameter that stays away by default.
+/// A parameter without a default.
 pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
     Parameter { name, kind, default: [Preset::Absent; 2], meaning }
 }
 
-/// A parameter of a generator.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// The name.
     pub name: &'static str,
-    /// Which values it takes.
     pub kind: Kind,
-    /// The value where none is given, for 2 and 3 dimensions.
+    /// The default in 2D and in 3D.
     pub default: [Preset; 2],
-    /// What it means, with its unit.
+    /// Meaning and unit, for lists and help.
     pub meaning: &'static str,
 }
 
-/// Which values a parameter takes.
+/// The values that a parameter accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A finite number: what it must be, and the function that tests it.
+    /// A finite number that passes the test; the text describes the test.
     Number(&'static str, fn(f64) -> bool),
-    /// A whole number: what it must be, and the function that tests it.
+    /// A whole number that passes the test; the text describes the test.
     Whole(&'static str, fn(u64) -> bool),
-    /// true or false.
+    /// True or false.
     Yes,
-    /// Axes along which a box repeats, or true for all, or none.
+    /// Periodic axes, or true for all, or none.
     Axes,
-    /// One of some words, for 2 and 3 dimensions.
+    /// One of these words, in 2D and in 3D.
     Word([&'static [&'static str]; 2]),
-    /// Any text that is not empty.
     Text,
-    /// The name of a hard case that is made in the dimension.
+    /// The name of a hard case that exists in the dimension.
     Case,
 }
 
 /// The value of a parameter that is not given.
 #[derive(Clone, Copy, Debug)]
 pub enum Preset {
-    /// This number.
     Number(f64),
-    /// This whole number.
     Whole(u64),
-    /// This word.
     Word(&'static str),
-    /// The parameter stays away.
+    /// No value.
     Absent,
-    /// The parameter must be given.
     Required,
 }
 
-/// The default as lists and help texts show it.
 impl std::fmt::Display for Preset {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -123,7 +109,6 @@ impl std::fmt::Display for Preset {
 }
 
 impl Preset {
-    /// The value, if there is one.
     fn value(self) -> Option<Value> {
         match self {
             Preset::Number(x) => Some(x.into()),
@@ -134,10 +119,9 @@ impl Preset {
     }
 }
 
-/// What every scene takes beside its generator's parameters.
+/// Parameters of every scene, besides those of its generator.
 const COMMON: [&str; 4] = ["dim", "n", "seed", "order"];
 
-/// The generator of that name.
 pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
     let names = || GENERATORS.map(|generator| generator.name).join(", ");
     GENERATORS.iter().find(|generator| generator.name == name).ok_or_else(|| {
@@ -147,7 +131,7 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
-    /// Values that most generators share.
+    /// Defaults for the fields that most generators share.
     pub(crate) const PLAIN: Generator = Generator {
         name: "",
         dims: &[2, 3],
@@ -157,18 +141,17 @@ impl Generator {
         make: |_| bail!("this generator makes nothing"),
     };
 
-    /// Its parameters.
     pub fn params(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
         self.params.iter().copied().flatten()
     }
 
-    /// Whether a parameter is text, whatever it looks like.
+    /// Returns whether a value of this parameter is text, even if it looks like a number.
     pub fn is_text(&self, name: &str) -> bool {
         let of_text = |kind: Kind| matches!(kind, Kind::Text | Kind::Case);
         self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
     }
 
-    /// The parameters that have a default value in 2 or 3 dimensions, with that value.
+    /// The parameters that have a default in this dimension.
     pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
         let preset = |it: &Parameter| {
             Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
@@ -176,8 +159,8 @@ impl Generator {
         self.params().filter_map(preset).collect()
     }
 
-    /// Checks dimension, number and parameters, and gives all parameters that have a value,
-    /// defaults included.
+    /// Checks dimension, number and parameters, and returns all parameters that have a value,
+    /// including defaults.
     pub fn check(
         &self,
         dim: u32,
@@ -206,7 +189,7 @@ impl Generator {
             );
         }
         let mut all = BTreeMap::new();
-        // A file has its own, and nobody has looked.
+        // The dimension of a file is unknown until the file is read.
         let known = (self.name != file::NAME).then_some(dim);
         for parameter in self.params() {
             let value = match params.get(parameter.name) {
@@ -244,7 +227,7 @@ impl Kind {
     pub const COUNT: Kind = Kind::Whole("a whole number of at least 1", |k| k >= 1);
     pub const DIM: Kind = Kind::Whole("2 or 3", |k| k == 2 || k == 3);
 
-    /// What the parameter must be.
+    /// Describes the accepted values.
     pub fn accepts(&self, dim: u32) -> String {
         match self {
             Kind::Number(must, _) | Kind::Whole(must, _) => (*must).into(),
@@ -263,8 +246,8 @@ impl Kind {
         }
     }
 
-    /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be. The
-    /// dimension of files is not known.
+    /// Returns the value in its canonical form (2 becomes 2.0 for a number), or a description of
+    /// accepted values. `known` is the dimension, if known.
     fn check(&self, value: &Value, known: Option<u32>) -> Result<Value, String> {
         let dim = known.unwrap_or(3);
         let text =
@@ -273,14 +256,14 @@ impl Kind {
             Kind::Number(_, good) => {
                 value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
             }
-            // 1e3 is a whole number, too.
+            // 1e3 is a whole number.
             Kind::Whole(_, good) => {
                 let real = || {
                     value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()))
                 };
                 value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
             }
-            // As a word, which is what records hold of parameters that are not numbers.
+            // Records hold parameters that are not numbers as words.
             Kind::Yes => match value.as_bool() {
                 Some(yes) => Some(yes.to_string().into()),
                 None => text(&|text| ["true", "false"].contains(&text)),

@@ -1,5 +1,3 @@
-//! Every generator: number, bits, geometry.
-
 use crate::spec::{GENERATORS, Spec};
 use crate::stats::{hash, stats};
 use contactbench_core::contact::Arithmetic;
@@ -17,14 +15,13 @@ fn make(text: &str) -> AnyScene<'static> {
     given(text).open(text).unwrap()
 }
 
-/// The contacts of a scene in its box.
 fn in_box(text: &str) -> (Periodic<'static>, Vec<ImagePair>) {
     let periodic = given(text).periodic().unwrap().unwrap();
     let truth = periodic::truth(&periodic, Arithmetic::Exact, 1 << 30).unwrap();
     (periodic, truth.pairs)
 }
 
-/// Squared distances of all couples, and the squared sums of their radii.
+/// Squared distances of all pairs, and the squared sums of their radii.
 fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
     let scene = scene.stored(Arithmetic::F64).unwrap();
     with_scene!(&scene, scene => {
@@ -47,9 +44,8 @@ fn coordination(scene: &AnyScene<'static>) -> f64 {
     stats(&scene.clone().into(), contacts).coordination
 }
 
-// The hashes were computed once, on x86-64 Linux. A change means that published scenes are no
-// longer the same scenes: results made before and after must not be compared, so a new hash needs a
-// new major version.
+// Hashes computed once, on x86-64 Linux. If one changes, published scenes are no longer the same,
+// and results from before and after must not be compared: that needs a new major version.
 #[test]
 fn the_bits_of_every_generator_are_fixed() {
     let golden = [
@@ -92,13 +88,11 @@ fn every_generator_makes_exactly_n() {
     }
 }
 
-/// The centres of a scene in the plane.
 fn plane(text: &str) -> Vec<[f64; 2]> {
     let AnyScene::Plane(Stored::F64(scene)) = make(text) else { panic!("made in the plane") };
     scene.centres().iter().map(|p| *array(p)).collect()
 }
 
-/// The centres of a scene in space.
 fn space(text: &str) -> Vec<[f64; 3]> {
     let AnyScene::Space(Stored::F64(scene)) = make(text) else { panic!("made in space") };
     scene.centres().iter().map(|p| *array(p)).collect()
@@ -118,7 +112,7 @@ fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
     assert_eq!(a, b);
 }
 
-/// Border particles of lattices have fewer neighbours, but most of the block is inside.
+/// Border particles have fewer neighbours than others, but most particles are inside.
 #[test]
 fn packs_and_lattices_have_their_neighbours() {
     let [plane, of_space] =
@@ -167,8 +161,8 @@ fn loose_and_clustered_fill_the_box_as_asked() {
             let fraction = stats(&scene.into(), 0).packing_fraction;
             assert!((0.045..0.0501).contains(&fraction), "{of}: {fraction}");
         }
-        // Twice 5% or 2.5%: half the couples that would touch twice, 4 or 8 times the fraction
-        // each.
+        // The fraction is 5% in 2D and 2.5% in 3D; each particle touches 4 or 8 times the fraction
+        // others.
         let expected = if dim == 2 { 0.2 } else { 0.4 };
         let mean = coordination(&make(&format!("loose:n=4000,dim={dim}")));
         assert!((mean / expected - 1.0).abs() < 0.15, "{dim}D: {mean}");
@@ -178,8 +172,8 @@ fn loose_and_clustered_fill_the_box_as_asked() {
     assert!(loose < 0.06 && tight > 1.3, "{loose} {tight}");
 }
 
-/// Lattices go on through the faces of their boxes, and random places have the contacts of an
-/// endless scene.
+/// Lattices continue through the faces of their boxes, and random scenes have the contacts of an
+/// infinite scene.
 #[test]
 fn boxes_repeat() {
     use std::f64::consts::PI;
@@ -204,7 +198,8 @@ fn boxes_repeat() {
         assert!((stats.packing_fraction - 0.2).abs() < 1e-12);
         assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
     }
-    // Through the sheared faces of a lattice, too; along x alone the last rows have no images.
+    // The tilted lattice fits its images, too. Under `periodic=x` the top and bottom rows have no
+    // images.
     assert_eq!(found("packed:n=36,periodic=true,tilt=1,jitter=0").0, 108);
     assert_eq!(found("packed:n=36,periodic=x,jitter=0").0, 108 - 2 * 6);
     let hash = |text: &str| hash(&given(text));
@@ -224,12 +219,12 @@ fn clusters_have_their_width_and_number() {
         assert!((deviation - 3.0).abs() < 0.1, "{deviation}");
         assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
     }
-    // Width 0: 3 clusters of 30 coincident particles, then 10 of background, no two alike.
+    // Width 0: 3 clusters of 30 coincident particles; the 10 of the background are all apart.
     let couples = couples(&make("clustered:n=100,per-cluster=30,width=0"));
     assert_eq!(couples.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
 }
 
-/// The radii of a scene in the order made, for a largest of 1.
+/// The radii in generated order, for a largest radius of 1.
 fn radii(text: &str) -> Vec<f64> {
     with_scene!(&make(&format!("{text},diameter=2")), scene => {
         let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
@@ -242,8 +237,8 @@ fn sizes_are_distributed_as_asked() {
     let even = radii("packed:n=2000,size-ratio=5");
     let mean = even.iter().sum::<f64>() / 2000.0;
     assert!(even.iter().all(|r| (0.2..=1.0).contains(r)) && (mean - 0.6).abs() < 0.02, "{mean}");
-    // Quantiles: of a density r^-3 over a ratio of 10, a radius of r has a part of
-    // (1 - r^-2) / (1 - 10^-2) below it, for the least as 1.
+    // If the smallest radius is 1, density r^-3 and ratio 10 make (1 - r^-2) / (1 - 10^-2) the
+    // quantile of radius r.
     let mut power = radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
     power.sort_by(f64::total_cmp);
     assert_eq!((power[0], power[1000]), (0.1, 1.0));
@@ -251,7 +246,7 @@ fn sizes_are_distributed_as_asked() {
         let part = (1.0 - (10.0 * r).powi(-2)) / 0.99;
         assert!((part - k as f64 / 1000.0).abs() < 1e-9, "{k}: {r}");
     }
-    // Numbers as r^-1: as many in each octave.
+    // Density r^-1: equal numbers in each octave.
     let even = radii("clustered:n=3000,size-ratio=8,sizes=power,exponent=-1");
     let octave = even.iter().filter(|&&r| r > 0.25 && r <= 0.5).count();
     assert!((999..=1001).contains(&octave), "{octave}");
@@ -266,11 +261,11 @@ fn sizes_are_distributed_as_asked() {
     lognormal.sort_by(f64::total_cmp);
     assert!(lognormal[0] >= 1.0 / 16.0 && lognormal[19_999] <= 1.0);
     let within = lognormal.iter().filter(|r| (0.125..0.5).contains(*r)).count() as f64 / 20_000.0;
-    // One standard deviation is a factor of 2; what is cut off is 4.6% of all.
+    // One standard deviation is a factor of 2; the cut-off removes 4.6%.
     assert!((within - 0.6827 / 0.9545).abs() < 0.01, "{within}");
     let giants = radii("loose:n=500,size-ratio=1000,sizes=giants,giants=3");
     assert_eq!(giants.iter().filter(|&&r| r == 1.0).count(), 3);
-    // Not all at the beginning: which particle is large is drawn.
+    // The giants are not simply the first particles.
     assert!(giants[..3].iter().any(|&r| r < 1.0));
     assert!(make("loose:n=100,sizes=power,exponent=-3").uniform(), "a ratio of 1 is one size");
 }
@@ -285,7 +280,7 @@ fn settled_bodies_overlap_as_far_as_asked() {
     ] {
         let part = couples(&make(text)).into_iter().map(|[square, reach]| (square / reach).sqrt());
         let deepest = part.fold(2.0, f64::min);
-        // Some are nearly as near as they may be: there was no more room than that.
+        // Some pairs are nearly as close as allowed, because space is scarce.
         let near = 1.0 - overlap - 1e-12..1.05 - overlap;
         assert!(near.contains(&deepest), "{text}: {deepest}");
     }
@@ -300,7 +295,7 @@ fn settled_bodies_overlap_as_far_as_asked() {
             0.05,
         ),
         ("settled:n=1500,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,periodic=x", 0.05),
-        // One cell for all.
+        // One cell holds all.
         ("settled:n=2,fraction=0.4,overlap=0,periodic=true,tilt=0.5", 0.0),
         ("settled:n=3,dim=3,fraction=0.9,overlap=0.4,periodic=true", 0.4),
     ] {
@@ -308,7 +303,7 @@ fn settled_bodies_overlap_as_far_as_asked() {
             let (scene, pairs) = in_box(&format!("{text},seed={seed}"));
             let depths = pairs.iter().map(|&pair| periodic::depth(&scene, pair));
             let deepest = depths.fold(0.0, f64::max);
-            // Depths are over the mean radius.
+            // Depths are in mean radii.
             assert!(deepest <= 2.0 * overlap + 1e-12, "{text}: {deepest}");
             through_faces += pairs.iter().filter(|pair| pair.image != [0; 3]).count();
         }
@@ -332,8 +327,8 @@ fn what_cannot_be_made_is_refused() {
     }
 }
 
-/// Packs as the book describes them: which neighbours are exactly D apart, to the bit, for dyadic D
-/// and any n.
+/// The packs of the book: for any n and dyadic D, neighbours that should be D apart are exactly D
+/// apart.
 #[test]
 fn book_packs_touch_exactly() {
     for (diameter, n) in
@@ -363,7 +358,7 @@ fn book_packs_touch_exactly() {
     assert_eq!(places[..5], [[0.0, 0.0], [2.0, 0.0], [8.0, 0.0], [10.0, 0.0], [0.0, 4.0]]);
 }
 
-/// Every couple just touches, no other pair does, and textbook filters lose some where the
+/// Every pair just touches, no other particles do, and textbook filters miss some pairs if
 /// coordinates are rounded.
 #[test]
 fn couples_touch_and_textbook_filters_lose_them() {

@@ -1,17 +1,17 @@
-//! Centres on cell borders, couples across them.
+//! Centres on cell borders, and pairs across them.
 //!
 //! ```text
 //!   |     |o    |     |     |
 //!   |    o|     |     o     |o
 //! ```
 //!
-//! i = floor((x - xmin) / d) may differ by two for particles that touch.
+//! The rounded indices i = floor((x - xmin) / d) of two touching particles may differ by 2.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
 
 pub const MAKERS: &[Maker] = &[
-    // in exact arithmetic the second and the third are 2^-53 apart
+    // The second and third particle are 2^-53 apart in exact arithmetic.
     ("three-across-a-border", |dim| {
         uniform(dim, lines(dim, &[0.0, 1.0f64.next_down(), 2.0], 8.0), 0.5)
     }),
@@ -27,8 +27,8 @@ pub const MAKERS: &[Maker] = &[
         uniform(dim, lines(dim, &line, 9.7), 0.05)
     }),
     ("couples-far-from-xmin", |dim| {
-        // Along the last axis, which costs NBS least memory; the other corner of the box is
-        // wide, so that screening declines at once.
+        // The row lies on the last axis, where NBS needs least memory. The last particle makes the
+        // box so large along the others that `screening` refuses at once.
         let along = |x: f64, other: f64| on_axis(dim as usize - 1, x, other);
         let line = astride(-1e6, 0.1, (0..40).map(|k| f64::from(3 * k + 9_999_940)));
         let line = line.into_iter().map(|x| along(x, 0.0));
@@ -48,8 +48,8 @@ pub const MAKERS: &[Maker] = &[
         let around = corners(dim).into_iter().map(|corner| plus([5.0; 3], two_to(-12), corner));
         uniform(dim, around.chain([[0.0; 3], [10.0; 3]]), 0.5)
     }),
-    // The cells have edge 1 (or a few millionths more) from 0. A couple of direction v is astride
-    // the face, edge or corner in that direction.
+    // Cells have an edge of 1, or a few millionths more, and begin at 0. The pair of direction v
+    // lies across the face, edge or corner in that direction.
     ("every-neighbour", |dim| {
         let couple = |(k, v): (usize, Place)| {
             let middle = plus(site(k + 1, 4.0), 1.0, v.map(|x| if x == 0.0 { 4.5 } else { 4.0 }));
@@ -64,9 +64,9 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// `low`, and for each border of cells of edge d from there (border k is k cells from `low`) two
-/// coordinates: the last that rounded arithmetic puts before the border, and the last in reach of
-/// that. The borders must be three cells apart.
+/// Returns `low` and, for each border of cells of edge d, two coordinates: the last one that rounds
+/// to the cell before the border, and the last one in reach of it. Border k is k cells from `low`;
+/// borders must be three cells apart.
 fn astride(low: f64, d: f64, borders: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut line = vec![low];
     for border in borders {

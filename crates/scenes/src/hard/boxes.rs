@@ -1,12 +1,12 @@
-//! Boxes that repeat: what goes wrong where particles meet images of each other, and of themselves.
+//! Periodic boxes: contacts between particles and images, also images of themselves.
 //!
 //! ```text
 //!   |o .     o|o .     o|      through a face, on a face, outside, through several at once; boxes
 //!   |    o    |    o    |      smaller than the reach, tilted, thin, far away
 //! ```
 //!
-//! Contacts are counted with their images, each once. Unless a case says otherwise bodies have the
-//! diameter 1, and coordinates are dyadic.
+//! Each contact with an image counts once. Particles have diameter 1 and dyadic coordinates unless
+//! a case states otherwise.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
@@ -94,34 +94,31 @@ fn cube(edge: f64) -> [Place; 3] {
     edges([edge; 3])
 }
 
-/// One body.
 fn alone(dim: u32, r: f64, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
     in_box(uniform(dim, [[0.25; 3]], r), vectors, periodic)
 }
 
-/// Two bodies that touch through a face of a box of edge 8 along x; the first `away`.
+/// Two particles that touch through the face across x of a box of edge 8, if `away` is 0 and `edge`
+/// is 8.
 fn facing(dim: u32, away: f64, edge: f64) -> Steps {
     in_box(uniform(dim, [[0.25 + away, 3.0, 3.0], [7.25, 3.0, 3.0]], 0.5), cube(edge), ALL)
 }
 
-/// A body at `x` and one at 3/4.
 fn quarter(dim: u32, x: f64) -> Steps {
     in_box(uniform(dim, [[x, 0.5, 0.5], [0.75, 0.5, 0.5]], 0.125), cube(1.0), ALL)
 }
 
-/// Three particles in contact along x.
 fn three(dim: u32, edge: f64) -> Steps {
     in_box(uniform(dim, places(3, |k| [k, 1.0, 1.0]), 0.5), edges([edge, 9.0, 9.0]), X)
 }
 
-/// A lattice of 6 or 4 sites per axis that goes on through the faces.
+/// A lattice of 6 (2D) or 4 (3D) sites per axis that continues through the faces.
 fn tiled(dim: u32, scale: f64, offset: f64) -> Steps {
     let edge = by_dim(dim, [6.0, 4.0]) * scale;
     in_box(grid(dim, [6, 4], 0.5 * scale, |k| (offset + 0.25 + k) * scale), cube(edge), ALL)
 }
 
-/// Two bodies that touch through the faces across y of a sheared box, one above the other but for
-/// `aside`.
+/// Two particles, `aside` apart along x, that touch through the faces across y of a sheared box.
 fn sheared(dim: u32, tilt: f64, aside: f64) -> Steps {
     let places = [[1.0, 0.25, 3.0], [1.0 + aside, 7.25, 3.0]];
     let vectors = [[8.0, 0.0, 0.0], [8.0 * tilt, 8.0, 0.0], [0.0, 0.0, 8.0]];

@@ -1,4 +1,4 @@
-//! What the cases are built of. Places have three coordinates; in the plane the third is dropped.
+//! Building blocks of the hard cases. Places have three coordinates; 2D scenes drop the third.
 
 use nalgebra::Point;
 
@@ -6,39 +6,36 @@ use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Radii, Scene, SceneError};
 use contactbench_io::Given;
 
-/// The steps of a case, or why there is no such scene.
+/// The scenes that a detector gets in turn; an error if the scene is invalid.
 pub type Steps = anyhow::Result<Vec<Given>>;
 
-/// A centre.
 pub type Place = [f64; 3];
 
-/// A centre and a radius.
+/// Centre and radius.
 pub type Body = (Place, f64);
 
-/// One step: bodies of one radius.
+/// Returns one step of particles with one radius.
 pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Steps {
     Ok(vec![scene(dim, places, Radii::Uniform(r))?])
 }
 
-/// One step: bodies with a radius each.
+/// Returns one step of particles with a radius each.
 pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
     let (places, radii): (Vec<Place>, Vec<f64>) = bodies.into_iter().unzip();
     Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
 }
 
-/// Returns one step: a lattice of particles of one radius; `sites` per axis in the plane and in
-/// space.
+/// Returns one step: a lattice of particles of one radius, with `sites` per axis in 2D and in 3D.
 pub fn grid(dim: u32, sites: [u32; 2], r: f64, at: impl Fn(f64) -> f64) -> Steps {
     uniform(dim, lattice(dim, sites, at), r)
 }
 
-/// The same steps in a box that repeats along some of its vectors, with its corner at the origin.
+/// Puts the steps into a box with its corner at the origin.
 pub fn in_box(steps: Steps, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
     let lattice = Lattice::new(vectors, periodic, [0.0; 3])?;
     steps?.into_iter().map(|step| Given::in_box(step.scene, lattice)).collect()
 }
 
-/// The steps of all parts, in order.
 pub fn history(parts: impl IntoIterator<Item = Steps>) -> Steps {
     let parts = parts.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     Ok(parts.into_iter().flatten().collect())
@@ -57,7 +54,7 @@ fn scene(
     })
 }
 
-/// 2^k.
+/// Returns 2^k.
 pub const fn two_to(k: i32) -> f64 {
     if k < -1022 {
         f64::from_bits(1 << (k + 1074))
@@ -66,80 +63,78 @@ pub const fn two_to(k: i32) -> f64 {
     }
 }
 
-/// `n` places; place k is `at(k)`.
 pub fn places(n: u32, at: impl Fn(f64) -> Place) -> Vec<Place> {
     (0..n).map(|k| at(f64::from(k))).collect()
 }
 
-/// `n` places, drawn one after the other.
+/// Returns `n` places drawn from one random sequence.
 pub fn drawn(seed: u64, n: u32, mut place: impl FnMut(&mut Draw) -> Place) -> Vec<Place> {
     let mut draw = Draw::new(seed);
     (0..n).map(|_| place(&mut draw)).collect()
 }
 
-/// Returns particles at these places, all with radius `r`.
 pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator<Item = Body> {
     places.into_iter().map(move |place| (place, r))
 }
 
-/// `x` on one axis, `other` on the others.
+/// Returns the place with `x` on one axis and `other` on the others.
 pub fn on_axis(axis: usize, x: f64, other: f64) -> Place {
     std::array::from_fn(|k| if k == axis { x } else { other })
 }
 
-/// A line along every axis: the coordinates `line` on that axis, `park` on the others. With a
-/// `park` far from all of the line, lines do not meet, and with one above them all the smallest
-/// coordinate on every axis is that of the line.
+/// Returns a line along every axis, with the coordinates `line` on that axis and `park` on the
+/// others. If `park` is above all of the line, lines do not meet, and the smallest coordinate on
+/// every axis is the line's.
 pub fn lines(dim: u32, line: &[f64], park: f64) -> Vec<Place> {
     let along = |axis| line.iter().map(move |&x| on_axis(axis, x, park));
     (0..dim as usize).flat_map(along).collect()
 }
 
-/// Builds a square or cubic lattice with this many sites per axis in the plane and in space, x
-/// first; site k of an axis has the coordinate `at(k)`.
+/// Returns a square or cubic lattice with `sites` per axis in 2D and in 3D, x first. Site k of an
+/// axis has the coordinate `at(k)`.
 pub fn lattice(dim: u32, sites: [u32; 2], at: impl Fn(f64) -> f64) -> Vec<Place> {
     let m = by_dim(dim, sites);
     let layers = if dim == 2 { 1 } else { m };
     (0..m * m * layers).map(|k| [k % m, k / m % m, k / m / m].map(|i| at(f64::from(i)))).collect()
 }
 
-/// The first of two numbers in the plane, the second in space.
+/// Returns the first value in 2D and the second in 3D.
 pub fn by_dim<T>(dim: u32, values: [T; 2]) -> T {
     let [plane, space] = values;
     if dim == 2 { plane } else { space }
 }
 
-/// All vectors of `dim` components -1, 0 and 1 but the one of zeros.
+/// Returns all vectors of -1, 0 and 1 except zero; in 2D the third component is 0.
 pub fn neighbours(dim: u32) -> Vec<Place> {
     let all = lattice(3, [3; 2], |k| k - 1.0).into_iter();
     all.filter(|v| (dim == 3 || v[2] == 0.0) && *v != [0.0; 3]).collect()
 }
 
-/// All vectors of `dim` components -1 and 1; in the plane the third is 0.
+/// Returns all vectors of -1 and 1; in 2D the third component is 0.
 pub fn corners(dim: u32) -> Vec<Place> {
     neighbours(dim).into_iter().filter(|v| v[..dim as usize].iter().all(|&x| x != 0.0)).collect()
 }
 
-/// The vectors of this length along every axis, in both directions.
+/// Returns the vectors of this length along every axis, in both directions.
 pub fn axes(dim: u32, length: f64) -> Vec<Place> {
     let both = |axis| [length, -length].map(|x| on_axis(axis, x, 0.0));
     (0..dim as usize).flat_map(both).collect()
 }
 
-/// a + s·b.
+/// Returns a + s·b.
 pub fn plus(a: Place, s: f64, b: Place) -> Place {
     std::array::from_fn(|k| a[k] + s * b[k])
 }
 
-/// Place k of an endless staircase of places that are at least `gap` apart.
+/// Returns place k of an endless staircase of places that are at least `gap` apart.
 pub fn site(k: usize, gap: f64) -> Place {
     [k % 8, k / 8, k % 3].map(|i| i as f64 * gap)
 }
 
-/// The largest double y with y - x <= d in exact arithmetic.
+/// Returns the largest double y with y - x <= d in exact arithmetic.
 pub fn reach_from(x: f64, d: f64) -> f64 {
     let sum = x + d;
-    // What rounding took away (Knuth's two-sum): sum + lost = x + d.
+    // The rounding error (Knuth's two-sum): sum + lost = x + d.
     let part = sum - x;
     let lost = (x - (sum - part)) + (d - part);
     if lost < 0.0 { sum.next_down() } else { sum }

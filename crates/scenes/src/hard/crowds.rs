@@ -1,5 +1,4 @@
-//! Very many particles in one cell: fixed capacities clip them, and N particles in one cell have
-//! N²/2 pairs.
+//! Very many particles in one cell: fixed capacities drop some, and N particles make N²/2 pairs.
 //!
 //! ```text
 //!   +------+------+
@@ -22,7 +21,7 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("clique-on-a-corner", |dim| {
         let mut clique = drawn(10, 240, |draw| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric()));
-        // Alone, so that cells of edge 1 have a corner at 4.
+        // A particle alone at 0, so that cells of edge 1 have a corner at 4.
         clique.insert(120, [0.0; 3]);
         uniform(dim, clique, 0.5)
     }),
@@ -39,7 +38,7 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// `n` bodies drawn from a box of edge d/4: all touch.
+/// Returns `n` particles in a box of edge 1/4 of the diameter; all touch.
 fn crowd(dim: u32, n: u32) -> Steps {
     uniform(dim, drawn(n.into(), n, |draw| [(); 3].map(|()| 0.25 * draw.unit())), 0.5)
 }

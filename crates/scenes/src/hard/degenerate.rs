@@ -32,20 +32,20 @@ pub const MAKERS: &[Maker] = &[
     ("all-on-one-z", |dim| on_a_plane(dim, 2)),
     ("collinear-diagonal", |dim| uniform(dim, places(300, |k| [k; 3]), 1.0)),
     ("coplanar-tilted", |dim| {
-        // Steps of (1, 0, 1) and (0, 1.25, 0) with reach 1.5: √2 and 1.25 touch, the diagonal
-        // is √3.5625.
+        // Neighbours differ by (1, 0, 1) or (0, 1.25, 0) and touch, because the reach is 1.5.
+        // Diagonals have length √3.5625 and do not.
         uniform(dim, places(400, |k: f64| [k % 20.0, 1.25 * (k / 20.0).floor(), k % 20.0]), 0.75)
     }),
 ];
 
-/// Five bodies, of which number 3 is spoilt.
+/// Returns five particles; `spoil` changes the one with number 3.
 fn spoilt(dim: u32, spoil: impl Fn(&mut Body)) -> Steps {
     let mut bodies: Vec<Body> = of_size(places(5, |k| [k; 3]), 1.0).collect();
     spoil(&mut bodies[3]);
     each(dim, bodies)
 }
 
-/// 400 bodies, all at 1/3 on one axis: a touching row in 2D, a touching square in 3D.
+/// Returns 400 particles at 1/3 on one axis: a touching row in 2D, a touching square in 3D.
 fn on_a_plane(dim: u32, axis: usize) -> Steps {
     let width = by_dim(dim, [400.0, 20.0]);
     let at = |k: f64| {

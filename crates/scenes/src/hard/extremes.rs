@@ -33,7 +33,8 @@ pub const MAKERS: &[Maker] = &[
         uniform(dim, [[f64::MAX, 0.0, 0.0], [-f64::MAX, 0.0, 0.0]], f64::MAX)
     }),
     ("large-beside-least", |dim| {
-        // Tangent; apart by a hair across; tangent with a hair across and a hair of radius more.
+        // Three pairs: in touch; apart by 2^-1074 across; as the second, but with a radius that
+        // reaches.
         let (least, more) = (two_to(-1074), 0.5f64.next_up());
         let couple = |x, y, r| [([x, 0.0, 0.0], 0.5), ([x + 1.0, y, 0.0], r)];
         each(
@@ -43,7 +44,6 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// Sites per axis of the lattices here, in 2D and 3D.
 const SITES: [u32; 2] = [12, 6];
 
 fn scaled(dim: u32, scale: f64) -> Steps {

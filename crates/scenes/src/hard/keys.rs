@@ -4,7 +4,7 @@
 //!   (ix, iy) -> ix + iy·2^b
 //! ```
 //!
-//! Cells (2^b, 0) and (0, 1) have one key; with it go lists, marks and neighbours.
+//! Cells (2^b, 0) and (0, 1) share a key, and so also a list, marks and neighbours.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
@@ -22,7 +22,7 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("product-over-2-to-32", |dim| {
         let at = |x: f64, y: f64| [[x, y, y], [x + 0.5, y, y]];
-        // 66,000² exceeds 2^32 by about 61,032,704, which is row 924.
+        // 66,000² exceeds 2^32 by 61,032,704, which is the number of a cell in row 924.
         uniform(dim, [at(0.0, 0.0), at(50_000.0, 924.0), at(65_999.0, 66_000.0)].concat(), 0.5)
     }),
     ("keys-of-16-bits", |dim| aliases(dim, two_to(16))),
@@ -42,18 +42,19 @@ pub const MAKERS: &[Maker] = &[
     ("neighbours-in-one-bucket", |dim| grid(dim, [24, 10], by_dim(dim, [0.75, 0.875]), |k| k)),
 ];
 
-/// A couple at the origin and one at `far` on every axis, each touching along x. Where doubles are
-/// too coarse for a touching couple, two bodies at one place.
+/// Returns two touching pairs, at the origin and at `far` on every axis. If doubles are too coarse
+/// there, the far pair is two particles at one place.
 fn two_couples(dim: u32, far: f64) -> Steps {
     uniform(dim, [[0.0; 3], [1.0, 0.0, 0.0], [far; 3], [far + 1.0, far, far]], 0.5)
 }
 
-/// Two rows, one above the other, in cells 0 to 15 along x, and a third one, level with the lower,
-/// in cells about `period`: across the border where numbers begin again from 0, and on until its
-/// cells have the numbers of the first, whether cells are of one diameter or a few millionths
-/// wider. Keys with `period` cells per axis confuse it with the upper row. All of it twice: the far
-/// row first, and last. A body far up makes an array of all cells impossible.
-/// Contacts: along three rows of 22 bodies and between two of them, twice.
+/// Returns rows whose cells collide if a key holds `period` cells per axis.
+///
+/// Two rows lie one above the other, in cells 0 to 15 along x. A third, level with the lower, lies
+/// around x = `period` and continues until its cells, modulo `period`, are those of the first row,
+/// also for cells a few millionths wider than a diameter. Colliding keys mix it up with the upper
+/// row. All three occur twice: the far row first, and last. One particle far up makes an array of
+/// all cells impossible. Contacts: along three rows of 22 particles and between two of them, twice.
 fn aliases(dim: u32, period: f64) -> Steps {
     let row = |x: f64, y: f64| places(22, |k| [x + 0.75 * k, y, 0.5]);
     let near = |y: f64| [row(0.0, y + 0.5), row(0.0, y + 1.25)].concat();
@@ -62,9 +63,9 @@ fn aliases(dim: u32, period: f64) -> Steps {
     uniform(dim, [corners, far(4.0), near(4.0), near(12.0), far(12.0)].concat(), 0.5)
 }
 
-/// Along every axis a chain of 64 touching bodies from 0, and one across `period`: long enough that
-/// cells some millionths wider than a diameter, too, have their border with that number within it,
-/// and the same numbers modulo `period` as the first chain.
+/// Returns two touching chains along every axis: 64 particles from 0, and 64 across `period`. The
+/// second holds the cell border `period`, also for cells some millionths wider than a diameter, and
+/// has the first chain's cell numbers modulo `period`.
 fn chains(dim: u32, period: f64) -> Steps {
     let far = (-40..24).map(|k| period + f64::from(k));
     uniform(dim, lines(dim, &(0..64).map(f64::from).chain(far).collect::<Vec<_>>(), 200.0), 0.5)

@@ -1,4 +1,4 @@
-//! Classes of sizes: what goes wrong where a detector parts bodies by their radii.
+//! Radii at and near the borders between classes of sizes.
 //!
 //! ```text
 //!   radius   1         1/2       1/4       1/8
@@ -7,7 +7,7 @@
 //!                                                    none, of all
 //! ```
 //!
-//! Borders are taken where halving the largest radius puts them; the cases hold for all others.
+//! Borders are at the largest radius divided by powers of 2; the cases are valid for all others.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
@@ -49,7 +49,7 @@ pub const MAKERS: &[Maker] = &[
         let (large, small) = (two_to(16), two_to(-16));
         beside(dim, of_size(axes(dim, large + small), small), ([0.0; 3], large))
     }),
-    // Whole points within 5 of the origin, in the plane and in space.
+    // The contacts are the whole-number points within 5 of the origin.
     ("points-around-a-giant", |dim| {
         beside(dim, of_size(lattice(dim, [13; 2], |k| k - 6.0), 0.0), ([0.0; 3], 5.0))
     }),
@@ -88,13 +88,12 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// Bodies, and one more after them.
 fn beside(dim: u32, bodies: impl Iterator<Item = Body>, last: Body) -> Steps {
     each(dim, bodies.chain([last]))
 }
 
-/// Couples at distance (1 + 2^-k)·scale for k from 0 to 12, of radii `scale` and what `radius`
-/// makes of the border 2^-k.
+/// Returns 13 pairs for the borders 2^-k, k = 0 to 12. Their distance is (1 + 2^-k)·scale; their
+/// radii are `scale` and `radius(2^-k)`·scale.
 fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> {
     (0..13).flat_map(move |k| {
         let (border, y) = (two_to(-k), 8.0 * f64::from(k) * scale);
@@ -102,7 +101,7 @@ fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body
     })
 }
 
-/// Bodies along x, each exactly in touch with the one before it.
+/// Returns particles along x, each exactly in touch with the one before it.
 fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> {
     let mut x = 0.0;
     (0..count).map(move |k| {
@@ -113,8 +112,8 @@ fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> 
     })
 }
 
-/// A lattice of dust, and a giant exactly in touch with its first or last speck along x: its centre
-/// is 1000 from there.
+/// Returns a lattice of dust and a giant. `centre` maps the last site along x to the giant's
+/// centre, 1000 from the first or last particle of dust, so that they exactly touch.
 fn beside_dust(dim: u32, centre: impl Fn(f64) -> f64) -> Steps {
     let giant = ([centre(by_dim(dim, [11.0, 5.0])), 0.0, 0.0], 999.75);
     beside(dim, of_size(lattice(dim, [12, 6], |k| k), 0.25), giant)

@@ -1,16 +1,15 @@
-//! The hard-case catalogue: small named scenes on which detectors have been, or can be, wrong.
+//! The catalogue of hard cases: small named scenes on which detectors have been, or can be, wrong.
 //!
-//! Every case says what breaks on it and why, where it comes from, and what the right answer is:
-//! the number of contacts where the construction tells it, else what testing every pair in exact
-//! arithmetic gives. A case is a list of *steps*: scenes that one detector is given one after the
-//! other. The last step is judged; those before it leave something behind (group `state`), and may
-//! be refused.
+//! Every case has a reason, a source and an expected number of contacts: known by construction, or
+//! from testing every pair in exact arithmetic. A case is a list of *steps*, scenes that one
+//! detector gets in turn. Only the last is judged; the earlier ones leave state behind (group
+//! `state`), and may be refused.
 //!
-//! The table of all cases is `cases.md`; the modules make their scenes, one for each group, but
-//! `signs` holds two, and sizes fill `sizes` and `levels`; `build` has what they share.
+//! The table of all cases is `cases.md`. Each module makes the scenes of a group, except that
+//! `signs` makes two, and `sizes` and `levels` share one. `build` holds what they have in common.
 //!
-//! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the
-//! same bits on every machine.
+//! Coordinates are dyadic wherever ties matter, and use only + - * / and square roots, so that they
+//! have the same bits on every machine.
 
 mod borders;
 mod boxes;
@@ -34,7 +33,7 @@ use build::Steps;
 
 use contactbench_io::Given;
 
-/// The name of a case, and what makes its steps in 2 or 3 dimensions.
+/// The name of a case, and the function that makes its steps in 2 or 3 dimensions.
 type Maker = (&'static str, fn(u32) -> Steps);
 
 static MAKERS: [&[Maker]; 13] = [
@@ -53,7 +52,7 @@ static MAKERS: [&[Maker]; 13] = [
     boxes::MAKERS,
 ];
 
-/// The table's rows that have a maker; a test holds that none lacks one.
+/// The rows of the table that have a maker; a test checks that all have one.
 static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
     let mut group = None;
     let case = |line: &'static str| {
@@ -65,44 +64,40 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
     include_str!("cases.md").lines().filter_map(case).collect()
 });
 
-/// All cases, group by group.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
     CASES.iter()
 }
 
-/// A scene, or a history of scenes, on which detectors go wrong.
+/// A scene, or a sequence of scenes, on which detectors go wrong.
 pub struct Case {
-    /// The name, in words joined by `-`.
     pub name: &'static str,
-    /// Kind of difficulty, one of [`GROUPS`].
+    /// One of [`GROUPS`].
     pub group: &'static str,
-    /// The dimensions in which it is made.
     pub dims: &'static [u32],
-    /// What breaks here, and why.
+    /// The fault that this case provokes, and why.
     pub reason: &'static str,
-    /// Where it comes from: project#issue, a publication, a file here, or "own".
+    /// Source: project#issue, a publication, a file of a project, or "own".
     pub source: &'static str,
-    /// The right answer.
     pub expect: Expect,
-    /// How a detector may refuse the last step in exact arithmetic, with the default memory limit.
+    /// Accepted refusals of the last step, in exact arithmetic with the default memory limit.
     pub allows: &'static [Allowed],
     make: fn(u32) -> Steps,
 }
 
-/// The right answer to the last step, in exact arithmetic.
+/// The expected answer to the last step, in exact arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expect {
     /// This number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
-    /// What [`contactbench_core::oracle::truth`] says, or in a box
+    /// The answer of [`contactbench_core::oracle::truth`], or in a box
     /// [`contactbench_core::periodic::truth()`].
     Oracle,
-    /// There is no scene: it is refused with a [`contactbench_core::scene::SceneError`] that names
-    /// the particle.
+    /// The scene is invalid: making it fails with a [`contactbench_core::scene::SceneError`] that
+    /// names the particle.
     Invalid,
 }
 
-/// A kind of [`contactbench_core::detect::Refusal`] that is no fault.
+/// A kind of [`contactbench_core::detect::Refusal`] that is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowed {
     /// [`contactbench_core::detect::Refusal::Domain`] or
@@ -112,7 +107,6 @@ pub enum Allowed {
     Memory,
 }
 
-/// The kinds of difficulty, in the order of the catalogue.
 pub const GROUPS: [&str; 13] = [
     "borders",
     "tangent",
@@ -130,8 +124,8 @@ pub const GROUPS: [&str; 13] = [
 ];
 
 impl Case {
-    /// A row of the table: name, contacts in 2D and in 3D, refusals, source, reason. None of a line
-    /// that is no such row.
+    /// Parses a row of the table: name, contacts in 2D and 3D, refusals, source, reason. `None` for
+    /// any other line.
     fn of_row(group: &'static str, line: &'static str) -> Option<Case> {
         let cells: Vec<&'static str> = line.split('|').map(str::trim).collect();
         let &["", name, plane, space, allows, source, reason, ""] = &cells[..] else { return None };
@@ -155,8 +149,8 @@ impl Case {
         Some(Case { name, group, dims, reason, source, expect, allows, make })
     }
 
-    /// The scenes that one detector is given one after the other: at least one. An invalid case
-    /// gives an error that holds the [`contactbench_core::scene::SceneError`].
+    /// The scenes that one detector gets in turn, at least one. An invalid case returns an error
+    /// that holds the [`contactbench_core::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
         ensure!(
             self.dims.contains(&dim),
@@ -172,7 +166,7 @@ impl Case {
     }
 }
 
-/// The case of that name; the error names the nearest ones.
+/// Returns the case; the error for an unknown name lists the nearest ones.
 pub fn find(name: &str) -> anyhow::Result<&'static Case> {
     cases().find(|case| case.name == name).ok_or_else(|| {
         let far = |case: &str| (!case.contains(name), strsim::levenshtein(case, name));

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!    .-------.  . . .
-//!   /         \. . .      the largest body sets the cell: a cell holds all the dust;
-//!   \         /. . .      a smaller cell needs a wider mask, or loses the giant's contacts
+//!   /         \. . .      cells as large as the largest particle hold all the dust;
+//!   \         /. . .      smaller cells need a wider mask, or miss the giant's contacts
 //!    '-------'  . . .
 //! ```
 
@@ -18,7 +18,7 @@ pub const MAKERS: &[Maker] = &[
         let (length, scale) = by_dim(dim, [(65, two_to(5)), (9, two_to(8))]);
         let r = 0.125;
         let near = of_length(dim, length).into_iter().map(|v| v.map(|x| x * scale));
-        // A second crown, at least one unit farther out: not in touch.
+        // A second crown of points, at least one unit farther out, that do not touch.
         let far = near.clone().map(|v| v.map(|x| if x == 0.0 { x } else { x + x.signum() }));
         let giant = ([0.0; 3], f64::from(length) * scale - r);
         each(dim, of_size(near.chain(far), r).chain([giant]))
@@ -29,13 +29,14 @@ pub const MAKERS: &[Maker] = &[
         each(dim, of_size(points, 0.0).chain([([0.0; 3], r)]))
     }),
     ("giants-across-dust", |dim| {
-        // Below both giants, apart from them.
+        // The dust lies below both giants and touches neither.
         let dust = of_size(places(300, |k: f64| [k % 20.0, (k / 20.0).floor() - 700.0, 0.0]), 0.25);
         let giants = [([-300.0, 0.0, 0.0], 500.0), ([300.0, 800.0, 0.0], 500.0)];
         each(dim, giants.into_iter().chain(dust))
     }),
     ("every-size-in-a-chain", |dim| {
-        // Centres at 2 - 3·2^-k from radii 2^-k: the distances are 1.5·2^-k = 2^-k + 2^-(k+1).
+        // Centres are 2 - 3·2^-k and radii 2^-k, so neighbours are 1.5·2^-k = 2^-k + 2^-(k+1)
+        // apart.
         each(dim, (0..14).map(|k| ([2.0 - 3.0 * two_to(-k), 0.0, 0.0], two_to(-k))))
     }),
     ("two-scales", |dim| {
@@ -46,7 +47,7 @@ pub const MAKERS: &[Maker] = &[
     ("uniform-radii-one-by-one", |dim| each(dim, of_size(lattice(dim, [12, 6], |k| k - 3.0), 0.5))),
 ];
 
-/// 400 or 343 bodies of radius 2^-14 within about 1/2 of the origin, all apart.
+/// Returns 400 (2D) or 343 (3D) particles of radius 2^-14 near the origin; none touch.
 fn dust(dim: u32) -> impl Iterator<Item = Body> {
     of_size(lattice(dim, [20, 7], |k| by_dim(dim, [0.03125, 0.0625]) * k - 0.2), two_to(-14))
 }

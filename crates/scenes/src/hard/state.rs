@@ -1,5 +1,5 @@
-//! What an earlier detection left behind. One detector is given all steps in order; only the last
-//! is judged.
+//! State that an earlier detection left in the detector. One detector gets all steps in order; only
+//! the last is judged.
 //!
 //! ```text
 //!   step 1  ooooooooo   step 2  oo   step 3  oooooooooo
@@ -23,12 +23,12 @@ pub const MAKERS: &[Maker] = &[
         let all = lattice(dim, [8, 5], |k| k);
         let mut fewer = all.clone();
         fewer.remove(20);
-        // Inserted under a new number: the last.
+        // Inserted with another number, the last one.
         let again = [&fewer[..], &[all[20]]].concat();
         history([all, fewer, again].map(|places| uniform(dim, places, 0.5)))
     }),
     ("all-cross-a-cell", |dim| {
-        // The last particle keeps the box where it is.
+        // The last particle keeps the corner of the box in place.
         let moved = |by: f64| lattice(dim, [12, 6], |k| k + by).into_iter().chain([[-5.0; 3]]);
         history([0.0, 1.0].map(|by| uniform(dim, moved(by), 0.5)))
     }),
@@ -61,7 +61,6 @@ pub const MAKERS: &[Maker] = &[
     ("after-a-crowd", |dim| history([uniform(dim, [[3.0; 3]; 400], 0.5), block(dim, 12, 6)])),
 ];
 
-/// A touching lattice with so many sites per axis, in 2D and 3D.
 fn block(dim: u32, plane: u32, space: u32) -> Steps {
     grid(dim, [plane, space], 0.5, |k| k)
 }

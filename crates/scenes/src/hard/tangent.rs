@@ -1,4 +1,4 @@
-//! Bodies that exactly touch, and one step to either side.
+//! Particles that exactly touch, or miss or overlap by the last bit.
 //!
 //! ```text
 //!        o        |(3, 4)| = 5 = 2.5 + 2.5: all numbers dyadic, so the tie is exact.
@@ -18,7 +18,7 @@ pub const MAKERS: &[Maker] = &[
     ("tangent-2-3-6-7", |dim| ties(dim, [2.0, 3.0, 6.0], 7.0, 0.25)),
     ("tangent-4-4-7-9", |dim| ties(dim, [4.0, 4.0, 7.0], 9.0, 0.125)),
     ("tangent-many-bits", |dim| {
-        // Triples with a factor for which the rounded squares say apart.
+        // The factors make the rounded squares report no contact, although the particles touch.
         let triples = [
             [128.0, 4095.0, 4097.0, two_to(24) - 111.0],
             [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
@@ -52,8 +52,8 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("many-scales", |dim| {
         let (triple, length) = by_dim(dim, [([3.0, 4.0, 0.0], 5.0), ([2.0, 3.0, 6.0], 7.0)]);
-        // Of each scale a tie, one nearer by a part in 2^20, and, in space, one with the axes
-        // turned; and one too far.
+        // For each scale: a pair exactly in touch, one nearer by 2^-20 of its distance, one farther
+        // by as much, and in 3D one with the axes turned.
         let couples = (-10..=10).flat_map(|k| {
             let (v, radii) = (triple.map(|x| two_to(k) * x), [0.5 * two_to(k) * length; 2]);
             let near = v.map(|x| x * (1.0 - two_to(-20)));
@@ -74,7 +74,7 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("sum-of-radii-rounds", |dim| {
         let r = two_to(-53);
-        // Along every axis two couples 1 + 2^-53 apart, one in touch, one 2^-106 short of it.
+        // Two pairs along every axis, 1 + 2^-53 apart: one in touch, one 2^-106 short of it.
         let couple = |k: usize| {
             let (axis, small) = (k / 2, [r, r.next_down()][k % 2]);
             let at = |x| on_axis(axis, x, 8.0 * (k + 1) as f64);
@@ -84,15 +84,14 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// Two bodies: the second is `v` from the first, and then `outward` last bits farther away along
-/// the first axis on which it differs.
+/// Two particles: the second is `v` from the first, moved `outward` steps of the last bit along the
+/// first axis on which they differ.
 struct Couple {
     v: Place,
     outward: i32,
     radii: [f64; 2],
 }
 
-/// Couples, each at a place of its own.
 fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> Steps {
     let bodies = couples.into_iter().enumerate().flat_map(|(k, Couple { v, outward, radii })| {
         let first = site(k, gap);
@@ -108,19 +107,19 @@ fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> St
     each(dim, bodies)
 }
 
-/// Pairs in all directions of a triple, each with all of these steps outward and radii.
+/// Returns pairs in all directions of a triple, each in all of these forms (steps outward, radii).
 fn turned<const N: usize>(dim: u32, v: Place, gap: f64, forms: [(i32, [f64; 2]); N]) -> Steps {
     let of = |v| forms.map(|(outward, radii)| Couple { v, outward, radii });
     together(dim, gap, orientations(dim, v).into_iter().flat_map(of))
 }
 
-/// Couples of one radius in all directions of a triple, exactly in touch.
+/// Returns pairs in all directions of a triple, all of one radius and exactly in touch.
 fn ties(dim: u32, v: Place, length: f64, scale: f64) -> Steps {
     let couples = couples(dim, v.map(|x| x * scale), [-3.0; 3], 4.0 * length * scale);
     uniform(dim, couples, 0.5 * length * scale)
 }
 
-/// Pairs in all directions of `v`, at places `gap` apart that begin at `corner`.
+/// Returns pairs in all directions of `v`, at places `gap` apart that begin at `corner`.
 fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
     orientations(dim, v).into_iter().enumerate().flat_map(move |(k, v)| {
         let first = plus(corner, 1.0, site(k, gap));
@@ -128,7 +127,7 @@ fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = 
     })
 }
 
-/// All vectors that permutation and change of sign make of `v`.
+/// Returns all vectors that permutations and changes of sign make of `v`.
 fn orientations(dim: u32, v: Place) -> Vec<Place> {
     let orders = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
     let mut all: Vec<Place> = Vec::new();
@@ -147,7 +146,7 @@ fn orientations(dim: u32, v: Place) -> Vec<Place> {
     all
 }
 
-/// All vectors of whole numbers with this length.
+/// Returns all vectors of whole numbers with this length.
 pub fn of_length(dim: u32, length: i32) -> Vec<Place> {
     let range = -length..=length;
     let depth = if dim == 2 { 0..=0 } else { range.clone() };

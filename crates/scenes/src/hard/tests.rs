@@ -1,5 +1,4 @@
-//! The catalogue is what it says: complete, right by its own arithmetic, and answered rightly by
-//! every detector.
+//! The catalogue is complete, its expectations hold, and every detector passes it.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -17,7 +16,7 @@ use contactbench_core::probe::{Silent, Tally};
 use contactbench_core::scene::{AnyScene, Real, SceneError, Stored};
 use contactbench_core::sink::Digest;
 
-/// All cases in all their dimensions, without those that have no scene.
+/// All cases in all their dimensions, except those without a valid scene.
 fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
     cases()
         .filter(|case| case.expect != Expect::Invalid)
@@ -28,7 +27,6 @@ fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
 fn the_catalogue_is_complete() {
     let names: HashSet<&str> = cases().map(|case| case.name).collect();
     assert_eq!(names.len(), cases().count(), "a name occurs twice");
-    // Every row of the table has a maker, and every maker a row.
     let rows = include_str!("cases.md").lines().filter(|line| line.starts_with("| "));
     assert_eq!(names.len(), rows.filter(|row| !row.starts_with("| case |")).count());
     assert_eq!(names.len(), MAKERS.into_iter().flatten().count());
@@ -51,7 +49,7 @@ fn the_catalogue_is_complete() {
     }
 }
 
-/// The right answer to the last of some steps.
+/// The exact truth of the last step.
 fn truth(steps: &[Given], arithmetic: Arithmetic) -> Result<Digest, NoTruth> {
     let last = &steps[steps.len() - 1];
     match last.periodic().unwrap() {
@@ -70,7 +68,6 @@ fn expected_contacts_are_those_of_the_oracle() {
     }
 }
 
-/// The case by way of a spec.
 fn spec(case: &Case, dim: u32) -> Spec {
     let params = [("case".to_string(), case.name.into())].into();
     Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap()
@@ -92,8 +89,8 @@ fn detectors() -> impl Iterator<Item = &'static Entry> {
     TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer))
 }
 
-/// What a new detector says of the last of some steps, and the digest of what it reports. No case
-/// is worth much memory: a domain that is not refused is small.
+/// The outcome of a new detector on the last step, and the digest of its contacts. Cases need
+/// little memory, because detectors must refuse large domains.
 fn last_answer(
     entry: &Entry,
     arithmetic: Arithmetic,
@@ -132,7 +129,7 @@ fn last_answer(
     last
 }
 
-/// In exact arithmetic only what the case allows may be refused; in the others anything.
+/// In exact arithmetic only the refusals that a case allows may occur; in others, any.
 #[test]
 fn every_detector_is_right_in_every_safe_arithmetic() {
     let mut refused: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
@@ -168,14 +165,13 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
             }
         }
     }
-    // What is allowed does occur.
+    // Every allowed refusal occurs.
     for case in cases().filter(|case| !case.allows.is_empty()) {
         let occurs = refused.iter().any(|(name, ..)| *name == case.name);
         assert!(occurs, "{}: nothing is refused", case.name);
     }
 }
 
-/// The same scenes by way of a spec, and the earlier steps as its history.
 #[test]
 fn a_spec_gives_last_step_and_history() {
     for case in cases().filter(|case| ["state", "keys", "boxes"].contains(&case.group)) {
@@ -192,8 +188,7 @@ fn a_spec_gives_last_step_and_history() {
     assert!(cases().next().unwrap().steps(4).is_err());
 }
 
-/// The contacts of a scene by the offset of the second particle's cell from the first's; particles
-/// in input order.
+/// Counts the contacts by the difference of the two particles' cells; particles in input order.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
 impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
@@ -215,8 +210,7 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
     }
 }
 
-/// A detector that forgets one cell of its mask, half or full, loses a contact of
-/// `every-neighbour`.
+/// A detector that omits one cell of its mask, half or full, misses a contact of `every-neighbour`.
 #[test]
 fn every_cell_of_the_mask_is_needed() {
     let case = find("every-neighbour").unwrap();
@@ -235,7 +229,7 @@ fn every_cell_of_the_mask_is_needed() {
     needed!(3, Space, mask::SPACE, 26);
 }
 
-/// The filters as the book prints them lose contacts on cases about borders: the catalogue bites.
+/// The book's filters as printed miss contacts on cases about borders.
 #[test]
 fn textbook_filters_fail_where_the_catalogue_says_so() {
     let mut wrong: BTreeSet<(&str, &str)> = BTreeSet::new();
@@ -251,7 +245,7 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
             }
         }
     }
-    // A detector that a user adds need not have the book's filters.
+    // A detector added by a user need not have the book's filters.
     let textbook =
         ["binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "hgrid"];
     for Entry { name, .. } in detectors().filter(|entry| textbook.contains(&entry.name)) {
@@ -263,7 +257,7 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
     }
 }
 
-/// Every step of every case, by group, as one number: published scenes stay the same scenes.
+/// Hashes all steps of a group's cases, so that published scenes never change.
 #[test]
 fn the_bits_of_every_case_are_fixed() {
     let of_group = |group: &str| {

@@ -1,13 +1,13 @@
-//! Motions in boxes that repeat.
+//! Motions in periodic boxes.
 //!
-//! Along vectors that repeat bodies leave through a face and come in on the other side: they are
-//! brought into the box by whole vectors. Where the box is open, walls reflect the centres as they
-//! do in open space: at right angles to all vectors that repeat, and around the centres of frame 0.
+//! A particle that leaves through a face returns on the other side: it is shifted by whole vectors.
+//! Along open directions, walls reflect the centres as in open space. These walls are at right
+//! angles to all periodic vectors and enclose the centres of frame 0.
 //!
-//! A shear is one of the box (Lees and Edwards 1972, doi:10.1088/0022-3719/5/15/006; `fix deform`
-//! of LAMMPS): x grows by γ y for particles and vectors alike, y from the corner of the box, which
-//! stays. A vector whose tilt passes half of the first one, which is along x, is flipped back by
-//! whole ones. That changes no image.
+//! A shear also shears the box (Lees and Edwards 1972, doi:10.1088/0022-3719/5/15/006; `fix deform`
+//! of LAMMPS): x grows by γ y for particles and vectors, with y from the corner of the box, which
+//! stays. If the tilt of a vector exceeds half of the first one, which lies along x, whole first
+//! vectors are subtracted. This changes no image.
 
 use anyhow::ensure;
 use nalgebra::Point;
@@ -16,25 +16,24 @@ use super::Kind;
 use super::paths::between_walls;
 use contactbench_core::scene::{Lattice, Scene, array};
 
-/// The box of a motion.
 pub(super) struct Boxed<const D: usize> {
     first: Lattice,
     walls: Vec<Wall<D>>,
 }
 
-/// Two walls that face each other.
 struct Wall<const D: usize> {
-    /// Of length 1.
+    /// A unit vector.
     normal: [f64; D],
     low: f64,
     extent: f64,
 }
 
 impl<const D: usize> Boxed<D> {
-    /// The box of frame 0.
+    /// Builds the walls for the box of frame 0.
     ///
     /// # Errors
-    /// The motion is none for boxes, or not for this one; a box of discs that leaves their plane.
+    /// Fails if the motion does not work in boxes or in this box, or if the box of discs leaves the
+    /// plane.
     pub fn new(scene: &Scene<'_, f64, D>, first: &Lattice, kind: Kind) -> anyhow::Result<Boxed<D>> {
         let goes =
             matches!(kind, Kind::Rest | Kind::Drift | Kind::Shear | Kind::Jitter | Kind::Brownian);
@@ -54,14 +53,15 @@ impl<const D: usize> Boxed<D> {
         Ok(Boxed { first, walls: walls(scene, &first) })
     }
 
-    /// How high the box is along y, and its corner; none if it does not repeat along y.
+    /// Returns the height of the box along y and the y of its corner; `None` if it is not periodic
+    /// along y.
     pub fn height(&self) -> Option<(f64, f64)> {
         let repeats = (0..3).filter(|&v| self.first.periodic()[v]);
         let height: f64 = repeats.map(|v| self.first.vectors()[v][1].abs()).sum();
         (height > 0.0).then_some((height, self.first.origin()[1]))
     }
 
-    /// Where a particle is that has gone this way.
+    /// Returns the place of a particle after the displacement `way`.
     pub fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let mut at = Point::from(std::array::from_fn(|k| first[k] + way[k]));
         for Wall { normal, low, extent } in &self.walls {
@@ -73,10 +73,7 @@ impl<const D: usize> Boxed<D> {
         brought(&self.first, &at)
     }
 
-    /// The box after a shear of γ.
-    ///
-    /// # Errors
-    /// It is beyond the numbers of f64.
+    /// Returns the box after a shear of γ; fails if the vectors overflow f64.
     pub fn sheared(&self, gamma: f64) -> anyhow::Result<Lattice> {
         if gamma == 0.0 {
             return Ok(self.first);
@@ -95,13 +92,13 @@ impl<const D: usize> Boxed<D> {
         Ok(Lattice::new(std::array::from_fn(slid), periodic, self.first.origin())?)
     }
 
-    /// The image in the box of frame 0.
+    /// Returns the image in the box of frame 0.
     pub fn in_first(&self, at: &Point<f64, D>) -> Point<f64, D> {
         brought(&self.first, at)
     }
 }
 
-/// The image in the box, up to rounding.
+/// Returns the image in the box, up to rounding.
 pub(super) fn brought<const D: usize>(lattice: &Lattice, at: &Point<f64, D>) -> Point<f64, D> {
     let origin = lattice.origin();
     let mut brought = *at;
@@ -116,7 +113,7 @@ pub(super) fn brought<const D: usize>(lattice: &Lattice, at: &Point<f64, D>) -> 
     brought
 }
 
-/// As many as there are dimensions in which the box is open.
+/// Returns one pair of walls for each open dimension.
 fn walls<const D: usize>(scene: &Scene<'_, f64, D>, lattice: &Lattice) -> Vec<Wall<D>> {
     let vectors = (0..3).filter(|&v| lattice.periodic()[v]).map(|v| lattice.vectors()[v]);
     let mut span: Vec<[f64; D]> = Vec::new();
@@ -125,7 +122,7 @@ fn walls<const D: usize>(scene: &Scene<'_, f64, D>, lattice: &Lattice) -> Vec<Wa
     }
     let mut walls = Vec::new();
     while span.len() < D {
-        // Of the axes the one that is farthest from what there is, of equal ones the first.
+        // The axis farthest from the span; the first of equal ones.
         let axes = (0..D).map(|axis| std::array::from_fn(|k| f64::from(u8::from(k == axis))));
         let left = axes.map(|axis| left_of(axis, &span));
         let Some(farthest) = left.reduce(|a, b| if dot(&b, &b) > dot(&a, &a) { b } else { a })
@@ -142,8 +139,8 @@ fn walls<const D: usize>(scene: &Scene<'_, f64, D>, lattice: &Lattice) -> Vec<Wa
     walls
 }
 
-/// What is left without the parts along directions at right angles; twice, for the sake of
-/// rounding.
+/// Returns the part of the vector at right angles to the span. Projecting twice reduces rounding
+/// errors.
 fn left_of<const D: usize>(vector: [f64; D], span: &[[f64; D]]) -> [f64; D] {
     let mut left = vector;
     for direction in span.iter().chain(span) {

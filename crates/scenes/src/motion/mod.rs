@@ -1,10 +1,10 @@
 //! Motion: the frames of a scene whose particles move.
 //!
-//! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
-//! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
-//! the largest body per frame. Particles fly through each other, so that a motion stays what its
-//! name says for as long as it lasts. In a periodic box some motions go on through its faces, and a
-//! shear is one of the box.
+//! Frame 0 is the scene. Frame k depends only on the scene, the motion and k, and has the same bits
+//! on every machine, so frames can be made in any order. Speeds are in diameters of the largest
+//! particle per frame. Particles fly through each other, so that a motion never changes its
+//! character. Some motions continue through the faces of a periodic box; a shear also shears the
+//! box.
 
 mod boxed;
 mod paths;
@@ -31,14 +31,14 @@ pub enum Kind {
     Jitter,
     Brownian,
     Bullet,
-    /// A motion of an earlier version, one of `GONE`: records have it, and it cannot be made.
+    /// A motion of an earlier version, one of `GONE`. Records name it; it cannot be made.
     Gone(&'static str),
 }
 
-/// Motions that records until 26 November 2026 have, and this program does not make.
+/// Motions in records until 26 November 2026, which this program does not make.
 const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
 
-/// The name on the command line; what it does, and which speed is meant.
+/// Kind, name on the command line, and summary with the meaning of the speed.
 const TABLE: [(Kind, &str, &str); 8] = [
     (Kind::Rest, "rest", "nothing moves"),
     (
@@ -89,7 +89,7 @@ const TABLE: [(Kind, &str, &str); 8] = [
 ];
 
 impl Kind {
-    /// All that can be made.
+    /// All kinds that can be made.
     pub const ALL: [Kind; 8] = {
         let (mut all, mut k) = ([Kind::Rest; 8], 0);
         while k < 8 {
@@ -99,7 +99,6 @@ impl Kind {
         all
     };
 
-    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Gone(name) => name,
@@ -116,27 +115,24 @@ impl Kind {
         )
     }
 
-    /// What it does, and which speed is meant.
     pub fn summary(self) -> &'static str {
         let row = TABLE.iter().find(|row| row.0 == self);
         row.map_or("soft spheres, which this program does not make", |row| row.2)
     }
 }
 
-/// A motion and its speed: written `drift:speed=0.001,seed=2`.
+/// A motion and its speed, written as in `drift:speed=0.001,seed=2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// How they move.
     pub kind: Kind,
-    /// In diameters of the largest body per frame.
+    /// In diameters of the largest particle per frame.
     pub speed: f64,
-    /// Of the draws.
     pub seed: u64,
 }
 
-/// Where none is given: a particle needs some hundred frames for its diameter.
+/// The default. A particle needs about a hundred frames to move by its diameter.
 pub const SPEED: f64 = 0.01;
-/// The same of draws.
+/// The default seed.
 pub const SEED: u64 = 1;
 
 impl FromStr for Motion {
@@ -180,11 +176,11 @@ impl fmt::Display for Motion {
 pub struct Frames(Box<dyn FnMut(u64) -> anyhow::Result<Given>>);
 
 impl Frames {
-    /// Of this scene, in its box if it has one.
+    /// Prepares the frames of a scene, in its box if it has one.
     ///
     /// # Errors
-    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in; the
-    /// motion is none for its box, or is [`Kind::Gone`].
+    /// Fails if f64 cannot store the scene, if speeds have no meaning because all radii are 0, if
+    /// the motion does not work in the box, or if it is [`Kind::Gone`].
     pub fn new(given: &Given, motion: Motion) -> anyhow::Result<Frames> {
         motion.kind.made()?;
         let (scene, lattice) = (&given.scene, given.lattice.as_ref());
@@ -222,17 +218,17 @@ impl Frames {
         })))
     }
 
-    /// Frame k, with its periodic box. Frames of [`Kind::Brownian`] cost as many frames as lie
-    /// between this one and the one asked for before, or the first; all others cost one.
+    /// Makes frame `k`, with its periodic box. A frame of [`Kind::Brownian`] costs one step per
+    /// frame since the frame made before it, or since frame 0 if it is earlier. Other frames cost
+    /// one step.
     ///
     /// # Errors
-    /// A particle has flown beyond the numbers of f64.
+    /// Fails if a coordinate overflows f64.
     pub fn at(&mut self, k: u64) -> anyhow::Result<Given> {
         (self.0)(k)
     }
 }
 
-/// The largest diameter of a scene.
 fn diameter<const D: usize>(scene: &Scene<'_, f64, D>) -> f64 {
     2.0 * scene.largest_radius()
 }

@@ -1,4 +1,4 @@
-//! Where each particle is in a frame.
+//! The places of all particles in a frame.
 
 use nalgebra::Point;
 
@@ -7,29 +7,28 @@ use super::{Kind, Motion, diameter};
 use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Scene};
 
-/// Frames between two new velocities of a particle ([`Kind::Brownian`]).
+/// For [`Kind::Brownian`]: a particle gets a new velocity after this many frames.
 const PERIOD: u64 = 100;
 
-/// What is known of the ways of all particles beside where they are in frame 0.
+/// Everything except the centres in frame 0 that determines the places in frame k.
 pub(super) struct Paths<const D: usize> {
     kind: Kind,
     seed: u64,
-    /// In units of length per frame.
+    /// Length per frame.
     speed: f64,
     low: [f64; D],
     extent: [f64; D],
-    /// Per frame.
+    /// Length per frame, one per particle.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
-    /// Of [`Kind::Shear`]: how much faster a layer is for each unit of length along y, and where
-    /// along y nothing moves.
+    /// For [`Kind::Shear`]: the velocity along x per unit of y, and the y at which nothing moves.
     slope: f64,
     still: f64,
-    /// None in open space.
+    /// `None` in open space.
     boxed: Option<Boxed<D>>,
 }
 
-/// How far a walk has come; walls are not yet looked at.
+/// State of a walk: the displacements up to `frame`, ignoring walls.
 struct Walk<const D: usize> {
     frame: u64,
     at: Vec<[f64; D]>,
@@ -82,13 +81,11 @@ impl<const D: usize> Paths<D> {
         Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, boxed })
     }
 
-    /// The box in which frame `k` repeats.
     pub fn lattice(&self, k: u64) -> anyhow::Result<Option<Lattice>> {
         let lattice = |boxed: &Boxed<D>| boxed.sheared(self.slope * k as f64);
         self.boxed.as_ref().map(lattice).transpose()
     }
 
-    /// The centres in frame `k`, from those in frame 0.
     pub fn at(&mut self, k: u64, first: &[Point<f64, D>]) -> anyhow::Result<Vec<Point<f64, D>>> {
         let all =
             |place: &dyn Fn(&Point<f64, D>) -> Point<f64, D>| first.iter().map(place).collect();
@@ -148,7 +145,7 @@ impl<const D: usize> Paths<D> {
         })
     }
 
-    /// Where a particle is that has gone this way.
+    /// Returns the place of a particle after the displacement `way`.
     fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         match &self.boxed {
             None => self.reflected(first, way),
@@ -156,7 +153,7 @@ impl<const D: usize> Paths<D> {
         }
     }
 
-    /// The same in open space: walls reflect it.
+    /// The same in open space, where walls reflect the particle.
     fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
@@ -176,7 +173,7 @@ impl<const D: usize> Paths<D> {
         }
         while self.walk.frame < k {
             let frame = self.walk.frame;
-            // Whose turn it is.
+            // Particles with this remainder get a new velocity in this frame.
             let turn = (frame % PERIOD) as usize;
             let mut draw = Draw::of_motion(self.seed, frame + 1);
             let velocities = &mut self.walk.velocities;
@@ -193,12 +190,11 @@ impl<const D: usize> Paths<D> {
     }
 }
 
-/// Where between two walls, from 0 to `extent`, somebody is who would be so far from the first
-/// without them.
+/// Reflects the coordinate `on` at walls at 0 and `extent` until it lies between them.
 pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
     let period = 2.0 * extent;
     if period == f64::INFINITY {
-        // No number is where it is: such a frame is refused.
+        // No place is valid; the frame is refused.
         return period;
     }
     if period == 0.0 {
@@ -209,7 +205,7 @@ pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
     if on > extent { period - on } else { on }
 }
 
-/// Uniform in a ball about 0.
+/// Returns a uniform random vector in a ball around 0.
 fn in_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
     loop {
         let at: [f64; D] = std::array::from_fn(|_| draw.symmetric());
@@ -219,7 +215,7 @@ fn in_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
     }
 }
 
-/// In any direction.
+/// Returns a vector of length `radius` in a random direction.
 fn on_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
     loop {
         let at: [f64; D] = in_ball(draw, 1.0);
@@ -230,7 +226,7 @@ fn on_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
     }
 }
 
-/// From the axis.
+/// Distance from the axis through `middle` along z.
 fn distance<const D: usize>(at: &Point<f64, D>, middle: &[f64; D]) -> f64 {
     let (x, y) = (at[0] - middle[0], at[1] - middle[1]);
     (x * x + y * y).sqrt()

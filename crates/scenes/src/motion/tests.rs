@@ -9,7 +9,6 @@ pub(super) fn scene(text: &str) -> Given {
     Spec::parse(text).unwrap().given().unwrap()
 }
 
-/// All coordinates, in order.
 pub(super) fn coordinates(given: &Given) -> Vec<f64> {
     with_scene!(&given.scene, scene => {
         scene.centres().iter().flat_map(|at| array(at).map(|x| x.wide())).collect()
@@ -20,7 +19,7 @@ pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
     Motion { kind, speed, seed: 1 }
 }
 
-/// The longest way of a particle between two frames, in diameters of 1.
+/// The longest displacement of a particle between two frames; the diameter is 1.
 fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     let (a, b) = (coordinates(a), coordinates(b));
     let ways = a
@@ -30,7 +29,7 @@ fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     ways.fold(0.0, f64::max)
 }
 
-/// Scenes in open space and in boxes, with the motions that suit them.
+/// Scenes in open space and in boxes, each with the motions that it supports.
 fn moving() -> impl Iterator<Item = (Given, Kind)> {
     let open = ["loose:dim=2,n=150", "packed:dim=3,n=120"];
     let open = open.into_iter().flat_map(|text| Kind::ALL.map(|kind| (scene(text), kind)));
@@ -50,7 +49,7 @@ fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
     }
 }
 
-/// Golden: a change of these bits changes what records say of the same names.
+/// These bits must not change, because records name the same scenes and motions.
 #[test]
 fn frames_have_the_same_bits_on_every_machine() {
     let digest = |given: &Given| {
@@ -105,7 +104,7 @@ fn no_particle_is_faster_than_it_is_said_to_be_and_one_is_nearly_so() {
             }
             match kind {
                 Kind::Rest => assert_eq!(most, 0.0),
-                // Normal along each axis: as far as that goes among thousands.
+                // Normal along each axis; the maximum over thousands of draws.
                 Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
                 _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
             }

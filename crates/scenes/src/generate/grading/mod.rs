@@ -1,4 +1,4 @@
-//! Grading curves: how much of a soil passes which sieve, by volume.
+//! Grading curves: the percentage of a soil, by volume, that passes each sieve.
 //!
 //! ```text
 //!   percent passing          text or CSV: sieve size, percent passing; # begins a comment
@@ -10,10 +10,10 @@
 //!         log sieve size
 //! ```
 //!
-//! Between two sieves the curve is linear in the logarithm of the size, as on the paper that such
-//! curves are drawn on. In d dimensions the numbers of bodies there have the density
-//! size^(-d - 1): a disc has its area for a volume. Sizes have any unit; the largest becomes r.
-//! Mass is volume where all bodies have one density.
+//! Between two sieves the curve is linear in the logarithm of the size, as grading curves are drawn
+//! on paper. In d dimensions the numbers of particles there have the density size^(-d - 1); the
+//! volume of a disc is its area. Sizes may have any unit; the largest becomes r. Percentages by
+//! mass are the same if all particles have one density.
 
 use std::io::Read;
 use std::path::Path;
@@ -22,23 +22,22 @@ use anyhow::{Context, ensure};
 
 use contactbench_io::short;
 
-/// A longer file is no curve.
+/// A longer file is refused.
 const MOST_BYTES: u64 = 1 << 20;
-/// The cube of it is a number.
+/// The cube is still finite.
 const MOST_RATIO: f64 = 1e100;
 
-/// Sieve sizes and the percent that passes each: both rise, from 0 to 100.
+/// Sieve sizes and the percentage that passes each. Both rise, the percentage from 0 to 100.
 #[derive(Debug)]
 pub struct Curve(Vec<[f64; 2]>);
 
-/// Does a text hold the points themselves, as in `0.063 0, 0.2 15, 2 100`, and not the name of a
-/// file?
+/// Returns whether the text holds points, as in `0.063 0, 0.2 15, 2 100`, instead of a file name.
 pub fn is_points(text: &str) -> bool {
     text.split(',').all(|piece| point(piece).is_some())
 }
 
 impl Curve {
-    /// From a file with a point in each line, or from the points themselves.
+    /// Reads a file with a point per line, or the points themselves.
     pub fn new(text: &str) -> anyhow::Result<Curve> {
         if is_points(text) {
             let points = text.split(',').filter_map(point).collect();
@@ -65,7 +64,7 @@ impl Curve {
             }
             match point(line) {
                 Some(point) => points.push(point),
-                // Names of columns.
+                // A header with column names.
                 None if may_be_names && !line.contains(|c: char| c.is_ascii_digit()) => {}
                 None => anyhow::bail!(
                     "line {number} is '{}'; write a sieve size and the percent passing, as in \
@@ -117,26 +116,27 @@ impl Curve {
         Ok(curve)
     }
 
-    /// Intervals with bodies, the coarsest first: smaller and larger size, percent between.
+    /// Returns the intervals that contain particles, the coarsest first: smaller size, larger size,
+    /// percentage between them.
     fn intervals(&self) -> impl Iterator<Item = [f64; 3]> {
         let interval = |pair: &[[f64; 2]]| [pair[0][0], pair[1][0], pair[1][1] - pair[0][1]];
         self.0.windows(2).rev().map(interval).filter(|[_, _, percent]| *percent > 0.0)
     }
 
-    /// Largest over smallest size that bodies have.
+    /// Returns the largest size of particles over the smallest.
     fn ratio(&self) -> f64 {
         let ends = |(_, largest): (f64, f64), [low, high, _]: [f64; 3]| (low, largest.max(high));
         let (least, largest) = self.intervals().fold((1.0, 0.0), ends);
         largest / least
     }
 
-    /// The sizes, over the largest, that 0, 1/(n-1), .. 1 of all bodies exceed, in `dim`
-    /// dimensions.
+    /// Returns the sizes, relative to the largest, that the fractions 0, 1/(n-1), .. 1 of all
+    /// particles exceed.
     pub fn quantiles(&self, n: u64, dim: u32) -> impl Iterator<Item = f64> + use<> {
         let power = f64::from(dim);
         let largest = self.intervals().map(|[_, high, _]| high).fold(0.0, f64::max);
-        // Of each interval: the numbers above its lower end, its own, its upper end, and how many
-        // more bodies there are of its lower end's size than of its upper one's.
+        // For each interval: the number of particles above its lower end, the number inside, its
+        // upper end, and the density ratio of its ends minus 1.
         let mut above = 0.0;
         let parts: Vec<[f64; 4]> = self
             .intervals()
@@ -162,7 +162,7 @@ impl Curve {
     }
 }
 
-/// A size and a percent, with a comma, a semicolon or spaces between.
+/// Parses a size and a percentage, separated by a comma, a semicolon or spaces.
 fn point(text: &str) -> Option<[f64; 2]> {
     let mut numbers = text
         .split(|c: char| c == ',' || c == ';' || c.is_whitespace())

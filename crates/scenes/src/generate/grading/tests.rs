@@ -1,5 +1,3 @@
-//! Curves: what they give, and what they may not be.
-
 use super::*;
 use crate::spec::Spec;
 use crate::stats::scene_hash;
@@ -13,7 +11,7 @@ fn made(text: &str) -> AnyScene<'static> {
     spec.unwrap_or_else(|error| panic!("{text}: {error:#}"))
 }
 
-/// The radii of a scene, the smallest first, for a largest of 1.
+/// The radii in ascending order, for a largest radius of 1.
 fn radii(text: &str) -> Vec<f64> {
     with_scene!(&made(&format!("{text},diameter=2")), scene => {
         let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
@@ -23,7 +21,7 @@ fn radii(text: &str) -> Vec<f64> {
     })
 }
 
-/// What passes each sieve, measured by the volumes of the bodies made.
+/// The volumes of the particles made pass each sieve as the curve states.
 #[test]
 fn the_bodies_pass_the_sieves_as_the_curve_says() {
     let text = std::fs::read_to_string(SAND).unwrap();
@@ -42,7 +40,7 @@ fn the_bodies_pass_the_sieves_as_the_curve_says() {
     }
 }
 
-/// As much volume in each octave is a density of numbers of r^(-d - 1).
+/// A straight line is a number density of r^(-d - 1): equal volumes in each octave.
 #[test]
 fn a_straight_line_is_a_power() {
     for (dim, exponent) in [(2, -3), (3, -4)] {
@@ -58,20 +56,19 @@ fn a_straight_line_is_a_power() {
 #[test]
 fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
     let found = radii("packed:n=3000,sizes=grading,grading=1 0,2 0,4 50,16 50,32 100,64 100");
-    // From 2 to 4 and from 16 to 32, which is the largest.
+    // Sizes are from 2 to 4 and from 16 to 32, the largest.
     let (fine, coarse) = (0.0625..=0.125, 0.5..=1.0);
     assert!(found.iter().all(|r| fine.contains(r) || coarse.contains(r)));
     assert_eq!((found[0], found[2999]), (0.0625, 1.0));
     assert!(found[2900] <= 0.125 && found[2990] >= 0.5);
     assert_eq!(radii("packed:n=1,sizes=grading,grading=1 0,2 100"), [1.0]);
     assert!(made("packed:n=0,sizes=grading,grading=1 0,2 100").is_empty());
-    // The widest that there is.
+    // The largest allowed ratio.
     let wide = radii("loose:dim=3,n=1000,sizes=grading,grading=1e-50 0,1e50 100");
     assert!(wide.iter().all(|r| (1e-100..=1.0).contains(r)) && wide[999] == 1.0);
 }
 
-/// As for the other generators: the same bits on every machine, and the same for a file as for its
-/// points.
+/// The bits are the same on every machine, and the same for a file as for its points.
 #[test]
 fn the_bits_are_fixed() {
     let scene = made(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
