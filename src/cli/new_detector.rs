@@ -69,10 +69,10 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
         let what = if before.is_none() { "wrote  " } else { "changed" };
         writeln!(out, "{what} {}", path.display())?;
     }
-    let check = format!("cargo run --release -- check --detector {}", names.name);
+    let check = format!("cargo run -- check --detector {}", names.name);
     writeln!(out, "It works as it is: it sorts along x. Change it, and hold it to the truth:")?;
     for (command, meaning) in [
-        (&*check, "seconds, after the build: the smallest scene on which it is wrong"),
+        (&*check, "the smallest scene on which it is wrong, in seconds"),
         ("cargo run --release -- recommend packed:n=100000", "how fast it is beside the others"),
         ("cargo test", "it is in every test that loops over the table"),
     ] {
