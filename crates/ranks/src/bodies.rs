@@ -1,4 +1,4 @@
-//! Particles with their numbers in the whole scene, and how they travel.
+//! Particles with their numbers in the whole scene, and their exchange between ranks.
 
 use nalgebra::Point;
 
@@ -7,20 +7,21 @@ use contactbench_core::scene::{Radii, Scene, SceneError, array};
 
 use crate::rank::Failure;
 
-/// Particles of a scene that is larger, each with its number there.
+/// Some particles of a larger scene, each with its number there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbered<const D: usize> {
     ids: Vec<u32>,
     centres: Vec<Point<f64, D>>,
-    /// One for each; none where that of all is known to others.
+    /// One radius per particle; empty if all particles of the scene share one.
     radii: Vec<f64>,
 }
 
 impl<const D: usize> Numbered<D> {
-    /// The particles of a scene, numbered from `first`, with a radius each.
+    /// Numbers the particles of a scene from `first` and stores a radius for each.
     ///
     /// # Errors
-    /// [`SceneError::TooMany`] if a number would be above 2^32 - 2; no memory.
+    /// Returns [`SceneError::TooMany`] if a number would exceed 2^32 - 2; fails if there is no
+    /// memory.
     pub fn new(scene: &Scene<'_, f64, D>, first: u64) -> Result<Numbered<D>, Failure> {
         let n = first.saturating_add(scene.len() as u64);
         if n > u64::from(u32::MAX) {
@@ -54,7 +55,7 @@ impl<const D: usize> Numbered<D> {
         Ok(reserve(&mut self.radii, if radii { further } else { 0 })?)
     }
 
-    /// Bytes of one on its way.
+    /// Returns the bytes of a particle in a letter.
     pub const fn bytes(radii: bool) -> usize {
         size_of::<u32>() + (D + radii as usize) * size_of::<f64>()
     }
@@ -75,21 +76,22 @@ impl<const D: usize> Numbered<D> {
         &self.radii
     }
 
-    /// All of them, with this radius, or one each.
+    /// Returns a scene of all particles with this radius, or with individual radii.
     pub fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
         let each = || Radii::Each((&self.radii[..]).into());
-        // They have all come from scenes; with one radius for each if there is not one for all.
+        // Valid, because the particles come from valid scenes and have individual radii if there is
+        // no common one.
         Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
     }
 
-    /// Letters to so many ranks: `to` names the ranks that are to get particle k.
+    /// Writes letters to `ranks` ranks; `to` names the ranks that get particle k.
     pub fn letters(
         &self,
         ranks: usize,
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Failure> {
-        // Who is to get what is asked once: of the halo the answer is mostly nobody.
+        // Called once per particle, because most particles are not sent to any rank.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
         chosen.resize_with(ranks, Vec::new);
@@ -101,7 +103,7 @@ impl<const D: usize> Numbered<D> {
                     room = reserve(chosen, chosen.len().max(64));
                 }
                 if room.is_ok() {
-                    // Fits: numbers are u32, and given once each.
+                    // Fits, because particle numbers are u32 and unique.
                     chosen.push(k as u32);
                 }
             });
@@ -127,7 +129,7 @@ impl<const D: usize> Numbered<D> {
         Ok(letters)
     }
 
-    /// Appends what letters hold.
+    /// Appends the particles in letters.
     pub fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Failure> {
         let size = Self::bytes(radii);
         self.reserve(letters.iter().map(|letter| letter.len() / size).sum(), radii)?;
@@ -135,10 +137,10 @@ impl<const D: usize> Numbered<D> {
             let (id, numbers) = body.split_at(size_of::<u32>());
             let real = |k: usize| {
                 let at = k * size_of::<f64>();
-                // Eight bytes of a piece that has D or D + 1 times eight.
+                // Eight bytes of a piece of D or D + 1 times eight bytes.
                 f64::from_le_bytes(*numbers[at..].first_chunk().unwrap())
             };
-            // The other four.
+            // The other four bytes.
             self.ids.push(u32::from_le_bytes(*id.first_chunk().unwrap()));
             self.centres.push(Point::from(std::array::from_fn(real)));
             if radii {

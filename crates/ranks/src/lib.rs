@@ -1,5 +1,6 @@
-//! One scene over several ranks: what each step costs, what is sent, and whether the contacts are
-//! those of one process. Ranks are processes of MPI (the feature `mpi`) or threads.
+//! Searches one scene with several ranks and measures the cost of each step and the data sent. The
+//! contacts are compared with those of one process. Ranks are MPI processes (feature `mpi`) or
+//! threads.
 
 pub mod bodies;
 pub mod model;
@@ -32,86 +33,75 @@ use contactbench_core::scene::{AnyScene, Lattice, Scene};
 use contactbench_core::searcher::Searcher;
 use contactbench_core::sink::Digest;
 
-/// How it is measured.
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
-    /// Who searches in each rank.
+    /// Detector of each rank.
     pub spec: &'a DetectorSpec,
-    /// For its arrays, and for a list of contacts, in bytes.
+    /// Limit in bytes for its arrays, and for a list of contacts.
     pub memory_limit: u64,
-    /// Steps that are timed, after one that is not; at least 1.
+    /// Number of timed steps, after one warm-up step; at least 1.
     pub steps: usize,
 }
 
-/// What the ranks have done together. Numbers are sums, or of the rank that has the most; times are
-/// of the rank that takes longest, the median over the steps.
+/// Result of all ranks. Counts are sums or maxima over ranks; times are those of the slowest rank,
+/// and the median over steps.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The scene, as it was asked for.
+    /// The scene as requested.
     pub scene: String,
-    /// Particles of all ranks.
+    /// Number of particles of all ranks.
     pub n: u64,
-    /// 2 or 3.
     pub dim: usize,
-    /// Who searches.
     pub detector: String,
     /// `mpi` or `threads`.
     pub kind: &'static str,
-    /// How many there are.
+    /// Number of ranks.
     pub ranks: usize,
-    /// Along which axis slabs lie, or along which vector of the box, from 0.
+    /// Axis, or vector of the box, along which slabs lie, from 0.
     pub along: usize,
-    /// Is it a vector of a box that repeats? Then the last slab meets the first.
+    /// Whether `along` is a vector of a periodic box, so that the last slab is adjacent to the
+    /// first.
     pub around: bool,
     /// Fewest and most own particles of a rank.
     pub own: [u64; 2],
-    /// Most particles of others in a rank.
+    /// Most halo particles of a rank.
     pub halo_most: u64,
     /// Particles sent in a step.
     pub sent: u64,
-    /// Bytes sent in a step, as they were counted; `sent` times those of one.
+    /// Bytes sent in a step, as counted; equal to `sent` times the bytes of a particle.
     pub sent_bytes: u64,
-    /// Most bytes that a rank sends.
+    /// Most bytes sent by a rank.
     pub sent_bytes_most: u64,
-    /// Most ranks that a rank sends to.
+    /// Most ranks to which a rank sends.
     pub partners_most: u64,
-    /// From the start of a step to the last contact.
+    /// Time from the start of a step to its last contact, in ms.
     pub step_ms: f64,
-    /// The part of it until particles of others are there.
+    /// Part of the step until halo particles have arrived.
     pub exchange_ms: f64,
-    /// The other part.
+    /// Remaining part of the step.
     pub search_ms: f64,
-    /// The same search while no other rank does anything, after each step.
+    /// Time of the same search while no other rank works, measured after each step, in ms.
     pub alone_ms: f64,
-    /// That over the longest step of any rank, within each: the part of a step that an undisturbed
-    /// search takes, of own particles and halo.
+    /// Ratio of `alone_ms` to the longest step of any rank, within each step: the part of a step
+    /// that an undisturbed search takes.
     pub alone_over_step: Option<Interval>,
-    /// That over the longest search of the step: about what sharing memory and cores leaves, since
-    /// the later search finds warm caches.
+    /// Ratio of `alone_ms` to the longest search of the step: about the cost of sharing memory and
+    /// cores, though the later search finds warm caches.
     pub alone_over_search: Option<Interval>,
-    /// Most bytes of particles, buffers and contacts in a rank, by their formulas; without what is
-    /// on its way.
+    /// Most bytes of particles, buffers and contacts in a rank, by formula, without data in
+    /// transit.
     pub memory_most: u64,
-    /// Contacts of all ranks.
     pub pairs: u64,
-    /// Their digest.
     pub digest: String,
-    /// Those of one process, where they were looked for.
     pub whole: Option<Whole>,
-    /// The commit that this program was built from, and whether its sources differed.
     pub revision: Option<&'static str>,
-    /// Did they?
     pub dirty: Option<bool>,
-    /// Where the first rank ran.
     pub machine: String,
 }
 
-/// What one process finds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Whole {
-    /// Contacts.
     pub pairs: u64,
-    /// Their digest.
     pub digest: String,
 }
 
@@ -122,17 +112,12 @@ impl Whole {
 }
 
 impl Row {
-    /// Are the contacts those of one process? Unknown where that was not asked.
     pub fn is_right(&self) -> Option<bool> {
         let whole = self.whole.as_ref()?;
         Some(whole.pairs == self.pairs && whole.digest == self.digest)
     }
 }
 
-/// What one process finds in the whole scene.
-///
-/// # Errors
-/// What the detector refuses.
 pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     let loaded = given.loaded(Arithmetic::Exact)?;
     let mut contacts = Contacts::default();
@@ -140,10 +125,6 @@ pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     Ok(Whole::of(contacts.digest()))
 }
 
-/// Measures, as one of the ranks: all of them get the same row.
-///
-/// # Errors
-/// What any rank refuses.
 pub fn measure(
     world: &impl World,
     kind: &'static str,
@@ -152,8 +133,6 @@ pub fn measure(
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
-    // Files of other lengths mostly show in rows that overlap or are missing. Contents are not
-    // compared: the digest is.
     let mut lens = vec![0; world.size()];
     lens[world.rank()] = scene.len() as u64;
     world.sum(&mut lens);
@@ -223,7 +202,6 @@ where
     let mut sums = [own, traffic.particles, traffic.bytes, digest.contacts, digest.sum];
     world.sum(&mut sums);
     let most = [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory];
-    // Numbers below 2^53.
     let [own_most, halo, bytes, partners, memory] = most.map(|number| number as f64);
     let mut most = [own_most, -own_most, halo, bytes, partners, memory];
     world.largest(&mut most);

@@ -1,4 +1,4 @@
-//! `contactbench-ranks`: what `contactbench ranks` runs.
+//! `contactbench-ranks`: the program behind `contactbench ranks`.
 
 use std::process::ExitCode;
 

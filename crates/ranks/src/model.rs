@@ -1,38 +1,37 @@
-//! What a step would take on more ranks than there are here.
+//! Predicts the time of a step on more ranks than were measured.
 //!
 //! ```text
 //! search(R) = s (own + h) + latency (log2 R, rounded up, + messages) + h b / bandwidth
 //! step(R)   = search(R) + measured step - search(measured R)
 //! ```
 //!
-//! s is the measured time of the search per particle in a rank, own ones and those of others, while
-//! no other rank works (the longest over the most particles: ranks are taken to be alike);
-//! h is the number of particles that cross a border, measured; b their bytes.
-//! A scene that grows along its slabs has the h that was measured; one that keeps its shape has an
-//! area that grows as N^((D - 1) / D). Messages are one, or as many as slabs fit into a layer of h.
-//! Numbers of bytes are told to all first, in log2 R steps.
+//! s is the measured search time per particle of a rank, own and halo particles, while no other
+//! rank works (the longest time over the most particles, assuming equal ranks). h is the measured
+//! number of particles that cross a border, b their bytes. A scene that grows along its slabs keeps
+//! this h; one that keeps its shape has a border area that grows as N^((D - 1) / D). There is one
+//! message per border, or more if slabs are thinner than the halo. All ranks first exchange the
+//! numbers of bytes, in log2 R steps.
 //!
-//! The model of the search leaves out the pass before it, shared memory and cores, and unequal
-//! slabs. What they add to the measured step is added to the others, unchanged. No step is
-//! foretold for more than [`FARTHEST`] times the measured ranks.
+//! The model of the search ignores the pass before it, shared memory and cores, and unequal slabs.
+//! Their contribution to the measured step is added unchanged to other steps. Steps are predicted
+//! for at most [`FARTHEST`] times the measured ranks.
 
 use serde::Serialize;
 
 use super::Row;
 
-/// The model goes no further than this many times the ranks that were measured.
+/// Largest factor between predicted and measured ranks.
 pub const FARTHEST: u64 = 64;
 
-/// A network between ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
-    /// Seconds until a message without content is there.
+    /// Seconds for an empty message to arrive.
     pub latency_s: f64,
     /// Bytes per second of one rank.
     pub bytes_per_s: f64,
 }
 
-/// `2e-6,12.5e9`: seconds, bytes per second.
+/// Parses `2e-6,12.5e9`: seconds, bytes per second.
 impl std::str::FromStr for Network {
     type Err = String;
 
@@ -51,35 +50,35 @@ impl std::str::FromStr for Network {
     }
 }
 
-/// A step on so many ranks.
+/// A predicted step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Step {
-    /// How many.
+    /// Number of ranks.
     pub ranks: u64,
-    /// Particles of all.
+    /// Number of particles of all ranks.
     pub n: f64,
     /// Particles that cross a border.
     pub halo: f64,
-    /// How long it takes.
+    /// Time in ms.
     pub ms: f64,
-    /// The time of one rank with as many own particles over that.
+    /// Time of one rank with the same number of own particles, divided by `ms`.
     pub efficiency: f64,
-    /// What the model of the search gives without the measured step.
+    /// Search time by the model, without the correction from the measured step.
     pub search_ms: f64,
 }
 
-/// How the scene grows with the number of ranks, of which each has as many particles as now.
+/// How the scene grows with the number of ranks, for a constant number of particles per rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
     /// Along its slabs.
     Long,
-    /// In its shape.
+    /// In all directions, keeping its shape.
     Alike,
 }
 
-/// Foretells the step on `ranks` ranks from one that was measured on several. `one_ms` is the
-/// measured step of one rank with as many own particles; without it the model gives that, too. None
-/// if the row is of one rank, or `ranks` is beyond [`FARTHEST`].
+/// Predicts the step on `ranks` ranks from one measured on several. `one_ms` is the measured step
+/// of one rank with as many own particles; the model replaces it if missing. Returns `None` if the
+/// row has one rank, or `ranks` is beyond [`FARTHEST`].
 pub fn step(
     row: &Row,
     one_ms: Option<f64>,
@@ -98,9 +97,9 @@ pub fn step(
     Some(Step { ms, efficiency: one_ms / ms, ..found })
 }
 
-/// The search on `ranks` ranks and what they send, without what else a step has.
+/// Predicts the search on `ranks` ranks and the exchange, without other parts of a step.
 fn search(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
-    // Around a box the last slab meets the first.
+    // In a periodic box the last slab is adjacent to the first.
     let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };
     if row.ranks < 2 || row.n == 0 {
         return None;
@@ -161,28 +160,28 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_those_of_the_formula() {
+    fn predicted_steps_follow_the_formula() {
         let one = search(&row(), NETWORK, Growth::Alike, 1).unwrap();
         assert_eq!((one.halo, one.efficiency), (0.0, 1.0));
         assert!((one.ms - 1.0).abs() < 1e-12);
         let long = search(&row(), NETWORK, Growth::Long, 8).unwrap();
         assert_eq!((long.n, long.halo), (8000.0, 100.0));
-        // 1.1 ms of search, four messages of 1 ms, 2.8 ms on the way.
+        // 1.1 ms of search, four messages of 1 ms, 2.8 ms of transfer.
         assert!((long.ms - (1.1 + 4.0 + 2.8)).abs() < 1e-9, "{long:?}");
-        // Eight times as many in the same shape: four times the area.
+        // Eight times as many particles in the same shape: four times the area.
         let alike = search(&row(), NETWORK, Growth::Alike, 16).unwrap();
         assert!((alike.halo - 400.0).abs() < 1e-9, "{alike:?}");
-        // Slabs thinner than a layer of the halo: more messages.
+        // Slabs thinner than the halo need more messages.
         let thin = search(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
         assert!(thin.halo > thin.n / 1048576.0 && thin.efficiency < 0.02, "{thin:?}");
         assert_eq!(search(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
     }
 
     #[test]
-    fn a_step_begins_at_the_measured_one() {
+    fn a_predicted_step_starts_from_the_measured_one() {
         let row = Row { step_ms: 8.0, ..row() };
         let at = |one_ms, ranks| step(&row, one_ms, NETWORK, Growth::Long, ranks);
-        // 1.1 + 2.0 + 2.8 ms by the model alone, 8 measured: 2.1 more at each number of ranks.
+        // 1.1 + 2.0 + 2.8 ms by the model, 8 measured: 2.1 more at each number of ranks.
         let measured = at(Some(4.0), 2).unwrap();
         assert!((measured.search_ms - 5.9).abs() < 1e-9 && (measured.ms - 8.0).abs() < 1e-9);
         assert!((measured.efficiency - 0.5).abs() < 1e-9, "{measured:?}");

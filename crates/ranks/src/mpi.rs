@@ -1,4 +1,4 @@
-//! Ranks that are processes of MPI.
+//! Ranks as MPI processes.
 
 use contactbench_core::refusal::reserve;
 use mpi::collective::SystemOperation;
@@ -10,24 +10,24 @@ use mpi::traits::{Communicator, CommunicatorCollectives};
 use crate::rank::{Failure, together};
 use crate::world::World;
 
-/// Most bytes that a rank sends at once: MPI counts them in 32 bits.
+/// Most bytes that a rank sends at once; MPI counts them in 32 bits.
 const MOST: usize = 1 << 30;
 
-/// The ranks that `mpirun` has started. MPI ends when it is dropped.
+/// The ranks that `mpirun` started. Dropping the value finalises MPI.
 pub struct Processes {
     world: SimpleCommunicator,
     _universe: Universe,
 }
 
 impl Processes {
-    /// None if MPI was begun before.
+    /// Returns `None` if MPI was initialised before.
     pub fn begin() -> Option<Processes> {
         let universe = mpi::initialize()?;
         Some(Processes { world: universe.world(), _universe: universe })
     }
 }
 
-/// A rank that panics ends all: the others would wait for it, and MPI for them.
+/// A rank that panics aborts all ranks, because the others would wait for it, and MPI for them.
 impl Drop for Processes {
     fn drop(&mut self) {
         if std::thread::panicking() {
@@ -56,7 +56,7 @@ impl World for Processes {
         self.world.all_reduce_into(&mine[..], numbers, SystemOperation::max());
     }
 
-    /// In rounds, in which each sends so many bytes to each at most that their sum can be counted.
+    /// Exchanges in rounds, with so few bytes per pair of ranks that MPI can count their sum.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
         assert_eq!(parts.len(), self.size(), "one part for each rank");
         let sizes: Vec<u64> = parts.iter().map(|part| part.len() as u64).collect();
@@ -70,7 +70,7 @@ impl World for Processes {
         for round in 0..(longest[0] as u64).div_ceil(most) {
             // Where the piece of this round begins and ends.
             let ends = |size: u64| [(round * most).min(size), ((round + 1) * most).min(size)];
-            // Numbers of bytes, and where they begin: at most MOST.
+            // Numbers of bytes and their offsets, at most MOST.
             let places = |sizes: &[u64]| -> (Vec<i32>, Vec<i32>) {
                 let mut begin = 0;
                 let place = |&size: &u64| {
@@ -86,7 +86,8 @@ impl World for Processes {
                 let [from, to] = ends(part.len() as u64);
                 sent.extend_from_slice(&part[from as usize..to as usize]);
             }
-            // An empty list would begin at address 1, which is MPI_IN_PLACE to some.
+            // An empty list could have the address 1, which some MPI libraries use for
+            // MPI_IN_PLACE.
             sent.push(0);
             let (lens, begins) = places(&sizes);
             let (got, got_at) = places(&coming);
@@ -105,10 +106,9 @@ impl World for Processes {
     }
 }
 
-/// Memory for what goes and comes.
 struct Room {
     received: Vec<Vec<u8>>,
-    /// In a round.
+    /// Bytes sent in a round.
     sent: Vec<u8>,
     letters: Vec<u8>,
 }

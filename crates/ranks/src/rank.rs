@@ -1,4 +1,4 @@
-//! One scene over several ranks, each with a slab of it: processes of MPI, or threads.
+//! One scene divided among several ranks, each with a slab: MPI processes or threads.
 //!
 //! ```text
 //! rows of the file ─> owners of slabs ─> own particles ─┬─> any detector ─> contacts ─> sums
@@ -7,19 +7,19 @@
 //!                                     (exchange)
 //! ```
 //!
-//! * **Every contact is found once.** A contact of particles of two ranks belongs to the lower one.
-//!   So each rank sends its particles near a border downwards, and those below look among their own
-//!   and what they were sent, for contacts with at least one of their own.
-//! * **The halo** is what may touch something in the slab below, or in those below that, where
-//!   bodies are larger than slabs: no size is refused. It is proved in [`crate::slabs`].
-//! * **In a box that repeats** the first slab is the last one's neighbour, and ranks get particles
-//!   as they were given, with the box: each makes the images that it needs, as in one process, and
-//!   a contact is decided for the given numbers.
+//! * **Every contact is found once.** A contact of particles of two ranks belongs to the lower
+//!   rank. Each rank sends its particles near a border downwards. The ranks below search their own
+//!   and the received particles for contacts with at least one own particle.
+//! * **The halo** contains every particle that may touch one in the slab below, or in several slabs
+//!   below if particles are larger than slabs: no size is refused. [`crate::slabs`] has the proof.
+//! * **In a periodic box** the first slab is adjacent to the last. Ranks get particles as they were
+//!   given, with the box. Each rank makes the images that it needs, as one process would, and
+//!   contacts are decided for the given numbers.
 //! * **Exact arithmetic only.** There a contact depends on its two particles alone. What rounded
-//!   filters lose, and what images are made, depends on where cells and boxes begin, and would
+//!   filters lose, and which images are made, depends on where cells and boxes begin, and would
 //!   depend on the number of ranks.
 //!
-//! Numbers of contacts and digests of the ranks add up to those of one process ([`Rank::digest`]).
+//! Counts and digests of the ranks add up to those of one process ([`Rank::digest`]).
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, PeriodicError};
@@ -32,22 +32,22 @@ use crate::bodies::Numbered;
 use crate::slabs::Slabs;
 use crate::world::World;
 
-/// Why ranks do not answer. All of them end.
+/// Why ranks fail. All of them then end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
-    /// This rank will not.
+    /// This rank's detector refuses.
     #[error(transparent)]
     Here(#[from] Refusal),
-    /// Another one will not, and says why.
+    /// Another rank failed and reports the reason.
     #[error("rank {0} has refused; it says why")]
     Elsewhere(usize),
-    /// More particles than can be numbered.
+    /// There are more particles than can be numbered.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The box does not suit the scene.
+    /// The box does not fit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
-    /// What they bring does not belong together.
+    /// The ranks were given different scenes or options.
     #[error(
         "the ranks do not work on one scene: {0} differs from rank to rank; give all of them the \
          same file and the same options"
@@ -55,48 +55,48 @@ pub enum Failure {
     Unlike(&'static str),
 }
 
-/// The highest rank that has failed, if any has: all ranks say whether they have.
+/// Returns the highest rank that failed, if any; every rank takes part.
 pub fn failed(world: &impl World, here: bool) -> Option<usize> {
     let mut highest = [if here { world.rank() as f64 } else { -1.0 }];
     world.largest(&mut highest);
     (highest[0] >= 0.0).then_some(highest[0] as usize)
 }
 
-/// The result of each rank, if none has failed: what is refused in one is not waited for by others.
+/// Returns the result of each rank if none failed, so that no rank waits for one that refused.
 ///
 /// # Errors
-/// That of this rank, or the number of the highest that has failed.
+/// Returns the error of this rank, or the number of the highest failed rank.
 pub fn together<T, E: From<Failure>>(world: &impl World, result: Result<T, E>) -> Result<T, E> {
     let failed = failed(world, result.is_err());
     let result = result?;
     failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
-/// Are these numbers, none of which is NaN, the same in all ranks?
+/// Returns whether these numbers, without NaN, are equal in all ranks.
 pub fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
     let mut ends = numbers.map(|number| [number, -number]);
     world.largest(ends.as_flattened_mut());
     ends.iter().all(|[most, least]| *most == -least)
 }
 
-/// What a rank has sent to be able to begin.
+/// Data that a rank sent before its search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Particles, each as often as it was sent.
+    /// Particles, counted as often as sent.
     pub particles: u64,
-    /// Bytes of them: 4 for the number, 8 for each coordinate, 8 for the radius where they differ.
+    /// Bytes of these particles: 4 for the number, 8 per coordinate, 8 for an individual radius.
     pub bytes: u64,
-    /// Ranks that were sent any.
+    /// Number of ranks that received any.
     pub partners: u64,
 }
 
-/// One of the ranks at work: its slab of the scene, and what it knows of those above.
+/// A rank: its slab of the scene and its halo.
 pub struct Rank<const D: usize> {
     slabs: Slabs<D>,
     lattice: Option<Lattice>,
-    /// The radius of all, if there is one.
+    /// The radius of all particles, if they share one.
     radius: Option<f64>,
-    /// Own particles first.
+    /// Own particles first, then the halo.
     bodies: Numbered<D>,
     own: usize,
 }
@@ -105,12 +105,12 @@ impl<const D: usize> Rank<D>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    /// Brings the particles that each rank has made or read, of a scene that repeats in a box or
-    /// not, to their owners. Numbers must be given once each.
+    /// Sends the particles that each rank made or read to their owners, in a periodic box if there
+    /// is one. Particle numbers must be unique.
     ///
     /// # Errors
-    /// A box that does not suit them; dimensions or boxes that differ from rank to rank;
-    /// [`Refusal::Skewed`], [`Refusal::Exhausted`], in any rank.
+    /// Fails in all ranks if, in any of them, the box does not fit, dimensions or boxes differ,
+    /// [`Refusal::Skewed`] occurs or memory runs out ([`Refusal::Exhausted`]).
     pub fn new(
         world: &impl World,
         bodies: Numbered<D>,
@@ -120,7 +120,7 @@ where
             let empty = Scene::<f64, D>::new(Vec::new(), Radii::Uniform(0.0))?;
             Ok(Periodic::new(empty.into(), lattice)?.into_parts().1)
         };
-        // As many numbers whatever the dimension.
+        // The same number of values in any dimension.
         let told = |lattice: Lattice| {
             let axes = [lattice.periodic().map(f64::from), lattice.origin()];
             [lattice.vectors().as_flattened(), axes.as_flattened()].concat()
@@ -138,7 +138,7 @@ where
             .iter()
             .fold([f64::NEG_INFINITY; 2], |[most, least], &r| [most.max(r), least.max(-r)]);
         world.largest(&mut ends);
-        // Without any particle: minus infinity, and so no radius of all.
+        // Without particles the values are minus infinity, so there is no common radius.
         let radius = (ends[0] == -ends[1]).then_some(ends[0]);
         let sizes = radius.is_none();
         let mut slabs = Slabs::new(world, &bodies, ends[0].max(0.0), lattice.as_ref())?;
@@ -159,15 +159,15 @@ where
         Ok(Rank { slabs, lattice, radius, own: own.len(), bodies: own })
     }
 
-    /// Gets the particles of other ranks that may touch own ones, in the place of those that it
-    /// has. Says what this rank has sent.
+    /// Replaces the halo by the particles of other ranks that may touch own ones. Returns the data
+    /// that this rank sent.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`], in any rank.
+    /// Returns [`Refusal::Exhausted`] if memory runs out in any rank.
     pub fn refresh(&mut self, world: &impl World) -> Result<Traffic, Failure> {
         self.bodies.truncate(self.own);
         let (bodies, slabs, radius) = (&self.bodies, &self.slabs, self.radius);
-        // Asked once: MPI takes longer to say it than a particle takes.
+        // Called once, because in MPI this call takes longer than a particle.
         let rank = world.rank();
         let reached = |k: usize, to: &mut dyn FnMut(usize)| {
             let r = radius.unwrap_or_else(|| bodies.radii()[k]);
@@ -199,40 +199,41 @@ where
         &self.slabs
     }
 
-    /// The number in the whole scene of particle `k` of this rank.
+    /// Returns the number in the whole scene of particle `k` of this rank.
     pub fn id(&self, k: u32) -> u32 {
         self.bodies.ids()[k as usize]
     }
 
-    /// The contacts that belong to this rank, exactly, in the place of what is in the lists; in the
-    /// rank's own numbers, own particles first ([`Rank::id`]).
+    /// Finds the contacts that belong to this rank, exactly, and replaces the contents of the
+    /// lists. Particles have the rank's own numbers, own particles first ([`Rank::id`]).
     ///
     /// # Errors
-    /// The refusals of the detector.
+    /// Returns the refusals of the detector.
     pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
-            // In the numbers of the whole scene, as it is told to users.
+            // Convert to numbers of the whole scene, which users know.
             Refusal::Away { particle, vector, boxes } => {
                 Refusal::Away { particle: self.id(particle), vector, boxes }
             }
             other => other,
         })?;
-        // At most 2^32 - 1, as the scene.
+        // At most 2^32 - 1, like the scene.
         let own = self.own as u32;
         contacts.plain.retain(|&[i, j]| i.min(j) < own);
         contacts.shifted.retain(|&ImagePair { i, .. }| i < own);
         Ok(())
     }
 
-    /// The bytes of particles and of the searcher's last detection here, by their formulas, without
-    /// the lists of contacts.
+    /// Returns the bytes of particles and of the searcher's last detection, by formula, without the
+    /// lists of contacts.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
         (self.bodies.len() * each) as u64 + searcher.formula_bytes()
     }
 
-    /// Number and digest of contacts of this rank, in the numbers of the whole scene. Both add up.
+    /// Returns number and digest of this rank's contacts, in numbers of the whole scene. Both add
+    /// up over ranks.
     pub fn digest(&self, contacts: &Contacts) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in &contacts.plain {
@@ -248,7 +249,8 @@ where
         let scene = self.bodies.scene(self.radius);
         match self.lattice {
             None => Loaded::Open(scene.into()),
-            // It suited an empty scene of this dimension, stored in f64 as this one.
+            // Valid, because the box was checked with an empty scene of the same dimension and
+            // storage.
             Some(lattice) => Loaded::InBox(Periodic::new(scene.into(), lattice).unwrap()),
         }
     }

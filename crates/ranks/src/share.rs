@@ -1,4 +1,4 @@
-//! What each rank makes or reads of a scene.
+//! The part of a scene that each rank makes or reads.
 
 use anyhow::{Context, ensure};
 
@@ -10,37 +10,30 @@ use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::rank::together;
 use crate::world::World;
 
-/// Particles that one rank brings, whoever will own them.
+/// Particles that one rank contributes, whichever rank will own them.
 #[derive(Clone, Debug)]
 pub struct Share {
-    /// With the box of the whole scene.
+    /// The particles, with the box of the whole scene.
     pub given: Given,
-    /// The number of the first in the whole scene.
+    /// Number of the first particle in the whole scene.
     pub first: u64,
-    /// Frames in the file that they are from; 1 of what is made.
+    /// Number of frames in the file; 1 for a generated scene.
     pub frames: u64,
 }
 
-/// Parts of a scene for ranks.
 pub trait Dealt {
-    /// What one of the ranks brings. Of a file of npy rows it keeps no others; of other files, and
-    /// of what is made, it holds the whole for a moment.
-    ///
-    /// # Errors
-    /// As [`Origin::whole`].
+    /// Returns the part of one rank. It reads only these rows of an npy file; other files and
+    /// generated scenes are held completely for a moment. Fails as [`Origin::whole`].
     fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share>;
 
-    /// A scene of its own for each rank, with seeds that follow each other, side by side along x: a
-    /// scene that grows with the number of ranks, of which no rank makes more than its part.
+    /// Returns a separate scene for each rank, with consecutive seeds, side by side along x: the
+    /// scene grows with the number of ranks, and no rank makes more than its part.
     ///
     /// # Errors
-    /// As [`Origin::whole`]; a file, a box that repeats.
+    /// Fails as [`Origin::whole`], and for a file or a periodic box.
     fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
 
-    /// The scene of this many ranks, in one piece.
-    ///
-    /// # Errors
-    /// The same.
+    /// Returns the scene of this many ranks in one piece. Fails as [`Dealt::beside`].
     fn row(&self, ranks: usize) -> anyhow::Result<Given>;
 }
 
@@ -78,7 +71,7 @@ impl Dealt for Origin {
     }
 }
 
-/// The scene of one rank, with a seed of its own.
+/// Makes the scene of one rank, with its own seed.
 fn seeded(origin: &Origin, rank: usize) -> anyhow::Result<Given> {
     let Origin::Made(spec) = origin else {
         anyhow::bail!("--each is for scenes that are made; a file is dealt out: leave it out");
@@ -94,7 +87,6 @@ fn seeded(origin: &Origin, rank: usize) -> anyhow::Result<Given> {
 }
 
 impl Share {
-    /// Part `rank` of a scene.
     pub fn of(given: &Given, rank: usize, ranks: usize) -> Share {
         let n = given.scene.len() as u64;
         let end = |k: usize| (n * k as u64 / ranks as u64) as u32;
@@ -107,8 +99,8 @@ impl Share {
     }
 }
 
-/// How much farther along x the next scene begins: centres are nine tenths of the largest diameter
-/// apart where one ends.
+/// Returns the offset of the next scene along x, such that centres on both sides are nine tenths of
+/// the largest diameter apart.
 fn width(given: &Given) -> f64 {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     contactbench_core::with_scene!(&given.scene, scene => for x in scene.centres() {

@@ -1,21 +1,23 @@
-//! Where particles live, and who else must know of them.
+//! Which rank owns a particle, and which other ranks need it.
 //!
-//! A slab is a range of *places*: of one coordinate in open space, of the fraction along one vector
-//! of a box that repeats, taken modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has one
-//! owner, whatever its place is worth. The borders are places of particles: quantiles of a sample,
-//! which all ranks draw alike.
+//! A slab is a range of *places*: values of one coordinate in open space, or of the fraction along
+//! one vector of a periodic box, taken modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has
+//! one owner, however inaccurate its place. The borders are quantiles of a sample of places, which
+//! is the same in all ranks.
 //!
 //! **In open space** particles touch if |xi - xj| <= ri + rj. Let i be in a slab above that of j,
-//! whose upper border is c: then xj < c along the axis, and a contact means xi - c < ri + rj. With
+//! whose upper border is c. Then xj < c along the axis, and a contact means xi - c < ri + rj. With
 //! R, the largest radius in the slab of j, this is at most ri + R. Rounding is monotone, so the
-//! rounded difference is at most the rounded sum: what fails that comparison touches nothing there.
+//! rounded difference is at most the rounded sum: a particle that fails this comparison touches
+//! nothing in that slab.
 //!
-//! **In a box** a contact through S vectors means, with g the computed dual of vector a, (1) of the
-//! page of frames: |Ta - g·(xi - xj)| <= |g| (ri + rj) + what the others couple, for a whole
-//! number Ta. So the two places, were they exact, are as near on the circle of length 1. A place as
-//! computed is within 4u times the sum of |g| |x| of that, and another u for taking it modulo 1;
-//! the largest of these, twice, and some more for the sums here, is the slack. On the circle the
-//! slab of j is reached from i downwards, from its own place, or upwards, through the face.
+//! **In a box** a contact through S vectors means, with g the computed dual of vector a and (1) of
+//! `periodic/frame.rs`: |Ta - g·(xi - xj)| <= |g| (ri + rj) plus the coupling of the other vectors,
+//! for an integer Ta. So the two exact places are as near on the circle of length 1. A computed
+//! place is within 4u times the sum of |g| |x| of the exact one, and another u for taking it modulo
+//! 1. Twice the largest of these bounds, and a bit more for the sums here, is the slack. On the
+//! circle the slab of j is reached from i downwards, from its own place, or upwards, through the
+//! face.
 
 use contactbench_core::periodic::frame::{Frame, U};
 use contactbench_core::refusal::Refusal;
@@ -26,18 +28,17 @@ use crate::bodies::Numbered;
 use crate::rank::Failure;
 use crate::world::World;
 
-/// Places that each rank contributes to the sample.
+/// Number of places that each rank contributes to the sample.
 const SAMPLE: usize = 512;
 
-/// See the page.
+/// Division of the scene into slabs; see the module.
 #[derive(Clone, Debug)]
 pub struct Slabs<const D: usize> {
     along: Along<D>,
     /// c(1), c(2), ...
     borders: Vec<f64>,
-    /// The largest radius in each slab; less than any where it is empty.
+    /// Largest radius in each slab; minus infinity if it is empty.
     largest: Vec<f64>,
-    /// Of all.
     largest_of_all: f64,
 }
 
@@ -48,7 +49,7 @@ enum Along<const D: usize> {
 }
 
 impl<const D: usize> Slabs<D> {
-    /// Slabs with about equally many of the particles that the ranks hold together.
+    /// Creates slabs with about equal numbers of the particles in all ranks.
     pub fn new(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -57,10 +58,10 @@ impl<const D: usize> Slabs<D> {
     ) -> Result<Slabs<D>, Failure> {
         let along = match lattice {
             None => Along::axis(world, bodies),
-            // The box is the same everywhere, and so is what is refused of it.
+            // The box is the same in all ranks, and so are its refusals.
             Some(lattice) => Along::vector(world, bodies, largest_radius, lattice)?,
         };
-        // One of each so many, drawn: every so many alone could be of one row of a lattice.
+        // Random within each stride: equal strides could all fall on one row of a lattice.
         let step = bodies.len().div_ceil(SAMPLE).max(1);
         let drawn = |begin: usize| {
             let some = step.min(bodies.len() - begin) as u64;
@@ -79,24 +80,24 @@ impl<const D: usize> Slabs<D> {
         Ok(Slabs { along, borders, largest: Vec::new(), largest_of_all: largest_radius })
     }
 
-    /// Learns the largest radius in each slab from what the ranks own.
+    /// Computes the largest radius in each slab from the particles that ranks own.
     pub fn settle(&mut self, world: &impl World, largest: f64) {
         self.largest = vec![f64::NEG_INFINITY; world.size()];
         self.largest[world.rank()] = largest;
         world.largest(&mut self.largest);
     }
 
-    /// The rank that owns what is at `x`.
+    /// Returns the rank that owns a particle at `x`.
     pub fn owner(&self, x: &[f64; D]) -> usize {
         let place = self.along.place(x);
         self.borders.partition_point(|&border| border <= place)
     }
 
-    /// Names the ranks below `rank`, its owner, among whose particles some may touch a particle at
-    /// `x` of radius `r`; each once.
+    /// Calls `send` once for each rank below `rank`, the owner, whose particles may touch a
+    /// particle of radius `r` at `x`.
     pub fn reached(&self, rank: usize, x: &[f64; D], r: f64, send: &mut dyn FnMut(usize)) {
         let place = self.along.place(x);
-        // Not apart where nothing can be said, as of numbers that are none.
+        // NaN counts as near.
         let apart = |gap: f64, radius: f64| gap > self.along.reach(r + radius);
         let mut lowest = rank;
         for below in (0..rank).rev() {
@@ -125,7 +126,8 @@ impl<const D: usize> Slabs<D> {
         }
     }
 
-    /// The axis, or the vector of the box, along which slabs lie: 0, 1 or 2; and is it a vector?
+    /// Returns the axis or box vector along which slabs lie (0, 1 or 2), and whether it is a
+    /// vector.
     pub fn direction(&self) -> (usize, bool) {
         match self.along {
             Along::Axis(axis) => (axis, false),
@@ -135,7 +137,7 @@ impl<const D: usize> Slabs<D> {
 }
 
 impl<const D: usize> Along<D> {
-    /// The axis along which the scene is longest.
+    /// Chooses the axis along which the scene is longest.
     fn axis(world: &impl World, bodies: &Numbered<D>) -> Along<D> {
         let mut ends = [[f64::NEG_INFINITY; 2]; D];
         for x in bodies.places() {
@@ -144,13 +146,13 @@ impl<const D: usize> Along<D> {
             }
         }
         world.largest(ends.as_flattened_mut());
-        // Halved, so that it does not overflow.
+        // Halved, so that the extent does not overflow.
         let extent = |axis: usize| 0.5 * ends[axis][0] + 0.5 * ends[axis][1];
         let longest = (0..D).rev().max_by(|&a, &b| extent(a).total_cmp(&extent(b)));
         Along::Axis(longest.unwrap_or(0))
     }
 
-    /// The vector whose faces are farthest apart.
+    /// Chooses the vector whose faces are farthest apart.
     fn vector(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -161,7 +163,8 @@ impl<const D: usize> Along<D> {
         let periodic = (0..3).filter(|&a| frame.periodic[a]);
         let vector = periodic.min_by(|&a, &b| frame.lengths[a].total_cmp(&frame.lengths[b]));
         let vector = vector.unwrap_or(0);
-        // The largest fractions, their negatives, and the largest sums, along each vector.
+        // Along each vector: the largest fraction, the largest negative fraction, and the largest
+        // sum of magnitudes.
         let mut most = [[f64::NEG_INFINITY; 3]; 3];
         for x in bodies.places() {
             for a in (0..3).filter(|&a| frame.periodic[a]) {
@@ -190,7 +193,7 @@ impl<const D: usize> Along<D> {
         }
     }
 
-    /// How far apart the places of two may be that touch, if this is the sum of their radii.
+    /// Returns how far apart the places of touching particles with this sum of radii may be.
     fn reach(&self, sum: f64) -> f64 {
         match self {
             Along::Axis(_) => sum,

@@ -31,12 +31,11 @@ use contactbench::stats::interval::{COVERAGE, Interval};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table;
 
-/// Options of `ranks`.
 #[derive(clap::Args)]
 pub struct Ranks {
     #[command(flatten)]
     source: Source,
-    /// Who searches in each rank, with parameters as in streamed-nbs:level=avx2
+    /// Detector of each rank, with parameters as in streamed-nbs:level=avx2
     #[arg(
         long,
         default_value = table::DEFAULT,
@@ -44,8 +43,7 @@ pub struct Ranks {
         hide_possible_values = true
     )]
     detector: String,
-    /// Numbers of ranks, one after the other, as threads of this process; under mpirun its ranks
-    /// are taken
+    /// Numbers of ranks to run in turn, as threads of this process; mpirun sets the number itself
     #[arg(
         long,
         value_name = "NUMBERS",
@@ -54,22 +52,20 @@ pub struct Ranks {
         value_parser = values::whole::<usize>
     )]
     ranks: Vec<usize>,
-    /// Each rank makes such a scene, with a seed of its own, and they are put side by side along x:
-    /// the whole grows with the number of ranks
+    /// Give each rank a scene with a seed of its own, side by side along x, so that the whole scene
+    /// grows with the number of ranks
     #[arg(long)]
     each: bool,
-    /// Steps that are timed, after one that is not
+    /// Number of timed steps, after one warm-up step
     #[arg(long, default_value_t = 9, value_parser = values::whole::<usize>)]
     steps: usize,
-    /// Do not look for the contacts in one process, to compare them: for scenes that one machine
-    /// cannot hold
+    /// Do not compare with the contacts of one process, for scenes too large for one machine
     #[arg(long)]
     unchecked: bool,
-    /// Also print what steps would take on up to 1,024 ranks, each with as many particles
+    /// Also print predicted steps on up to 1,024 ranks, each with as many particles
     #[arg(long)]
     model: bool,
-    /// The network of the model: seconds until an empty message is there, and bytes per second of a
-    /// rank
+    /// Network of the model: seconds for an empty message, and bytes per second of a rank
     #[arg(long, value_name = "SECONDS,RATE", default_value = "2e-6,1e9")]
     network: Network,
     /// Also append a line of JSON for each number of ranks to a file
@@ -79,7 +75,6 @@ pub struct Ranks {
     limit: Limit,
 }
 
-/// Measures, checks, prints.
 pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
     ensure!(options.steps >= 1, "--steps 0: at least one is needed");
@@ -127,7 +122,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     say(options, &rows)
 }
 
-/// More would take longer to start than to work.
+/// More threads would take longer to start than to work.
 const MOST_THREADS: usize = 64;
 
 #[cfg(feature = "mpi")]
@@ -138,7 +133,8 @@ fn by_mpi<'a>(
 ) -> anyhow::Result<ExitCode> {
     let world = crate::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
-    // With other steps they would wait for each other, and so they would where one has no file.
+    // With different options ranks would wait for each other, so all compare them first; the same
+    // holds if one has no file.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
     let origin = match same {
         true => together(&world, options.source.input.origin(name)),
@@ -161,8 +157,8 @@ fn by_mpi<'a>(
     let (mut row, origin) = match row {
         Ok(row) => row,
         Err(error) => {
-            // Whoever knows why says it, and the first, where what they bring differs. Nobody ends
-            // before that: mpirun ends all when one has failed.
+            // A rank that knows the reason prints it; if options differ, rank 0 does. No rank exits
+            // earlier, because mpirun then kills the others.
             let knows = match error.downcast_ref() {
                 Some(Failure::Elsewhere(_)) => false,
                 Some(Failure::Unlike(_)) => rank == 0,
@@ -194,7 +190,7 @@ fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::R
     )
 }
 
-/// Ranks that end because of another do not know why.
+/// Returns the reason of the rank that failed first; ranks that end because of it do not know it.
 fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
     let mut ended = None;
     for row in rows {
@@ -297,7 +293,7 @@ fn table(rows: &[Row]) -> Table {
         .into()
 }
 
-/// A model is worth two digits.
+/// Rounds to two digits, which is the accuracy of the model.
 fn two_digits(ms: f64) -> String {
     let decimals = 1 - ms.abs().log10().floor().clamp(-9.0, 9.0) as i32;
     let scale = 10f64.powi(decimals);

@@ -1,4 +1,4 @@
-//! What ranks say to each other, and ranks that are threads.
+//! Communication between ranks, and ranks as threads.
 
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -6,25 +6,26 @@ use std::thread;
 
 use crate::rank::Failure;
 
-/// The ranks that work on one scene, as one of them sees them. All of them call the same functions
-/// in the same order, as in MPI.
+/// The ranks that work on one scene, from the view of one of them. All ranks must call the same
+/// functions in the same order, as in MPI.
 pub trait World {
-    /// Its number, from 0.
+    /// Returns the number of this rank, from 0.
     fn rank(&self) -> usize;
-    /// How many there are, at least 1.
+    /// Returns the number of ranks, at least 1.
     fn size(&self) -> usize;
-    /// Adds the numbers of all ranks, place by place, modulo 2^64.
+    /// Replaces `numbers` by their sums over all ranks, element by element, modulo 2^64.
     fn sum(&self, numbers: &mut [u64]);
-    /// The largest numbers of all ranks, place by place; none is NaN.
+    /// Replaces `numbers` by their maxima over all ranks, element by element; none may be NaN.
     fn largest(&self, numbers: &mut [f64]);
-    /// Part k goes to rank k. In the place of each is then what came from that rank.
+    /// Sends part k to rank k, and replaces it by the part received from rank k.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`](contactbench_core::Refusal) in any rank: no room for what comes.
+    /// Returns [`Refusal::Exhausted`](contactbench_core::Refusal) if any rank has no memory for its
+    /// parts.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 
-/// A rank that is a thread of this process: for tests, and to try what MPI will do.
+/// A rank as a thread of this process, for tests and to try an MPI run.
 pub struct Thread {
     rank: usize,
     shared: Arc<Shared>,
@@ -36,28 +37,28 @@ struct Shared {
     turned: Condvar,
 }
 
-/// Each rank has a place of its own in each list.
+/// Shared data of all ranks; each rank has one entry in each list.
 struct Table {
     arrived: usize,
     round: u64,
-    /// Have all threads been started?
+    /// Whether all threads were started, once known.
     complete: Option<bool>,
-    /// The first that ended: where others meet, it is missing.
+    /// The first rank that ended; the others must not wait for it.
     left: Option<usize>,
-    /// The first that panicked.
+    /// The first rank that panicked.
     lost: Option<usize>,
     numbers: Vec<Vec<u64>>,
     mail: Vec<Vec<Vec<u8>>>,
 }
 
-/// Does the work in so many threads, one for each rank; what they return is in their order.
+/// Runs `work` in one thread per rank and returns the results in order.
 ///
 /// # Errors
-/// The system does not start that many threads; no work was done.
+/// Fails before any work if the system cannot start that many threads.
 ///
 /// # Panics
-/// As the work of the first rank that does. Who then waits for it panics, too, and so does whoever
-/// waits for a rank that has returned.
+/// Panics as the first rank that does. Ranks that then wait for it panic, too, and so do ranks that
+/// wait for a rank that has returned.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
@@ -84,7 +85,7 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
         {
             std::panic::resume_unwind(cause);
         }
-        // Nobody has panicked, and all were started.
+        // No thread panicked, and all were started.
         Ok(ended.into_iter().filter_map(|end| end.ok().flatten()).collect())
     })
 }
@@ -94,14 +95,14 @@ impl Shared {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives the table away, and gets it back when something has turned.
+    /// Releases the table until another rank changes it.
     fn turn<'a>(&self, table: MutexGuard<'a, Table>) -> MutexGuard<'a, Table> {
         self.turned.wait(table).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Thread {
-    /// Waits until it is known whether all ranks have been started.
+    /// Waits until it is known whether all ranks were started.
     fn is_complete(&self) -> bool {
         let mut table = self.shared.table();
         loop {
@@ -112,7 +113,7 @@ impl Thread {
         }
     }
 
-    /// Until all ranks are here.
+    /// Waits until all ranks have called this.
     fn wait(&self) {
         let mut table = self.shared.table();
         let round = table.round;
@@ -130,7 +131,7 @@ impl Thread {
         }
     }
 
-    /// Puts something on the table, and takes something when all have done so.
+    /// Stores something in the table, and reads the result once all ranks have stored.
     fn meet<R>(
         &self,
         put: impl FnOnce(&mut Table, usize),
@@ -143,7 +144,7 @@ impl Thread {
         taken
     }
 
-    /// Hands the numbers of all ranks to `take`, each with its place in the list.
+    /// Calls `take` with each number of all ranks and its place in the list.
     fn all(&self, mine: Vec<u64>, mut take: impl FnMut(usize, u64)) {
         self.meet(
             |table, rank| table.numbers[rank] = mine,
@@ -205,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_ranks_get_the_same_sums_and_each_its_own_mail() {
+    fn all_ranks_get_equal_sums_and_their_own_parts() {
         for size in [1, 2, 5] {
             let seen = threads(size, |world| {
                 let me = world.rank();
@@ -234,14 +235,14 @@ mod tests {
     }
 
     #[test]
-    fn a_rank_that_panics_takes_the_others_along() {
+    fn a_panic_in_one_rank_ends_all() {
         let panics = std::panic::catch_unwind(|| {
             threads(3, |world| {
                 assert!(world.rank() != 1, "on purpose");
                 world.sum(&mut [1]);
             })
         });
-        // Of what it said, not of what the others say for it.
+        // The reason of the rank that panicked, not of those that waited for it.
         assert_eq!(panics.unwrap_err().downcast_ref::<&str>(), Some(&"on purpose"));
     }
 

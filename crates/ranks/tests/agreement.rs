@@ -1,5 +1,5 @@
-//! A scene over several ranks has the contacts that it has in one process: all generators and hard
-//! cases, in boxes or not, all detectors.
+//! A scene on several ranks has the contacts that one process finds: all generators and hard cases,
+//! in boxes and in open space, with all detectors.
 
 use contactbench::detect::spec::parse;
 use contactbench::detect::table::TABLE;
@@ -13,7 +13,7 @@ use contactbench_ranks::{Row, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 
-/// Small scenes of all kinds: lattices in touch, sizes that differ, boxes smaller than the reach.
+/// Small scenes of all kinds: touching lattices, different sizes, boxes smaller than the reach.
 const SCENES: [&str; 12] = [
     "packed:n=0",
     "packed:n=300",
@@ -40,7 +40,7 @@ fn ask(given: &Given, detector: &str, ranks: usize) -> Result<Row, Failure> {
 }
 
 #[test]
-fn ranks_find_what_one_process_finds() {
+fn ranks_find_the_contacts_of_one_process() {
     let direct = parse("direct").unwrap();
     let detectors: Vec<&str> =
         TABLE.iter().filter(|entry| entry.must_be_right()).map(|entry| entry.name).collect();
@@ -52,7 +52,7 @@ fn ranks_find_what_one_process_finds() {
     for (k, scene) in scenes.enumerate() {
         let given = Spec::parse(&scene).unwrap().given().unwrap();
         let setting = Setting { spec: &direct, memory_limit: MEMORY, steps: 1 };
-        // Those of which nobody lists the pairs.
+        // Skips scenes that no process can list.
         let Ok(truth) = whole(&given, setting) else { continue };
         // Every other one with three ranks, and one of them with every other number.
         let turn = detectors[k % detectors.len()];
@@ -66,8 +66,8 @@ fn ranks_find_what_one_process_finds() {
                     assert!(row.ranks == ranks && row.n == given.scene.len() as u64);
                     sent += row.sent;
                 }
-                // Detectors with cells, of scenes with few large cells in the whole: a slab of dust
-                // has small ones.
+                // A detector with cells may refuse only on ranks: the whole scene has few large
+                // cells, but a slab of dust has many small ones.
                 Err(_) => refused += 1,
             }
             answers += 1;

@@ -9,7 +9,6 @@ use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench-ranks");
 
-/// A run that has ended.
 struct Ended {
     code: Option<i32>,
     stdout: String,
@@ -28,19 +27,18 @@ fn finished(mut command: Command) -> Ended {
     Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// A run that succeeds.
+/// Runs the program, which must succeed.
 fn good(folder: &Path, words: &[&str]) -> Ended {
     let ended = finished(program(folder, words));
     assert_eq!(ended.code, Some(0), "{words:?}: {}{}", ended.stdout, ended.stderr);
     ended
 }
 
-/// Writes a scene to a file.
 fn scene(folder: &Path, text: &str, file: &str) {
     write::scene(&folder.join(file), &Spec::parse(text).unwrap().given().unwrap()).unwrap();
 }
 
-/// The rows of a call, of one step.
+/// Returns the rows of a run with one step.
 fn rows(folder: &Path, words: &[&str]) -> Vec<Value> {
     let json = folder.join("rows");
     let _ = std::fs::remove_file(&json);
@@ -57,24 +55,24 @@ fn number(row: &Value, name: &str) -> u64 {
 }
 
 #[test]
-fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
+fn ranks_agree_with_one_process_and_report_the_data_sent() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let packed = "packed:dim=3,n=2000";
     let made = rows(folder, &[packed, "--ranks", "1,3"]);
     assert_eq!(made.iter().map(|row| number(row, "ranks")).collect::<Vec<_>>(), [1, 3]);
     assert_eq!((number(&made[0], "sent"), number(&made[1], "partners_most")), (0, 1));
-    // Of one rank and one step, the ratios are those of the times.
+    // With one rank and one step, ratios equal those of the times.
     let real = |name: &str| made[0][name].as_f64().unwrap();
     for (ratio, time) in [("alone_over_step", "step_ms"), ("alone_over_search", "search_ms")] {
         let median = made[0][ratio]["median"].as_f64().unwrap();
         assert!((median - real("alone_ms") / real(time)).abs() < 1e-9 * median, "{ratio}");
     }
     assert!(real("alone_ms") > 0.0 && made[0]["machine"].is_string());
-    // 4 bytes of a number, 8 of each coordinate.
+    // 4 bytes for a number, 8 for each coordinate.
     assert!(number(&made[1], "sent") > 100);
     assert_eq!(number(&made[1], "sent_bytes"), 28 * number(&made[1], "sent"));
-    // From a file, the whole of which is read; around a box, and with sizes.
+    // From a file that is read completely; in a periodic box with sizes.
     scene(folder, packed, "scene.csv");
     let read = rows(folder, &["scene.csv", "--ranks", "3"]);
     assert_eq!(read[0]["digest"], made[0]["digest"]);
@@ -82,7 +80,7 @@ fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
     let around = rows(folder, &[boxed, "--ranks", "4", "--detector", "nbs"]);
     assert!(around[0]["around"] == true && number(&around[0], "partners_most") == 2);
     assert_eq!(number(&around[0], "sent_bytes"), 36 * number(&around[0], "sent"));
-    // A scene for each: twice as many particles on two.
+    // A scene per rank: two ranks have twice as many particles.
     let each = rows(folder, &[packed, "--each", "--ranks", "1,2"]);
     assert_eq!(each.iter().map(|row| number(row, "n")).collect::<Vec<_>>(), [2000, 4000]);
     assert!(2 * number(&each[1], "pairs") > 3 * number(&each[0], "pairs"));
@@ -90,7 +88,7 @@ fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
 
 /// Notices are printed once, as by every verb that reads a file, and not for generated scenes.
 #[test]
-fn what_is_doubtful_is_printed() {
+fn doubts_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::write(folder.join("a.csv"), "x,y,z,r\n0,0,0,1\n0.001,0,0,1\n0,0,1.5,1\n").unwrap();
@@ -108,7 +106,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     let said = good(folder, &["loose:n=1000", "--ranks", "2", "--model"]).stdout;
     let last = said.lines().last().unwrap();
     let words: Vec<&str> = last.split_whitespace().collect();
-    // No further than 64 times the two ranks that were measured.
+    // At most 64 times the two ranks that were measured.
     assert_eq!(words[..2], ["128", "64000"], "{said}");
     let alone = good(folder, &["loose:n=1000", "--ranks", "1", "--model"]).stdout;
     assert!(alone.ends_with("The model needs what two ranks or more send.\n"), "{alone}");
@@ -127,7 +125,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     refuse(&["loose:periodic=true", "--each"], "this one repeats in a box; leave out the box");
     std::fs::write(folder.join("p.csv"), "x,y,r\n0,0,1\n").unwrap();
     refuse(&["p.csv", "--each"], "a file is dealt out: leave it out");
-    // Only the last ranks fail, beyond the largest number, and the others do not wait for them.
+    // Only the last ranks fail, by overflow, and the others do not wait for them.
     let far = "packed:n=4,diameter=1e307";
     good(folder, &[far, "--each", "--ranks", "2"]);
     let ended = finished(program(folder, &[far, "--each", "--ranks", "16"]));
@@ -142,10 +140,10 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     }
 }
 
-/// By real processes, where the program is built for it and there is an `mpirun`.
+/// With real processes, if the program was built with `mpi` and there is an `mpirun`.
 #[cfg(feature = "mpi")]
 #[test]
-fn processes_of_mpi_find_what_threads_find() {
+fn mpi_processes_find_the_contacts_of_threads() {
     match Command::new("mpirun").arg("--version").output() {
         Ok(_) => {
             of_mpi().or_else(|_| of_mpi()).unwrap_or_else(|why| eprintln!("not tested: {why}"))
@@ -183,7 +181,7 @@ fn of_mpi() -> Result<(), String> {
     }
     let ended = mpirun("3", &["missing.npy"]);
     assert!(ended.code != Some(0) && ended.stderr.contains("missing.npy"), "{}", ended.stderr);
-    // One rank does not find its file, or another one; the other ends, too.
+    // If one rank finds no file, or another one, the other rank ends, too.
     let alone = |words: &'static str| ["-n", "1", PROGRAM].into_iter().chain(words.split(' '));
     scene(folder, "packed:dim=2,n=3000,size-ratio=2", "flat.csv");
     scene(folder, "packed:dim=3,n=2000,size-ratio=2", "few.npy");

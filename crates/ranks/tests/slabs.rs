@@ -1,4 +1,4 @@
-//! Slabs and what is sent between them, on scenes where both are known.
+//! Slabs and the data sent between them, on scenes where both are known.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
@@ -14,11 +14,10 @@ use contactbench_ranks::world::{Thread, World, threads};
 
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
-/// What each rank has found: contacts in the numbers of the whole scene, what it has sent, and how
-/// many particles of others it has.
+/// Result of each rank: contacts in numbers of the whole scene, digest, data sent, and halo size.
 type Found = (Vec<ImagePair>, Digest, Traffic, usize);
 
-/// The contacts by so many ranks, each of which brings the particles that come to it by turns.
+/// Runs several ranks, each starting with particles dealt in turn.
 fn ask<const D: usize>(
     scene: &Scene<'_, f64, D>,
     lattice: Option<Lattice>,
@@ -37,7 +36,7 @@ where
         let mut rank = Rank::new(world, bodies, lattice)?;
         let mut searcher = Searcher::new(&spec, OPTIONS);
         let mut contacts = Contacts::default();
-        // Again and again, as a simulation does.
+        // Repeatedly, as in a simulation.
         let mut traffic = Traffic::default();
         for _ in 0..2 {
             traffic = rank.refresh(world)?;
@@ -67,8 +66,8 @@ where
     contacts.sorted(scene.len(), u64::MAX)
 }
 
-/// The ranks find each contact once. Returns how many there are, and how many were found with
-/// particles of another rank.
+/// Asserts that the ranks find each contact once. Returns the number of contacts, and of those with
+/// a halo particle.
 fn agree<const D: usize>(
     scene: &Scene<'_, f64, D>,
     lattice: Option<Lattice>,
@@ -106,7 +105,7 @@ where
         let sent: u64 = found.iter().map(|rank| rank.2.particles).sum();
         let got: usize = found.iter().map(|rank| rank.3).sum();
         assert_eq!(sent, got as u64);
-        // Nothing below the first, nothing of oneself.
+        // The first rank sends nothing below it, and no rank sends to itself.
         assert_eq!(found[0].2, Traffic::default());
         assert!(ranks > 1 || got == 0);
         seen = [seen[0] + expected.len() as u64, seen[1] + sent];
@@ -114,29 +113,29 @@ where
     seen
 }
 
-/// A lattice in touch: borders of slabs are places of particles, and of many at once.
+/// A touching lattice: borders of slabs coincide with the places of many particles.
 #[test]
-fn borders_that_are_places_of_particles_part_them() {
+fn borders_at_particles_separate_them() {
     let at = |k: usize| nalgebra::Point::from([(k % 12) as f64, (k / 12) as f64]);
     let centres: Vec<_> = (0..60).map(at).collect();
     let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
     let found = ask(&scene, None, "nbs", 4).unwrap();
     let pairs: usize = found.iter().map(|rank| rank.0.len()).sum();
     assert_eq!(pairs, 11 * 5 + 12 * 4);
-    // Columns of five, of which each rank but the first sends its lowest, and the next, which is as
-    // far from the border as a contact can be.
+    // Columns of five particles. Each rank but the first sends its lowest column and the next one,
+    // which is just within reach of the border.
     assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 10]);
     let cylinder = Lattice::along_axes([12.0, 1.0, 1.0], [true, false, false]).unwrap();
     let found = ask(&scene, Some(cylinder), "nbs", 4).unwrap();
     let pairs: usize = found.iter().map(|rank| rank.0.len()).sum();
     assert_eq!(pairs, 12 * 5 + 12 * 4);
-    // The last one sends its highest, too: to the first.
+    // The last rank also sends its highest column to the first.
     assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 15]);
 }
 
-/// In the order of a file, rows as long as the sample's step: the sample must not be of one column.
+/// Rows in file order, as long as the stride of the sample: the sample must not fall on one column.
 #[test]
-fn a_lattice_is_dealt_out_evenly_in_whatever_rows() {
+fn a_lattice_is_divided_evenly_for_any_row_length() {
     let at = |k: usize| nalgebra::Point::from([k % 64, k / 64 % 16, k / 1024].map(|x| x as f64));
     let centres: Vec<_> = (0..64 * 16 * 32).map(at).collect();
     let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
@@ -150,9 +149,9 @@ fn a_lattice_is_dealt_out_evenly_in_whatever_rows() {
     }
 }
 
-/// One body that is larger than all slabs, and dust: only the giant's neighbourhood travels far.
+/// One particle larger than all slabs, and dust: only particles near the giant are sent far.
 #[test]
-fn a_body_larger_than_slabs_is_sent_to_all_that_it_reaches() {
+fn a_particle_larger_than_slabs_is_sent_to_all_it_reaches() {
     for place in [0.0, 50.0, 100.0] {
         let mut centres: Vec<_> =
             (0..=100).map(|k| nalgebra::Point::from([k as f64, 0.0])).collect();
@@ -166,7 +165,7 @@ fn a_body_larger_than_slabs_is_sent_to_all_that_it_reaches() {
 }
 
 #[test]
-fn what_one_rank_refuses_ends_all() {
+fn a_refusal_of_one_rank_ends_all() {
     let failures = threads(3, |world| {
         let refused = Refusal::Exhausted { bytes: 1 };
         together(world, if world.rank() == 1 { Err(Failure::Here(refused)) } else { Ok(()) })
@@ -181,7 +180,7 @@ fn what_one_rank_refuses_ends_all() {
 }
 
 #[test]
-fn ranks_with_parts_of_two_scenes_end() {
+fn ranks_with_different_scenes_fail() {
     fn of<const D: usize>(world: &Thread, lattice: Option<Lattice>) -> Option<Failure>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
@@ -201,10 +200,10 @@ fn ranks_with_parts_of_two_scenes_end() {
     assert_eq!(threads(3, missing).unwrap(), unlike("its box"));
 }
 
-/// Places are rounded by what the particles are away: tangent ones must not be taken for apart.
+/// Particles far from the box have inaccurate places; tangent ones must still be sent.
 #[test]
-fn tangent_bodies_many_boxes_away_are_sent() {
-    // A tenth is no double, and neither are the fractions; the coordinates are.
+fn tangent_particles_many_boxes_away_are_sent() {
+    // A tenth and the fractions are not doubles; the coordinates are.
     let cylinder = Lattice::along_axes([5.0, 9.0, 1.0], [true, false, false]).unwrap();
     for seed in 0..20 {
         let away = |k: u64| (splitmix64(seed << 8 ^ k) % 2001) as f64 - 1000.0;
@@ -217,7 +216,7 @@ fn tangent_bodies_many_boxes_away_are_sent() {
     }
 }
 
-/// Twice the largest double is none.
+/// Twice the largest double overflows.
 #[test]
 fn slabs_lie_along_the_longest_axis_however_long() {
     let centres = [[-1.2e308, -1.7e308], [1.2e308, 1.7e308]].map(nalgebra::Point::from);

@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_form_gives_every_value_used() {
+    fn the_command_line_sets_every_value() {
         let spec = Spec::parse("packed:dim=3,n=27,seed=2,order=morton,spacing=1").unwrap();
         let Spec { name, dim, n, seed, order, params, .. } = spec;
         assert_eq!((&*name, dim, n, seed, order), ("packed", 3, 27, 2, Order::Morton));
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_requests_are_refused_by_name() {
+    fn invalid_parameters_are_refused_by_name() {
         for (text, words) in [
             ("packd", "there is no scene 'packd'; did you mean packed?; the scenes are: packed, l"),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),

@@ -114,7 +114,7 @@ fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
 
 /// Border particles have fewer neighbours than others, but most particles are inside.
 #[test]
-fn packs_and_lattices_have_their_neighbours() {
+fn packings_and_lattices_have_their_neighbours() {
     let [plane, of_space] =
         [2, 3].map(|dim| coordination(&make(&format!("packed:n=4000,dim={dim}"))));
     assert!((3.2..4.0).contains(&plane) && (5.5..7.5).contains(&of_space), "{plane} {of_space}");
@@ -153,7 +153,7 @@ fn jitter_stays_in_its_bounds() {
 }
 
 #[test]
-fn loose_and_clustered_fill_the_box_as_asked() {
+fn loose_and_clustered_have_the_requested_fraction() {
     for dim in [2, 3] {
         for ratio in [1, 4] {
             let of = format!("dim={dim},fraction=0.05,size-ratio={ratio},diameter=3");
@@ -233,7 +233,7 @@ fn radii(text: &str) -> Vec<f64> {
 }
 
 #[test]
-fn sizes_are_distributed_as_asked() {
+fn sizes_have_the_requested_distribution() {
     let even = radii("packed:n=2000,size-ratio=5");
     let mean = even.iter().sum::<f64>() / 2000.0;
     assert!(even.iter().all(|r| (0.2..=1.0).contains(r)) && (mean - 0.6).abs() < 0.02, "{mean}");
@@ -271,7 +271,7 @@ fn sizes_are_distributed_as_asked() {
 }
 
 #[test]
-fn settled_bodies_overlap_as_far_as_asked() {
+fn settled_particles_overlap_up_to_the_limit() {
     for (text, overlap) in [
         ("settled:n=2000,fraction=0.4,overlap=0", 0.0),
         ("settled:n=2000,dim=3,fraction=0.25,overlap=0", 0.0),
@@ -312,7 +312,7 @@ fn settled_bodies_overlap_as_far_as_asked() {
 }
 
 #[test]
-fn what_cannot_be_made_is_refused() {
+fn impossible_scenes_are_refused() {
     for (text, words) in [
         ("settled:n=500,fraction=0.8", &["no room for body", "0.8 was asked for"][..]),
         ("settled:n=1,fraction=0.9,periodic=true", &["overlaps its own image"]),
@@ -361,7 +361,7 @@ fn book_packs_touch_exactly() {
 /// Every pair just touches, no other particles do, and textbook filters miss some pairs if
 /// coordinates are rounded.
 #[test]
-fn couples_touch_and_textbook_filters_lose_them() {
+fn tangent_pairs_touch_and_textbook_filters_lose_them() {
     use contactbench_core::contact::Test;
     use contactbench_core::detect::{Options, table};
     use contactbench_core::oracle;

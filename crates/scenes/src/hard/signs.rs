@@ -1,4 +1,4 @@
-//! Negative coordinates; zeros of both signs and numbers that are nearly zero.
+//! Negative coordinates, zeros of both signs, and numbers near zero.
 //!
 //! ```text
 //!   x        -1.5  -0.5   0.5   1.5

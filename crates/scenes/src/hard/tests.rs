@@ -59,7 +59,7 @@ fn truth(steps: &[Given], arithmetic: Arithmetic) -> Result<Digest, NoTruth> {
 }
 
 #[test]
-fn expected_contacts_are_those_of_the_oracle() {
+fn expected_contacts_agree_with_the_oracle() {
     for (case, dim, steps) in valid() {
         let truth = truth(&steps, Arithmetic::Exact).unwrap();
         if let Expect::Contacts(contacts) = case.expect {
@@ -231,7 +231,7 @@ fn every_cell_of_the_mask_is_needed() {
 
 /// The book's filters as printed miss contacts on cases about borders.
 #[test]
-fn textbook_filters_fail_where_the_catalogue_says_so() {
+fn textbook_filters_fail_on_border_cases() {
     let mut wrong: BTreeSet<(&str, &str)> = BTreeSet::new();
     for (case, _, steps) in valid() {
         let Ok(truth) = truth(&steps, Arithmetic::Textbook) else {

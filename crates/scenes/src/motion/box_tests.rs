@@ -28,7 +28,7 @@ fn fractions(given: &Given, v: usize) -> Vec<f64> {
 }
 
 #[test]
-fn bodies_stay_in_the_box_and_between_walls_where_it_is_open() {
+fn particles_stay_in_the_box_and_between_walls() {
     for text in BOXES {
         let scene = scene(text);
         let repeats = lattice(&scene).periodic();
@@ -70,7 +70,7 @@ fn bodies_stay_in_the_box_and_between_walls_where_it_is_open() {
 /// Seen from the middle, the faces along y move with the given speed. A tilt beyond one half is
 /// flipped back.
 #[test]
-fn a_shear_is_one_of_the_box() {
+fn a_shear_deforms_the_box() {
     let still = scene("loose:dim=3,n=60,fraction=0.3,periodic=true,tilt=0.4,offset=7");
     let [[x, ..], [xy, y, _], z] = *lattice(&still).vectors();
     let corner = lattice(&still).origin()[1];
@@ -106,7 +106,7 @@ fn a_shear_is_one_of_the_box() {
 }
 
 #[test]
-fn what_does_not_go_in_boxes_is_refused_in_a_sentence() {
+fn unsupported_motions_in_boxes_are_refused() {
     for kind in Kind::ALL {
         let made = Frames::new(&scene(BOXES[0]), motion(kind, 0.1));
         assert_eq!(made.is_ok(), goes().contains(&kind), "{kind:?}");

@@ -93,7 +93,7 @@ const GOLDEN_BOXES: [[u64; 3]; 5] = [
 ];
 
 #[test]
-fn no_particle_is_faster_than_it_is_said_to_be_and_one_is_nearly_so() {
+fn the_fastest_particle_has_about_the_given_speed() {
     for (text, dim) in [("loose:dim=2,n=2000", 2), ("loose:dim=3,n=2000,diameter=1", 3)] {
         let scene = scene(text);
         for kind in Kind::ALL {
@@ -113,7 +113,7 @@ fn no_particle_is_faster_than_it_is_said_to_be_and_one_is_nearly_so() {
 }
 
 #[test]
-fn walls_keep_all_and_layers_keep_their_height() {
+fn walls_contain_all_particles_and_layers_keep_their_height() {
     let scene = scene("loose:dim=2,n=300");
     let edges = |all: &[f64], axis: usize| {
         let along = all.iter().skip(axis).step_by(2);
@@ -139,7 +139,7 @@ fn walls_keep_all_and_layers_keep_their_height() {
 }
 
 #[test]
-fn scenes_of_one_and_of_none_move_and_without_a_diameter_or_an_extent_do_not() {
+fn small_scenes_move_unless_they_lack_a_diameter_or_extent() {
     let none = Scene::<f64, 2>::new(Vec::new(), Radii::Uniform(1.0)).unwrap().into();
     for scene in [scene("loose:dim=2,n=1"), scene("loose:dim=3,n=1"), none] {
         for kind in Kind::ALL {
@@ -161,7 +161,7 @@ fn scenes_of_one_and_of_none_move_and_without_a_diameter_or_an_extent_do_not() {
 }
 
 #[test]
-fn motions_are_read_as_they_are_written() {
+fn the_text_of_a_motion_parses_to_itself() {
     for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
         assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
     }

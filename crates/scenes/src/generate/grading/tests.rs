@@ -23,7 +23,7 @@ fn radii(text: &str) -> Vec<f64> {
 
 /// The volumes of the particles made pass each sieve as the curve states.
 #[test]
-fn the_bodies_pass_the_sieves_as_the_curve_says() {
+fn particles_pass_the_sieves_as_the_curve_requires() {
     let text = std::fs::read_to_string(SAND).unwrap();
     let curve: Vec<[f64; 2]> = text.lines().filter_map(point).collect();
     assert_eq!(curve.len(), 6);
@@ -78,7 +78,7 @@ fn the_bits_are_fixed() {
 }
 
 #[test]
-fn what_is_no_curve_is_refused() {
+fn invalid_curves_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("curve.csv");
     let long = "1 0\n".repeat(300_000);
