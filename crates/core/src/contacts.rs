@@ -54,10 +54,8 @@ impl<const D: usize> Contacts<D> {
         Contacts { detector: table::fast(options), pairs: Vec::new() }
     }
 
-    /// Returns the touching pairs as [`contacts`] does; they are valid until the next call.
-    ///
-    /// # Errors
-    /// Fails as [`contacts`], with the memory limit of the options.
+    /// Returns the touching pairs as [`contacts`] does; they are valid until the next call. Fails
+    /// as [`contacts`], with the memory limit of the options.
     pub fn find(&mut self, centres: &[[f64; D]], radii: &[f64]) -> Result<&[[u32; 2]], Error>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,

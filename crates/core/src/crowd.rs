@@ -78,10 +78,8 @@ fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     })
 }
 
-/// Refuses a scene whose list of pairs will almost certainly take more than `limit` bytes.
-///
-/// # Errors
-/// Returns [`Refusal::Crowd`].
+/// Refuses a scene whose list of pairs will almost certainly take more than `limit` bytes. Fails
+/// with [`Refusal::Crowd`].
 pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
     let n = scene.len() as f64;
     let bytes = |each: f64| 0.5 * each * n * PAIR_BYTES as f64;

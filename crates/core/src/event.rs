@@ -32,7 +32,8 @@ pub enum Event {
     Central { cell: [u32; 2] },
     /// Two particles were tested for contact.
     Test { i: u32, j: u32, touching: bool },
-    /// An integerised coordinate was written to the key array of an axis, at the particle's number.
+    /// An integerised coordinate was written to the key array of an axis, at the index of the
+    /// particle.
     Key { axis: usize, particle: u32, key: u32 },
     /// A range of places will be split along an axis, keys below `mid` to the left. `values` are
     /// the bounds of its keys.

@@ -85,7 +85,6 @@ impl Kernel for Turn<'_> {
     }
 }
 
-/// Buffers for one block of pairs that are counted.
 #[derive(Default)]
 struct Room {
     /// Where the pairs of each first index begin, and later end.

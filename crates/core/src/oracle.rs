@@ -84,8 +84,6 @@ pub enum NoTruth {
 }
 
 /// Returns the true contacts of `scene` in `arithmetic`, which may first round the scene to f32.
-///
-/// # Errors
 /// Fails as [`truth_as_stored`], with the limit of [`Options::default`].
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
     let limit = Options::default().memory_limit;
@@ -362,7 +360,6 @@ mod tests {
 
     #[test]
     fn errors_are_counted_apart() {
-        // Unit discs in a row at these distances from the first.
         let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
         let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
         let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;

@@ -11,7 +11,6 @@ use std::sync::{Mutex, PoisonError};
 use crate::pair_list::{self, Allowance, PAIR_BYTES, PairList};
 use crate::refusal::Refusal;
 
-/// Contacts in the order in which they were found.
 type Pairs = Vec<[u32; 2]>;
 
 /// Shares per thread if shares may differ in cost; few enough to have no overhead.
@@ -63,10 +62,7 @@ fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
 
 /// Returns the contacts that `work` finds in ranges of `0..count`, in the order of the ranges. One
 /// thread gets a single range. All lists together may take `limit` bytes; `particles` is used in
-/// messages.
-///
-/// # Errors
-/// Returns [`Refusal::Pairs`] if the limit is too low.
+/// messages. Fails with [`Refusal::Pairs`] if the limit is too low.
 pub fn contacts(
     (count, particles): (usize, usize),
     threads: usize,
@@ -80,7 +76,6 @@ pub fn contacts(
     pair_list::lists(found, particles)
 }
 
-/// Returns the bytes that lists of contacts occupy.
 pub fn bytes(lists: &[Pairs]) -> u64 {
     lists.iter().map(|pairs| pairs.capacity() as u64 * PAIR_BYTES).sum()
 }

@@ -164,10 +164,8 @@ impl Refusal {
     }
 }
 
-/// Reserves space in a list for `more` elements.
-///
-/// # Errors
-/// Returns [`Refusal::Exhausted`] if there is no memory.
+/// Reserves space in a list for `more` elements. Fails with [`Refusal::Exhausted`] if there is no
+/// memory.
 pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
@@ -182,7 +180,6 @@ pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     }
 }
 
-/// Payload of this panic.
 struct NoMemory {
     bytes: u64,
 }
@@ -196,7 +193,6 @@ pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
 /// With more images per particle than this, boxes are much smaller than the particles.
 const MANY: f64 = 100.0;
 
-/// Formats a mean number of contacts.
 fn count(each: f64) -> String {
     if each < 10.0 { format!("{each:.1}") } else { format!("{each:.0}") }
 }

@@ -64,10 +64,8 @@ impl<'a> Loaded<'a> {
     }
 
     /// Refuses a scene whose contacts without images will almost certainly take more than `limit`
-    /// bytes. Contacts with images are estimated when images are made.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Crowd`].
+    /// bytes. Contacts with images are estimated when images are made. Fails with
+    /// [`Refusal::Crowd`].
     pub fn within(&self, limit: u64) -> Result<(), Refusal> {
         crowd::within(self.scene(), limit)
     }
@@ -160,10 +158,8 @@ impl Searcher {
         Ok(tally)
     }
 
-    /// Appends the contacts to the lists, and counts operations if there is a tally.
-    ///
-    /// # Errors
-    /// Fails as [`Searcher::list`]; the lists are then unchanged.
+    /// Appends the contacts to the lists, and counts operations if there is a tally. Fails as
+    /// [`Searcher::list`]; the lists are then unchanged.
     pub fn find(
         &mut self,
         frame: Frame<'_>,

@@ -189,8 +189,6 @@ where
 
 /// Works as [`with_bodies`] on a scene in any storage. A rounded test is rounded in that storage;
 /// for the exact test the scene is widened to f64, so that this test is compiled for f64 only.
-///
-/// # Errors
 /// Fails as [`with_bodies`].
 pub fn with_stored<const D: usize, W, O>(
     scene: &Stored<'_, D>,
@@ -246,9 +244,7 @@ where
 
 /// Returns the scene with a contact test that is chosen for each pair, for code that is not timed
 /// and for detectors that seldom call the test. Every storage works, also with the exact test.
-///
-/// # Errors
-/// Returns [`Refusal::Overflow`] as [`with_bodies`].
+/// Fails with [`Refusal::Overflow`] as [`with_bodies`].
 pub fn any_bodies<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
@@ -303,10 +299,8 @@ pub enum Decided<'a> {
 }
 
 impl<'a, const D: usize> Imaged<'a, D> {
-    /// Returns the bodies as detectors need them.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Overflow`] as [`with_bodies`].
+    /// Returns the bodies as detectors need them. Fails with [`Refusal::Overflow`] as
+    /// [`with_bodies`].
     pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);
         let (envelope, rule) = match self.decided {
@@ -323,7 +317,6 @@ impl<'a, const D: usize> Imaged<'a, D> {
     }
 }
 
-/// Reach, slack and margin of a contact test, which filters need.
 struct Envelope {
     reach: f64,
     slack: Slack,

@@ -48,7 +48,6 @@ pub fn depth_of_image<const D: usize>(
     image::with_squares(a, b, ra, rb, shift, relative)
 }
 
-/// Returns the depth for the squares of distance and sum of radii, given in the same unit.
 fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     let order = exact::compare_words(reach, distance);
     let mut rest = [0; image::SQUARE_WORDS];

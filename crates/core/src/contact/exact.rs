@@ -28,7 +28,7 @@ use std::cmp::Ordering;
 
 use super::image::{Shift, with_squares};
 
-/// How two particles lie to each other.
+/// Whether two particles are apart, tangent or overlapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Label {
     /// |a - b| > ra + rb: no contact.

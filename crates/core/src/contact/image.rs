@@ -38,7 +38,6 @@ impl<const D: usize> Shift<'_, D> {
         self.image == [0; 3]
     }
 
-    /// Returns the vectors with a shift other than 0, with their shifts.
     fn terms(&self) -> impl Iterator<Item = (i32, &[f64; D])> {
         self.image.into_iter().zip(self.vectors).filter(|(count, _)| *count != 0)
     }
@@ -122,7 +121,6 @@ pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
 type Word = [u64; WORDS];
 type Square = [u64; SQUARE_WORDS];
 
-/// Returns both squares in units of 2^-2148.
 fn wide<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],

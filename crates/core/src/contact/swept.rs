@@ -145,7 +145,6 @@ mod tests {
         assert!(!both([[1.5, 0.0], [9.0, 0.0]], rest, 0.5, 0.5));
         assert!(!both([[1.5, 0.0], [1.5, 0.0]], rest, 0.5, 0.5), "both at rest");
         assert!(both([[1.0, 0.0], [1.0, 0.0]], rest, 0.5, 0.5));
-        // Both discs move side by side.
         assert!(!both([[0.0, 2.0], [1e9, 2.0]], [[0.0, 0.0], [1e9, 0.0]], 0.5, 0.5));
         assert!(both([[f64::MAX, 0.0], [-f64::MAX, 0.0]], rest, 1e-300, 0.0));
         assert!(both([[5e-324, 0.0], [-5e-324, 0.0]], rest, 0.0, 0.0));

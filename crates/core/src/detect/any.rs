@@ -16,10 +16,7 @@ use crate::with_stored;
 /// [`Arithmetic`](crate::contact::Arithmetic). For the exact test a scene in another storage is
 /// first widened to f64, without rounding.
 pub trait AnyDetector: Send {
-    /// Finds the contacts of `searched`.
-    ///
-    /// # Errors
-    /// Returns the refusals of the detector.
+    /// Finds the contacts of `searched`. Fails with the refusals of the detector.
     fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal>;
 
     /// Returns the limit for a list of pairs, in bytes.
@@ -30,10 +27,8 @@ pub trait AnyDetector: Send {
     fn formula_bytes(&self) -> u64;
 
     /// Appends all pairs to `pairs`. This is the operation that is timed. The list may grow to the
-    /// memory limit of the detector's options.
-    ///
-    /// # Errors
-    /// Returns the refusals of the detector and [`Refusal::Pairs`]; `pairs` is then unchanged.
+    /// memory limit of the detector's options. Fails with the refusals of the detector and
+    /// [`Refusal::Pairs`]; `pairs` is then unchanged.
     fn list(
         &mut self,
         scene: &AnyScene<'_>,
@@ -48,10 +43,8 @@ pub trait AnyDetector: Send {
     }
 
     /// Calls `sink` for every contact, on one thread. Operations are counted as well, because
-    /// another form without counters would have to be compiled for every detector.
-    ///
-    /// # Errors
-    /// Fails as [`AnyDetector::list`].
+    /// another form without counters would have to be compiled for every detector. Fails as
+    /// [`AnyDetector::list`].
     fn visit(
         &mut self,
         scene: &AnyScene<'_>,
@@ -62,10 +55,8 @@ pub trait AnyDetector: Send {
     }
 
     /// Calls `sink` for every contact and counts every operation. The code is that of
-    /// [`AnyDetector::list`], compiled once for all kinds of radii and tests.
-    ///
-    /// # Errors
-    /// Fails as [`AnyDetector::list`].
+    /// [`AnyDetector::list`], compiled once for all kinds of radii and tests. Fails as
+    /// [`AnyDetector::list`].
     fn count(
         &mut self,
         scene: &AnyScene<'_>,
@@ -170,8 +161,6 @@ where
     }
 }
 
-/// Dispatches to a detector; lists are compiled for each kind of radii and test if speed depends on
-/// it.
 fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
     detector: &mut X,
     of: &Of<'_, D>,
@@ -224,10 +213,8 @@ impl<X, const D: usize> DetectorOfAll<D> for X where
 {
 }
 
-/// Runs a concrete detector on a scene in f64.
-///
-/// # Errors
-/// Returns the refusals of the detector and of [`with_bodies`].
+/// Runs a concrete detector on a scene in f64. Fails with the refusals of the detector and of
+/// [`with_bodies`].
 pub fn run<const D: usize>(
     detector: &mut impl Detector<f64, D>,
     scene: &Scene<'_, f64, D>,
@@ -239,8 +226,6 @@ pub fn run<const D: usize>(
 }
 
 /// Runs a concrete detector on a scene in any storage; rounded tests are rounded in that storage.
-///
-/// # Errors
 /// Fails as [`run`].
 pub fn run_stored<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,

@@ -77,10 +77,8 @@ impl Default for Options {
 }
 
 /// Compares the bytes that a detector needs with the limit, before it allocates. `shape` returns a
-/// phrase for what makes the scene so large.
-///
-/// # Errors
-/// Returns [`Refusal::Memory`] if `needed` is over the limit.
+/// phrase for what makes the scene so large. Fails with [`Refusal::Memory`] if `needed` is over the
+/// limit.
 pub fn within(
     options: &Options,
     detector: &'static str,

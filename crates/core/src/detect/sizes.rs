@@ -52,7 +52,6 @@ fn radii() -> Vec<(&'static str, Vec<f64>)> {
 /// Edges of the box: nearly every strip of cells has neighbours, some have, most have none.
 const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 
-/// Returns all detectors that divide particles by size, with all their parameters.
 fn specs() -> Vec<String> {
     let ratios = table::find("hgrid").unwrap().parameters[0].values;
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));

@@ -64,7 +64,6 @@ impl DetectorSpec {
 }
 
 impl From<&'static Entry> for DetectorSpec {
-    /// Returns the detector with default parameters.
     fn from(entry: &'static Entry) -> DetectorSpec {
         DetectorSpec { entry, params: Params::new() }
     }
@@ -144,7 +143,6 @@ pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
     read(entry, &given)
 }
 
-/// Returns the parameters that differ from their defaults.
 fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecError> {
     let names: Vec<&str> = entry.parameters.iter().map(|parameter| parameter.name).collect();
     given.keys(&names, &takes(entry))?;
@@ -173,7 +171,6 @@ fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecErr
     Ok(DetectorSpec { entry, params })
 }
 
-/// Describes the parameters of a detector, for messages.
 fn takes(entry: &Entry) -> String {
     if entry.parameters.is_empty() {
         return format!("{} takes no parameters", entry.name);

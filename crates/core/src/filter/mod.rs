@@ -222,7 +222,6 @@ mod tests {
                     if exact::compare(&[xi, 0.0], &[xj, 0.0], ri, rj).is_le() {
                         let (a, b) = (interval(xi, ri), interval(xj, rj));
                         assert!(b[0] <= a[1] && a[0] <= b[1], "boxes of {xi} {xj} {ri} {rj}");
-                        // The reach of a scene of these two particles.
                         let reach = 2.0 * ri.max(rj);
                         assert!(!beyond(xi, xj, reach), "{xi} {xj} {reach}");
                         touching += 1;

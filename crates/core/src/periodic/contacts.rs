@@ -104,10 +104,8 @@ impl Contacts {
     }
 
     /// Appends the contacts that `find` puts into lists of at most `limit` bytes each. `particles`
-    /// is the number of particles of the scene, for the message.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Pairs`] if the lists would be longer; the contacts are then unchanged.
+    /// is the number of particles of the scene, for the message. Fails with [`Refusal::Pairs`] if
+    /// the lists would be longer; the contacts are then unchanged.
     pub(crate) fn gather<R>(
         &mut self,
         limit: u64,
@@ -229,10 +227,7 @@ impl List {
     }
 
     /// Returns the contacts in ascending order. `particles` is the number of particles of the
-    /// scene, for the message.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Pairs`] if not all contacts were stored.
+    /// scene, for the message. Fails with [`Refusal::Pairs`] if not all contacts were stored.
     pub fn end(mut self, particles: usize) -> Result<Vec<ImagePair>, Refusal> {
         if !self.is_complete() {
             return Err(Refusal::Pairs {

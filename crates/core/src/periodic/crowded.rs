@@ -35,7 +35,7 @@ pub(super) fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
 
 /// Refuses a scene whose contacts with images will almost certainly take more than `limit` bytes.
 /// It samples pairs, in small boxes only. [`crate::crowd::within`] handles contacts without images.
-/// Returns [`Refusal::Crowd`].
+/// Fails with [`Refusal::Crowd`].
 pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(), Refusal> {
     let (n, images) = (u64::from(made.particles()), made.ghosts());
     let (pairs, most) = (n as f64 * images as f64, (limit / IMAGE_PAIR_BYTES) as f64);

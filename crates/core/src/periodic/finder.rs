@@ -248,7 +248,6 @@ impl<'a, const D: usize> Sorted<'a, D> {
         others[..other].iter().for_each(|&[a, b]| self.other(a, b));
     }
 
-    /// Handles a pair that may involve an image.
     fn other(&mut self, a: u32, b: u32) {
         if self.made.are_as_given() {
             if a.min(b) < self.made.particles() {
@@ -263,7 +262,6 @@ impl<'a, const D: usize> Sorted<'a, D> {
         }
     }
 
-    /// Returns the lists after the detection.
     fn end(mut self) -> (PairList<'a>, List) {
         if self.made.are_as_given() {
             for pair in self.shifted.added() {

@@ -68,10 +68,8 @@ pub struct Frame<const D: usize> {
 }
 
 impl<const D: usize> Frame<D> {
-    /// Creates a frame from the given vectors or shorter ones of the same lattice.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Skewed`] if images cannot be separated.
+    /// Creates a frame from the given vectors or shorter ones of the same lattice. Fails with
+    /// [`Refusal::Skewed`] if images cannot be separated.
     pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
         let given = Frame::of(lattice, lattice, AS_GIVEN);
         let (reduced, numbers) = lattice.reduced();

@@ -27,10 +27,8 @@ pub struct Images<const D: usize> {
     wraps: Vec<[i32; 3]>,
     /// One-byte codes of these numbers: for nearly all pairs the codes are equal, which suffices.
     tags: Vec<u8>,
-    /// Particles that may have images.
     candidates: Vec<Candidate<D>>,
     images: Vec<Body>,
-    /// Positions of images.
     centres: Vec<Point<f64, D>>,
     /// Radii of particles and images, if particles have individual radii.
     radii: Vec<f64>,
@@ -38,7 +36,6 @@ pub struct Images<const D: usize> {
 
 const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-/// The memory limit and what is needed.
 struct Budget {
     particles: u64,
     limit: u64,
@@ -46,7 +43,6 @@ struct Budget {
     fixed: f64,
     /// Bytes per image.
     each: f64,
-    /// For the message.
     reach: f64,
 }
 

@@ -143,10 +143,7 @@ impl<'a, const D: usize> Made<'a, D> {
         self.largest_radius
     }
 
-    /// Copies all bodies to an open scene.
-    ///
-    /// # Errors
-    /// Returns [`Refusal::Exhausted`] if there is no memory.
+    /// Copies all bodies to an open scene. Fails with [`Refusal::Exhausted`] if there is no memory.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
         let mut centres = Vec::new();

@@ -120,14 +120,12 @@ impl Reach {
     }
 }
 
-/// Result of one pass over a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Survey<const D: usize> {
     pub corners: Corners<D>,
     /// Least and largest fractions.
     low: [f64; 3],
     high: [f64; 3],
-    /// Number of particles below the bound.
     pub candidates: usize,
 }
 
@@ -139,7 +137,6 @@ const WIDER: f64 = 1.0 / 64.0;
 const FAR: f64 = (1u64 << 20) as f64;
 
 impl<const D: usize> Survey<D> {
-    /// Returns the largest magnitude along each axis.
     pub fn most(&self) -> [f64; D] {
         std::array::from_fn(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
     }
@@ -184,7 +181,6 @@ pub(super) fn survey<const D: usize>(
         let (low, high) = (fractions(corners.0), fractions(corners.1));
         return Survey { corners, low, high, candidates };
     }
-    // Compute fractions and coordinates.
     let both = |x: &[f64; D]| -> [f64; 6] {
         std::array::from_fn(|k| if k < 3 { frame.fraction(k, x) } else { x[(k - 3).min(D - 1)] })
     };
@@ -271,7 +267,6 @@ fn floor(x: f64) -> i32 {
 /// Determines which images are near enough to some owner.
 pub(super) struct Near<'a, const D: usize> {
     pub frame: &'a Frame<D>,
-    /// Corners of the owners.
     pub corners: Corners<D>,
     /// Least and largest fractions of owners.
     low: [f64; 3],
@@ -294,8 +289,8 @@ const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 
 impl<'a, const D: usize> Near<'a, D> {
     /// Creates the bounds for owners that were moved by at most `wraps` vectors from coordinates of
-    /// at most `x_most`. Returns [`Refusal::Range`] if images overflow, and [`Refusal::Skewed`] if
-    /// images cannot be numbered in the given vectors.
+    /// at most `x_most`. Fails with [`Refusal::Range`] if images overflow, and [`Refusal::Skewed`]
+    /// if images cannot be numbered in the given vectors.
     pub fn new(
         frame: &'a Frame<D>,
         found: &Survey<D>,

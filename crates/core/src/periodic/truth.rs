@@ -71,10 +71,7 @@ pub fn truth(
 /// Returns the exactly decided contacts of particles and images as they are stored for an
 /// arithmetic: brought into the box, copied across its faces, and rounded. Compared with
 /// [`truth()`] in exact arithmetic, this shows the effect of storing; compared with [`truth()`] in
-/// the given arithmetic, the effect of its test.
-///
-/// # Errors
-/// Fails as [`truth()`].
+/// the given arithmetic, the effect of its test. Fails as [`truth()`].
 pub fn truth_as_stored(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,

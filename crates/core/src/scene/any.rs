@@ -154,10 +154,7 @@ impl<'a> AnyScene<'a> {
     }
 
     /// Returns the scene in another storage, borrowed if it is already stored in f64 and f64 is
-    /// wanted.
-    ///
-    /// # Errors
-    /// Fails as [`AnyScene::stored`].
+    /// wanted. Fails as [`AnyScene::stored`].
     pub fn as_stored(
         &self,
         storage: impl Into<Storage>,

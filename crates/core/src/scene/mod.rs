@@ -318,7 +318,6 @@ mod tests {
         assert_eq!(points::<2>(&[]).len(), 0);
     }
 
-    /// Extremes in any accumulator and in the remainder.
     #[test]
     fn extremes_are_the_smallest_and_the_largest() {
         assert_eq!(extremes(0, |_| 1.0), None);

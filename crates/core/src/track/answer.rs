@@ -7,7 +7,6 @@ use crate::scene::Scene;
 use crate::sink::Sink;
 use crate::wide::Spot;
 
-/// Receives the listed pairs of a frame.
 pub(super) trait Answer {
     /// Whether pairs are numbered by places or by the scene's particle numbers.
     const BY_PLACE: bool;
@@ -59,7 +58,6 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
         Boxed { scene, spots, around, plain, shifted, exact: 0 }
     }
 
-    /// Returns how many tests used exact arithmetic.
     pub fn exact(&self) -> u64 {
         self.exact
     }

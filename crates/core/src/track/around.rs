@@ -18,13 +18,11 @@ use crate::refusal::{Refusal, reserve};
 use crate::scene::lattice::Numbers;
 use crate::scene::{Lattice, Scene, array};
 
-/// State of a list in a box beyond its pairs of particles.
 pub(super) struct Around<const D: usize> {
     /// The box when the list was built, or `None` in open space.
     then: Option<Lattice>,
     /// Largest sum of a centre's absolute coordinates when the list was built.
     far: f64,
-    /// The box of this frame.
     now: Vectors<D>,
     /// Change of the box since the list was built, if any.
     strain: Option<Strain<D>>,
@@ -53,7 +51,6 @@ impl<const D: usize> Default for Around<D> {
     }
 }
 
-/// The vectors of a frame's box.
 #[derive(Clone, Copy, Debug)]
 struct Vectors<const D: usize> {
     /// Zeros along open axes.
@@ -102,7 +99,6 @@ impl<const D: usize> Vectors<D> {
         }
     }
 
-    /// Returns S·H.
     fn shift(&self, by: [i32; 3]) -> [f64; D] {
         std::array::from_fn(|k| (0..3).map(|v| f64::from(by[v]) * self.vectors[v][k]).sum())
     }
@@ -119,7 +115,7 @@ const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
 /// The linear map F = 1 + A from the box vectors when the list was built to those of this frame.
 struct Strain<const D: usize> {
-    /// A.
+    /// The matrix A.
     by: [[f64; D]; D],
     /// Corner of the box when the list was built; `to` is the corner in this frame.
     from: [f64; D],
@@ -360,7 +356,6 @@ impl<const D: usize> Around<D> {
         }
     }
 
-    /// Returns the bytes held, not counting spare capacity.
     pub fn bytes(&self) -> u64 {
         match self.then {
             Some(_) => {

@@ -110,7 +110,6 @@ impl Course {
     }
 }
 
-/// Particles of one radius in a box with this corner.
 fn boxed<const D: usize>(
     centres: impl IntoIterator<Item = [f64; D]>,
     radius: f64,
@@ -347,7 +346,6 @@ fn trackers_refuse_rounded_arithmetic_in_boxes() {
     assert_eq!(step("verlet(nbs)", Arithmetic::Exact), Ok(2));
     let said = step("verlet(nbs)", Arithmetic::F32).unwrap_err();
     assert!(said.contains("exact arithmetic, not in f32"), "{said}");
-    // The same tracker in open space and in boxes, alternately.
     let mut tracker = tracker("verlet(nbs,skin=0.5)");
     for _ in 0..3 {
         let mut pairs = Vec::new();

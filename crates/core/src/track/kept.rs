@@ -19,7 +19,6 @@ use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
 use crate::searcher::Searcher;
 use crate::wide::{Kernel, Level, Spot, Wide};
 
-/// Number of particles that are processed together.
 const BLOCK: usize = 128;
 
 /// Particles are stored in places, with neighbours in space adjacent in memory; listed pairs are
@@ -29,7 +28,6 @@ pub(super) struct Kept<const D: usize> {
     /// Position of each particle in the last frame and its number, by place.
     spots: Vec<Spot>,
     unit: Unit<D>,
-    /// Positions when the list was built.
     then: Vec<Point<f64, D>>,
     /// Positions in the last frame in f64, for rules that need displacements since then.
     last: Vec<Point<f64, D>>,
@@ -48,12 +46,7 @@ pub(super) struct Kept<const D: usize> {
 
 enum KeptRadii {
     Uniform(f64),
-    Each {
-        /// Radii by particle.
-        given: Vec<f64>,
-        /// Radii by place.
-        placed: Vec<f64>,
-    },
+    Each { given: Vec<f64>, placed: Vec<f64> },
 }
 
 impl Default for KeptRadii {
@@ -63,7 +56,6 @@ impl Default for KeptRadii {
 }
 
 impl<const D: usize> Kept<D> {
-    /// Invalidates the list.
     pub fn forget(&mut self) {
         self.age = None;
     }
@@ -214,7 +206,6 @@ impl<const D: usize> Kept<D> {
         Ok(true)
     }
 
-    /// Returns the skin of the list.
     pub fn skin(&self) -> f64 {
         2.0 * self.half
     }
@@ -239,7 +230,6 @@ impl<const D: usize> Kept<D> {
         tally.get(Op::ExactTest)
     }
 
-    /// Works as [`Kept::pass`] in a box.
     pub fn pass_in_box(
         &self,
         scene: &Scene<'_, f64, D>,
@@ -266,7 +256,6 @@ impl<const D: usize> Kept<D> {
     }
 }
 
-/// Updates particles to the positions of a frame.
 struct Follow<'a, T: Real, const D: usize> {
     kept: &'a mut Kept<D>,
     centres: &'a [Point<T, D>],
@@ -314,18 +303,14 @@ const SPOT: u64 = size_of::<Spot>() as u64;
 
 /// A list that is to be built.
 pub(super) struct Wanted<'a> {
-    /// Half of its skin.
     pub half: f64,
     /// What rounding may add to the reach of the contact test.
     pub rounding: f64,
-    /// The rule that ends it.
     pub rule: Rule,
-    /// The box, if there is one.
     pub lattice: Option<&'a Lattice>,
 }
 
 impl KeptRadii {
-    /// Returns whether these are the radii of the scene.
     fn are<T: Real, const D: usize>(&self, scene: &Scene<'_, T, D>) -> bool {
         match (self, scene.radii()) {
             (KeptRadii::Uniform(kept), Radii::Uniform(r)) => *kept == r.wide(),

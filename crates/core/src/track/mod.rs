@@ -119,7 +119,6 @@ pub struct Step {
     pub building: Duration,
 }
 
-/// Calls its detector in every frame.
 struct EveryStep(Searcher);
 
 impl Tracker for EveryStep {

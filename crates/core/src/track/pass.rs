@@ -7,7 +7,6 @@ use super::answer::Answer;
 use crate::filter::Near;
 use crate::wide::{Kernel, LANES, Spot, Wide};
 
-/// Number of pairs that are passed on together.
 const BLOCK: usize = 128;
 
 /// Tests listed pairs and passes those that touch to an answer.
@@ -19,7 +18,6 @@ pub(super) struct Pass<'a, R, A> {
     pub answer: &'a mut A,
 }
 
-/// The distances at which particles touch.
 pub(super) trait Reach {
     /// Returns limits for the squared distances of sixteen pairs of places: see [`within`] and
     /// [`beyond`].
@@ -38,7 +36,6 @@ impl Reach for Same {
 
 /// Individual radii: one limit per pair.
 pub(super) struct Each<'a, F> {
-    /// Radii by place.
     pub placed: &'a [f64],
     /// Returns limits for a given sum of radii.
     pub near: F,
@@ -165,7 +162,6 @@ mod tests {
         }
     }
 
-    /// Records pairs that touch, and pairs to decide.
     #[derive(Default)]
     struct Heard<const BY_PLACE: bool>(Vec<[u32; 2]>, Vec<[u32; 2]>);
 

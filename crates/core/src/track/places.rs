@@ -58,7 +58,6 @@ impl<const D: usize> Unit<D> {
         Unit { most: [0.0; D], ..*self }
     }
 
-    /// Stores a particle's position in this frame.
     #[inline(always)]
     pub fn put(&mut self, spot: &mut Spot, at: &Point<f64, D>) {
         for (k, &x) in array(at).iter().enumerate() {

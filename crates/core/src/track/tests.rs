@@ -22,7 +22,6 @@ impl Draw {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Motion {
-    /// Uniform velocities.
     Flight,
     /// Oscillation about the first position.
     Swing,

@@ -16,12 +16,10 @@ pub(super) fn at_most(square: f64) -> f64 {
     (square * (1.0 + BAND) + FLOOR).sqrt().next_up()
 }
 
-/// Returns an upper bound of the distance of two points.
 pub fn way<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     at_most(square(a, b))
 }
 
-/// Returns the computed square of the distance of two points.
 #[inline(always)]
 pub(super) fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).fold(0.0, |sum, k| {
@@ -30,7 +28,6 @@ pub(super) fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     })
 }
 
-/// The largest and the second largest of some squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct TopTwo {
     pub first: f64,

@@ -32,7 +32,6 @@ impl Costs {
     /// For `nbs` on 32,000 spheres.
     const SLOW: Costs = Costs { build: 100.0, make: 18.0, detect: 100.0 };
 
-    /// Returns the costs of a detector of this speed.
     pub fn of(speed: Speed) -> Costs {
         if speed == Speed::Fast { Costs::FAST } else { Costs::SLOW }
     }
@@ -58,7 +57,6 @@ pub(super) struct Served {
     pub age: u32,
     /// Sum of the two largest displacements, in diameters.
     pub together: f64,
-    /// Skin in diameters.
     pub skin: f64,
     /// Listed pairs per particle.
     pub listed: f64,
@@ -81,7 +79,6 @@ pub(super) struct Tuner {
 }
 
 impl Tuner {
-    /// Creates a tuner for a detector with these costs.
     pub fn new(costs: Costs) -> Tuner {
         Tuner { costs, skin: FIRST, direct: 0, next: DIRECT, most: MOST }
     }
@@ -100,7 +97,6 @@ impl Tuner {
         }
     }
 
-    /// Uses no list for a while.
     pub fn give_up(&mut self) {
         (self.skin, self.direct) = (FIRST.min(self.most), self.next);
         self.next = (2 * self.next).min(MOST_DIRECT);

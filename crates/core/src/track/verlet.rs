@@ -30,7 +30,6 @@ pub(super) struct Verlet {
     skin: Skin,
     rule: Rule,
     tuner: Tuner,
-    /// Contacts of the last frame.
     touching: u64,
     plane: Kept<2>,
     space: Kept<3>,
@@ -157,16 +156,12 @@ enum Thick<'a> {
     By(&'a mut Tuner),
 }
 
-/// Input of one step.
 struct Work<'a> {
     rule: Rule,
-    /// Contacts of the previous frame.
     touching: u64,
     test: Test,
     skin: Thick<'a>,
-    /// Searcher that builds a list.
     search: &'a mut Searcher,
-    /// The box, if there is one.
     lattice: Option<&'a Lattice>,
     tally: Option<&'a mut Tally>,
 }

@@ -181,7 +181,6 @@ impl BinaryTree {
         Ok(made as u32)
     }
 
-    /// Returns the first particle of `cell`, or [`EMPTY`].
     #[inline(always)]
     fn find<const D: usize>(&self, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> u32 {
         let mut at = 0;

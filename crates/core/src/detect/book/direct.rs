@@ -74,7 +74,6 @@ impl Direct {
     }
 }
 
-/// Tests particle `i` against all particles after it.
 #[inline(always)]
 fn row<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,

@@ -119,7 +119,6 @@ impl<const D: usize> Nbs<D> {
         Ok(())
     }
 
-    /// Puts all particles on the lists along the last axis.
     fn push<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -132,7 +131,6 @@ impl<const D: usize> Nbs<D> {
         }
     }
 
-    /// Checks the layer whose list starts at `first` against itself and the layer below.
     fn layer<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -170,7 +168,6 @@ impl<const D: usize> Nbs<D> {
         }
     }
 
-    /// Checks the row whose list starts at `first` against itself and its neighbouring rows.
     #[expect(clippy::too_many_arguments, reason = "what a row is, and what goes through all rows")]
     fn row<T: Real, P: Probe, S: Sink, const N: usize>(
         &mut self,
@@ -220,7 +217,6 @@ impl<const D: usize> Nbs<D> {
     }
 }
 
-/// Calls `then` with every particle of the list that starts at `first`.
 #[inline(always)]
 fn each<P: Probe, const D: usize>(
     links: &mut Links<D>,
@@ -243,7 +239,6 @@ mod tests {
     use super::*;
     use crate::probe::{Op, Silent, Tally};
 
-    /// Detects, checks that all lists are empty again, and returns counts and pairs.
     fn found<const D: usize>(scene: InCells<'_, D>) -> (Tally, Vec<[u32; 2]>) {
         let (mut tally, mut pairs) = (Tally::default(), Vec::new());
         let mut nbs = Nbs::with(Options::default());

@@ -194,7 +194,6 @@ impl<A, const D: usize> NbsLevels<A, D> {
         Ok(grids)
     }
 
-    /// Makes room, or refuses.
     fn prepare(
         &mut self,
         classes: &Classes,
@@ -222,7 +221,6 @@ impl<A, const D: usize> NbsLevels<A, D> {
         Ok(())
     }
 
-    /// Finds the contacts between a class and all smaller particles.
     fn between<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -327,7 +325,6 @@ impl Classes {
         (exponent as usize).saturating_sub(1023).min(CLASSES - 1)
     }
 
-    /// Returns the range of a class in the order.
     fn range(&self, k: usize) -> Range<usize> {
         self.ends[k]..self.ends[k + 1]
     }
@@ -340,7 +337,6 @@ impl<const D: usize> Cross<D> {
     }
 }
 
-/// Some of the particles, numbered from 0.
 #[derive(Clone, Copy)]
 struct Part<'a, B> {
     bodies: B,
@@ -384,7 +380,6 @@ impl<T: Real, B: Bodies<T, D>, const D: usize> Bodies<T, D> for Part<'_, B> {
     }
 }
 
-/// Converts numbers within a part back to numbers of the scene.
 struct Named<'a, S> {
     ids: &'a [u32],
     sink: &'a mut S,

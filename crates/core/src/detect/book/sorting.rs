@@ -205,7 +205,6 @@ impl<const D: usize> Sorting<D> {
         std::array::from_fn(|k| self.keys[k][at])
     }
 
-    /// Returns the first place whose cell is not before `cell`.
     #[inline]
     fn search(&self, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let (mut low, mut high) = (0, self.particles.len());
@@ -222,7 +221,6 @@ impl<const D: usize> Sorting<D> {
         low
     }
 
-    /// Returns the first place from `start` on that is not in `cell`.
     #[inline(always)]
     fn end_of(&self, start: usize, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let mut end = start;

@@ -173,7 +173,6 @@ mod tests {
         assert_eq!(steps.key([1e300, 0.0, 0.0], &mut Silent), 0x1249_2492_4924_9249);
     }
 
-    /// Also for extreme scenes, whose steps are meaningless.
     #[test]
     fn keys_of_extreme_scenes_are_numbers() {
         for (low, high) in

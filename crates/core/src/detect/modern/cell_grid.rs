@@ -120,7 +120,6 @@ impl<const D: usize> CellGrid<D> {
         4 * self.starts.len() as u64 + Record::<D>::BYTES * self.records.len() as u64
     }
 
-    /// Finds the contacts and returns the bytes of those that threads collected.
     fn search<T: Real, P: Probe>(
         &self,
         bodies: &impl Bodies<T, D>,
@@ -147,7 +146,6 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
-    /// Tests rows of inner cells against themselves and the rows after them.
     fn rows<P: Probe>(
         &self,
         judge: &Judge<'_, P, impl Nearness>,
@@ -165,7 +163,6 @@ impl<const D: usize> CellGrid<D> {
         found.flush(sink);
     }
 
-    /// Tests the row that begins with cell `first` against itself and the rows after it.
     #[inline(always)]
     fn row<P: Probe>(
         &self,

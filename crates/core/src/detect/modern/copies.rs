@@ -261,7 +261,6 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         found.count = end;
     }
 
-    /// Works as `stride` if some pair is nearly tangent.
     #[inline(never)]
     fn carefully<const D: usize>(
         &self,

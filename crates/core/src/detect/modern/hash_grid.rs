@@ -105,7 +105,6 @@ impl Buckets {
         (1 << self.bits) + u64::from(brick::<D>().iter().product::<u32>())
     }
 
-    /// Returns the bucket of a cell.
     #[inline(always)]
     fn bucket<const D: usize>(self, cell: [u32; D]) -> usize {
         let edges = const { brick::<D>() };
@@ -222,7 +221,6 @@ impl<const D: usize> HashGrid<D> {
         found.flush(sink);
     }
 
-    /// Returns the ranges that particles in cell `central` are tested against.
     #[inline(always)]
     fn around(
         &self,
@@ -244,7 +242,6 @@ impl<const D: usize> HashGrid<D> {
         }
     }
 
-    /// Adds the ranges of the cells of a row from `first` to number `last` along x.
     #[inline(always)]
     fn bricks(
         &self,

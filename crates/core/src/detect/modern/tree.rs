@@ -155,7 +155,6 @@ struct Walk<'a, N, P, S, const D: usize> {
 }
 
 impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
-    /// Finds the pairs within a node.
     fn inside(&mut self, node: usize) {
         self.probe.count(Op::NodeVisit);
         if node < self.leaves.count() {
@@ -170,7 +169,6 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// Finds the pairs between two nodes of the same level.
     fn between(&mut self, a: usize, b: usize) {
         self.probe.count(Op::BoundTest);
         if !self.tree.boxes[a].meets(&self.tree.boxes[b]) {
@@ -187,7 +185,6 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// Finds the pairs between two leaves.
     #[inline(never)]
     fn leaves(&mut self, a: usize, b: usize) {
         let [box_a, box_b] = [a, b].map(|node| self.tree.boxes[node]);
@@ -210,7 +207,6 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         }
     }
 
-    /// Returns whether a particle may touch one of those in a box.
     #[inline(always)]
     fn is_near(&self, body: &Record<D>, bounds: &Bounds<D>) -> bool {
         around(body, self.judge.nearness).meets(bounds)

@@ -68,7 +68,6 @@ impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
     }
 }
 
-/// Returns the edge of the cells.
 fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal> {
     // The crate numbers four more cells per axis than exist, and adds and subtracts neighbours.
     const MOST: f64 = (1u64 << 30) as f64;

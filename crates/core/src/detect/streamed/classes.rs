@@ -32,7 +32,6 @@ pub(super) struct Class<const D: usize> {
     pub octaves: usize,
     pub largest: f64,
     sum: f64,
-    /// The box around the centres.
     pub low: [f64; D],
     pub high: [f64; D],
 }
@@ -106,11 +105,9 @@ fn root<const D: usize>(volume: f64) -> f64 {
     if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
 }
 
-/// Classes of a scene, the largest particles first.
 #[derive(Clone, Debug)]
 pub(super) struct Classes<const D: usize> {
     largest: f64,
-    /// Class of each octave.
     numbers: [u8; MOST],
     classes: [Class<D>; MOST],
     count: usize,
@@ -171,7 +168,6 @@ impl<const D: usize> Classes<D> {
         classes
     }
 
-    /// Returns the class of a radius.
     #[inline(always)]
     pub fn number(&self, radius: f64) -> usize {
         usize::from(self.numbers[octave(self.largest, radius)])

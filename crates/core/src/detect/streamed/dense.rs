@@ -17,7 +17,6 @@ use crate::probe::{Op, Probe, Silent};
 use crate::sink::Sink;
 use crate::wide::Level;
 
-/// Puts a range of the particles on lists.
 type Fill<'a, R, const D: usize> = &'a (dyn Fn(&mut Lists<D, R>, Range<usize>, &Plan) + Sync);
 
 impl<P: Probe, const D: usize> Run<'_, P, D> {
@@ -105,7 +104,6 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
     }
 }
 
-/// All bundles of layers of a scene or of a size class.
 pub(super) struct Bundles<'a, R, const D: usize> {
     pub lists: &'a [Lists<D, R>],
     pub plan: Plan,

@@ -90,7 +90,6 @@ pub(super) fn axes<const D: usize>((low, high): Corners<D>) -> Result<[usize; D]
     Ok(axes)
 }
 
-/// Bounding box and reach of the particles that a grid is made for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Domain<const D: usize> {
     axes: [usize; D],
@@ -103,7 +102,7 @@ pub(super) struct Domain<const D: usize> {
 
 impl<const D: usize> Domain<D> {
     /// Creates a domain for this many particles, of which none farther apart than `reach` touch.
-    /// Returns [`Refusal::Extent`] if the box is too large.
+    /// Fails with [`Refusal::Extent`] if the box is too large.
     pub fn new(corners: Corners<D>, reach: f64, bodies: usize) -> Result<Domain<D>, Refusal> {
         Ok(Domain::along(axes(corners)?, corners, reach, bodies))
     }
@@ -227,7 +226,6 @@ impl<const D: usize> Grid<D> {
         (cells * (1u64 << self.bits) as f64 + WHOLE).to_bits() & ((1 << 52) - 1)
     }
 
-    /// Returns the scene's axis for axis `k` of the grid.
     pub fn axis(&self, k: usize) -> usize {
         self.axes[k]
     }
@@ -243,7 +241,6 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|k| self.length(other.low[k] - self.low[k]))
     }
 
-    /// Returns a length in steps.
     pub fn length(&self, length: f64) -> f64 {
         length * self.scale * (1u64 << self.bits) as f64
     }
@@ -258,7 +255,6 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Returns whether particles crowd in few cells or columns.
 fn crowded<T: Real, const D: usize>(grid: &Grid<D>, bodies: &impl Bodies<T, D>) -> bool {
     let cell = |id| (0, grid.cell(bodies.position(id)));
     company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
@@ -285,7 +281,6 @@ fn bits_for(count: &[u64]) -> u32 {
 /// Returns the smallest edge, at least `reach`, that does not make too many cells.
 fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
     let most = CELLS_PER_PARTICLE * n.max(64) as f64;
-    // Borders included.
     let cells = |edge: f64| lengths.iter().map(|length| length / edge + 2.0).product::<f64>();
     if cells(reach) <= most {
         return reach;

@@ -159,7 +159,6 @@ impl Scratch {
         }
     }
 
-    /// Passes the collected pairs to the sink.
     pub fn hand_on(&self, found: &mut usize, sink: &mut dyn PairSink) {
         sink.sure(&self.pairs[..*found]);
         *found = 0;
@@ -178,13 +177,11 @@ const ENOUGH: usize = 512;
 /// Space for these, for all candidates of one more particle, and for what is written past the last.
 pub(super) const ROOM: usize = ENOUGH + VECTORS * LANES + KEPT;
 
-/// Returns the number of vectors that hold all candidates.
 fn vectors(ranges: &[(u32, u32)]) -> usize {
     ranges.iter().map(|&(_, len)| len.div_ceil(LANES as u32) as usize).sum()
 }
 
 struct Found {
-    /// Place for the next neighbour.
     at: usize,
     /// Not zero if the contact test must decide.
     odd: u32,
@@ -302,7 +299,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         level.run(self);
     }
 
-    /// Returns the slab that holds range `r`.
     pub fn other(&self, r: usize) -> &'a Slab<D> {
         if in_next::<F, D>(r) { self.next } else { self.slab }
     }
@@ -319,7 +315,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         shift
     }
 
-    /// Returns the offsets of every range, in all lanes.
     #[inline(always)]
     fn shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 5] {
         std::array::from_fn(|r| {
@@ -366,7 +361,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         (unsafe { Run16::new(self.other(r), at as usize) }, !(!0 << len))
     }
 
-    /// Tests a range and keeps the ids of near particles.
     #[inline(always)]
     fn keep_one<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (source, valid) = self.range(a.ranges[r], r);
@@ -374,7 +368,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         self.keep(w, source, valid, &query, a.limits, found);
     }
 
-    /// Works as `keep_one` for a range of any length.
     #[inline(always)]
     fn keep_all<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let query = self.query(w, a.place, &a.shifts[r]);
@@ -387,7 +380,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         }
     }
 
-    /// Works as `keep_one` for two short ranges.
     #[inline(always)]
     fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (low, valid) = self.range(a.ranges[r], r);
@@ -396,7 +388,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         self.keep(w, TwoRuns8([low, high]), valid | valid_high << HALF, &query, a.limits, found);
     }
 
-    /// Tests sixteen particles and keeps the ids of near ones.
     #[inline(always)]
     fn keep<W: Wide>(
         &mut self,
@@ -418,7 +409,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         found.counts |= count;
     }
 
-    /// Returns the limits for equal radii.
     #[inline(always)]
     fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)

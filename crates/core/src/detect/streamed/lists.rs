@@ -76,7 +76,6 @@ impl<const D: usize> Default for Room<D> {
 /// Marks the first block of a list, which has no block before it.
 const NONE: u32 = u32::MAX;
 
-/// Lists filled by one worker.
 pub(super) struct Lists<const D: usize, R> {
     records: Vec<Record<D, R>>,
     /// The block before each block in its list.
@@ -94,7 +93,6 @@ impl<const D: usize, R> Default for Lists<D, R> {
     }
 }
 
-/// Space for `n` records in several lists.
 struct Blocks {
     /// Log2 of the records per block.
     block: u32,
@@ -116,13 +114,11 @@ impl Blocks {
 }
 
 impl<const D: usize, R: Size> Lists<D, R> {
-    /// Returns the heap bytes for `n` records in this many lists.
     pub fn bytes(n: usize, lists: usize) -> u64 {
         let Blocks { blocks, records, .. } = Blocks::new(n, lists);
         (records * size_of::<Record<D, R>>() + 4 * blocks + 4 * lists) as u64
     }
 
-    /// Puts a range of particles on the lists of their slabs.
     pub fn fill<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -159,7 +155,6 @@ impl<const D: usize, R: Size> Lists<D, R> {
         Filling { block, layers: plan.layers, free: lists as u32, most: [0; D] }
     }
 
-    /// Puts a particle on the list of its slab.
     #[inline(always)]
     pub fn push(
         &mut self,
@@ -210,7 +205,6 @@ impl<const D: usize, R: Size> Lists<D, R> {
         })
     }
 
-    /// Returns the number of particles on a list.
     pub fn len(&self, list: usize) -> usize {
         self.blocks(list).map(<[_]>::len).sum()
     }
@@ -284,9 +278,7 @@ where
 pub(super) struct Filling<const D: usize> {
     block: u32,
     layers: u32,
-    /// The first unused block.
     free: u32,
-    /// The largest coordinates.
     most: [u64; D],
 }
 

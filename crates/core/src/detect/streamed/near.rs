@@ -8,7 +8,6 @@ const WHOLE: f32 = 12_582_912.0;
 /// Half a step less, so that an inner bound of zero accepts no pair.
 const SPARE: f32 = 0.5;
 
-/// A particle that is compared with the particles of a range.
 pub(super) struct Query<W: Wide, const D: usize> {
     pub at: [W::Floats; D],
     /// Includes [`Bounds::grow`](super::kernel::Bounds) if particles have individual radii.

@@ -5,11 +5,9 @@ use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 
 pub(super) trait PairSink {
-    /// Receives pairs that touch.
     fn sure(&mut self, pairs: &[[u32; 2]]);
     /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
-    /// Returns whether operations are counted.
     fn counts(&self) -> bool;
     /// Counts `n` operations; contact tests of uncertain pairs are counted before they are made.
     fn count(&mut self, op: Op, n: u64);

@@ -35,7 +35,6 @@ impl Plan {
         (self.layer << self.layers) + 1
     }
 
-    /// Computes the plan for a grid and `n` particles.
     pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
         let count = grid.count.map(|count| count as usize);
         let one_row = D == 2 || grid.flat;

@@ -35,7 +35,6 @@ pub(super) const fn in_next<F: Find, const D: usize>(r: usize) -> bool {
     r + 1 >= axes::<F, D>() && axes::<F, D>() > 1
 }
 
-/// Finds the ranges of the particle at a place.
 pub(super) trait Find: Copy {
     /// Number of steps after which x wraps around, if it does.
     const TURN: Option<f32>;
@@ -44,7 +43,6 @@ pub(super) trait Find: Copy {
     fn ranges<const D: usize>(&self, at: usize) -> Ranges;
 }
 
-/// Finds ranges by the cells of a grid.
 #[derive(Clone, Copy)]
 pub(super) struct ByCells<'a, const FLAT: bool> {
     cells: &'a [u32],

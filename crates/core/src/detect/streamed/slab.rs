@@ -6,7 +6,6 @@ use super::plan::Plan;
 use crate::probe::Op;
 use crate::wide::{Kernel, LANES, Level, Wide};
 
-/// The particles of a slab, in the order of their cells.
 pub(super) struct Slab<const D: usize> {
     /// Coordinates in steps: from the grid's origin along x and along the second axis of a flat
     /// grid, from the cell's origin along the other axes.
@@ -14,7 +13,6 @@ pub(super) struct Slab<const D: usize> {
     /// Radii in steps, if particles have individual radii.
     pub radii: Vec<f32>,
     pub ids: Vec<u32>,
-    /// Cell of each particle.
     pub cells: Vec<u32>,
     /// Place of the first particle of each cell.
     pub begin: Vec<u32>,
@@ -36,7 +34,6 @@ impl<const D: usize> Default for Slab<D> {
 }
 
 impl<const D: usize> Slab<D> {
-    /// Returns the heap bytes for this many particles and cells.
     pub fn bytes(particles: usize, cells: usize, each: bool) -> u64 {
         (4 * (D + 2 + usize::from(each)) * (particles + LANES) + 4 * (cells + 2)) as u64
     }
@@ -53,7 +50,6 @@ impl<const D: usize> Slab<D> {
         at_least(&mut self.begin, cells + 2, 0);
     }
 
-    /// Fills the slab from a list, sorted by cell; `room` has space for each record.
     pub fn fill<R: Size>(
         &mut self,
         lists: &[Lists<D, R>],

@@ -31,7 +31,6 @@ pub(super) const TURN: Option<f32> = Some(STEPS as f32);
 struct Place<R> {
     /// Number of the layer in the upper 32 bits, of the row in the lower.
     row: u64,
-    /// x in steps.
     x: u64,
     /// Fractions of the coordinates across rows and layers.
     fractions: [u16; 2],
@@ -86,7 +85,6 @@ impl Find for Listed<'_> {
 }
 
 impl<P: Probe, const D: usize> Run<'_, P, D> {
-    /// Finds the contacts; `fill` copies the particles.
     pub fn sparse<S: Sink, R: Size, const EACH: bool>(
         &mut self,
         sparse: &mut Sparse<D, R>,
@@ -111,12 +109,10 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
 }
 
 impl<const D: usize, R: Size> Sparse<D, R> {
-    /// Returns the heap bytes for `n` particles before they are sorted.
     pub fn bytes(n: usize) -> u64 {
         (n * size_of::<Place<R>>()) as u64
     }
 
-    /// Returns the further heap bytes for layers of at most this many particles.
     pub fn bytes_of_layers(most: usize) -> u64 {
         2 * (Slab::<D>::bytes(most, 0, R::EACH) + 8 * most as u64)
             + (size_of::<Ranges>() * most) as u64
@@ -237,7 +233,6 @@ fn sort<R>(
     }
 }
 
-/// Returns the particles of each occupied layer.
 fn layers<R>(places: &[Place<R>]) -> impl Iterator<Item = &[Place<R>]> {
     places.chunk_by(|a, b| layer_of(a) == layer_of(b))
 }
@@ -246,7 +241,6 @@ fn layer_of<R>(place: &Place<R>) -> u64 {
     place.row >> 32
 }
 
-/// Fills a layer with these particles, in their order.
 fn fill<const D: usize, R: Size>(
     layer: &mut Layer<D>,
     places: &[Place<R>],
@@ -274,7 +268,6 @@ fn fill<const D: usize, R: Size>(
     }
 }
 
-/// Finds the ranges of every occupied cell of `layer`.
 fn find<const D: usize>(
     layer: &Layer<D>,
     next: &Layer<D>,

@@ -16,9 +16,7 @@ use crate::wide::{HALF, LANES, Wide};
 
 /// Sixteen particles from one or two slabs.
 pub(super) trait Source<const D: usize>: Copy {
-    /// Loads one number of each particle.
     fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats;
-    /// See [`Wide::pack`].
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
 }
 

@@ -69,7 +69,6 @@ struct Visitor<const D: usize> {
     id: u32,
 }
 
-/// The larger particles that visit a bundle.
 pub(super) struct Visit<'a, const D: usize> {
     /// All larger classes, the largest particles first.
     pub larger: &'a [Option<Host<'a, D>>],
@@ -165,7 +164,6 @@ impl<const D: usize> Kernel for Visit<'_, D> {
 }
 
 impl<const D: usize> Visit<'_, D> {
-    /// Tests a visitor against the particles within its reach.
     #[inline(always)]
     fn ball<W: Wide>(
         &mut self,

@@ -13,7 +13,6 @@ fn lattice() -> AnyScene<'static> {
     Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
 }
 
-/// Covers every value of every parameter for which this processor has the instructions.
 #[test]
 fn parameters_change_no_contact() {
     let scene = lattice();

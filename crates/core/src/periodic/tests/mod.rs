@@ -84,7 +84,6 @@ fn count(
     (contacts.digest(), tally)
 }
 
-/// Asserts that every detector finds exactly these contacts.
 fn all_find<const D: usize>(bag: &Bag<D>, expected: &[ImagePair])
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -96,10 +95,8 @@ where
     }
 }
 
-/// How the numbers of a random box are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Numbers {
-    /// Any doubles.
     Real,
     /// Small multiples of 2^-8, so that sums and small multiples are exact.
     Dyadic,
@@ -128,7 +125,6 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
                 vectors[2][1] = tidy(most * vectors[1][1] * (random.random::<f64>() - 0.5));
             }
         }
-        // Any directions.
         _ => {
             for vector in &mut vectors[..D] {
                 for x in &mut vector[..D] {

@@ -21,7 +21,6 @@ fn integer(x: f64) -> BigInt {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// Decides with big integers, without rounding.
 fn truth_of<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],

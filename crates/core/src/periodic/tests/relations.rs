@@ -3,7 +3,6 @@
 
 use super::*;
 
-/// How the contacts change.
 type Becomes = Box<dyn Fn(Vec<ImagePair>) -> Vec<ImagePair>>;
 
 /// A scene after a change, or `None` if the change does not apply.
@@ -70,7 +69,6 @@ fn moved<const D: usize>(x: &[f64; D], by: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| x[k] + by[k])
 }
 
-/// Random image numbers, 0 if the box is open.
 fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> [i32; 3] {
     bag.periodic.map(|periodic| if periodic { random.random_range(-most..=most) } else { 0 })
 }

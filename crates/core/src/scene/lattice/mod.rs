@@ -198,7 +198,6 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / length)
 }
 
-/// Returns `a` without its part along a unit vector.
 fn without(a: [f64; 3], direction: [f64; 3]) -> [f64; 3] {
     let part = dot(a, direction);
     std::array::from_fn(|k| a[k] - part * direction[k])

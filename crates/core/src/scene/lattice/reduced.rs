@@ -58,7 +58,6 @@ struct Basis<'a> {
 }
 
 impl Basis<'_> {
-    /// Makes one vector shorter, if possible.
     fn shorten(&mut self) -> bool {
         let periodic = self.given.periodic;
         for a in (0..3).filter(|&a| periodic[a]) {

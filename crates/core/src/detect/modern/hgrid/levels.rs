@@ -30,13 +30,10 @@ pub(super) struct Levels<const D: usize> {
 #[derive(Clone)]
 pub(super) struct Level<const D: usize> {
     pub class: Class<D>,
-    /// None if the class has no particles.
     pub cells: Option<Cells<D>>,
     /// Range of its slots, a power of two.
     pub slots: Range<usize>,
-    /// Range of its strips.
     pub strips: Range<usize>,
-    /// Range of its records.
     pub records: Range<usize>,
 }
 
@@ -55,13 +52,11 @@ impl<const D: usize> Level<D> {
         Cells::of_class(bodies, (low, high), largest, least)
     }
 
-    /// Returns whether most cells as wide as the reach would be empty.
     fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
         let Class { low, high, largest, bodies: count, .. } = self.class;
         spacing(low, high, count) > bodies.class_reach(largest, largest)
     }
 
-    /// Returns the first cell of the strip that contains a point.
     #[inline(always)]
     pub fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> [u32; D] {
         let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
@@ -83,7 +78,6 @@ impl<const D: usize> Levels<D> {
         count: 0,
     };
 
-    /// Counts and measures the classes, and creates a grid for each class with particles.
     pub fn new<T: Real>(
         bodies: &impl Bodies<T, D>,
         parting: &Parting,
@@ -125,7 +119,6 @@ impl<const D: usize> Levels<D> {
         Ok(levels)
     }
 
-    /// Computes the borders of levels, for radii from `least` to `largest`.
     fn part<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -175,7 +168,6 @@ impl<const D: usize> Levels<D> {
             .map(|company| company > CROWD)
     }
 
-    /// Returns the class of a radius.
     #[inline(always)]
     pub fn class(&self, radius: f64) -> usize {
         if self.count == 1 {
@@ -192,7 +184,6 @@ impl<const D: usize> Levels<D> {
         &self.levels[..self.count]
     }
 
-    /// Returns a level with particles, and its grid.
     #[inline(always)]
     pub fn at(&self, class: usize) -> (&Level<D>, &Cells<D>) {
         let level = &self.levels[class];
@@ -200,7 +191,6 @@ impl<const D: usize> Levels<D> {
         (level, cells)
     }
 
-    /// Returns the level of a particle's radius, and its grid.
     #[inline(always)]
     pub fn of(&self, radius: f64) -> (&Level<D>, &Cells<D>) {
         self.at(self.class(radius))

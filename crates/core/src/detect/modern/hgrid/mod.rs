@@ -145,14 +145,12 @@ impl<const D: usize> Strip<D> {
 type Edges = [u32; STRIP as usize + 3];
 
 impl<const D: usize> HGrid<D> {
-    /// Compares the memory for this many particles and strips with the limit.
     fn fits(&self, particles: usize, strips: usize) -> Result<(), Refusal> {
         let slots: usize = self.levels.all().iter().map(|level| level.slots.len()).sum();
         let needed = bytes::<D>(slots as u64, particles as u64, strips as u64);
         within(&self.options, "hgrid", needed, || format!("{particles} particles"))
     }
 
-    /// Finds a slot for every strip, and the slot of every particle.
     fn find_strips<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
         let n = bodies.len();
         let slots = self.levels.all().iter().map(|level| level.slots.len()).sum();
@@ -183,7 +181,6 @@ impl<const D: usize> HGrid<D> {
         }
     }
 
-    /// Sorts the strips of each level by row, and by x within a row.
     fn sort_strips<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -271,7 +268,6 @@ impl<const D: usize> HGrid<D> {
         found.flush(sink);
     }
 
-    /// Tests the particles of a strip against the rest of their level.
     #[inline(always)]
     fn beside<P: Probe>(
         &self,
@@ -373,7 +369,6 @@ impl<const D: usize> HGrid<D> {
         edges
     }
 
-    /// Returns the strip that begins with a cell, if it has particles.
     #[inline(always)]
     fn find(&self, level: &Level<D>, first: [u32; D]) -> Option<usize> {
         let slots = &self.slots[level.slots.clone()];
@@ -388,7 +383,6 @@ impl<const D: usize> HGrid<D> {
         None
     }
 
-    /// Tests a particle against those of a finer level.
     #[inline(always)]
     fn below<P: Probe>(
         &self,

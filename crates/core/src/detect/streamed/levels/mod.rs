@@ -31,11 +31,9 @@ struct Level<const D: usize> {
     may_crowd: bool,
 }
 
-/// One entry per class.
 type Levels<const D: usize> = [Option<Level<D>>; MOST];
 
 impl<const D: usize> Streamed<D> {
-    /// Finds the contacts of particles in these classes.
     pub(super) fn by_class<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         classes: &Classes<D>,
@@ -158,7 +156,6 @@ impl<const D: usize> Streamed<D> {
     }
 }
 
-/// Puts all particles on the lists of their classes.
 fn fill<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     classes: &Classes<D>,

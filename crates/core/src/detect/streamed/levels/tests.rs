@@ -10,7 +10,6 @@ use crate::probe::Tally;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
-/// Returns particles with these radii at random positions in a box.
 fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(radii.len() as u64);
     let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
@@ -27,7 +26,6 @@ fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
     radii
 }
 
-/// Returns the number of particles in each class.
 fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
     let scene = scene::<3>(radii, edge);
     let bodies = any_bodies(&scene, Test::Exact).unwrap();

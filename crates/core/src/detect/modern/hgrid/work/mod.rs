@@ -35,7 +35,6 @@ const RADII: usize = 128;
 /// The particles of a level, or of a part of one.
 #[derive(Clone, Copy, Debug)]
 pub struct Class<const D: usize> {
-    /// The box around the centres.
     pub low: [f64; D],
     pub high: [f64; D],
     pub largest: f64,
@@ -51,7 +50,6 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns the work in contact tests.
     pub fn all(self) -> f64 {
         self.tests + LOOK * self.looks
     }
@@ -87,13 +85,11 @@ impl<const D: usize> Class<D> {
         }
     }
 
-    /// Returns the edge of the cells, if particles do not crowd.
     fn edge(&self) -> f64 {
         let reach = 2.0 * self.largest;
         reach.max(spacing(self.low, self.high, self.bodies)).max(4.0 * f64::MIN_POSITIVE)
     }
 
-    /// Returns the work among particles of this class.
     pub fn beside(&self) -> Work {
         let (n, edge) = (self.bodies as f64, self.edge());
         let near = (0..D).map(|k| Axis::new(self, k, edge).near()).product::<f64>();
@@ -125,7 +121,6 @@ impl<const D: usize> Class<D> {
     }
 }
 
-/// A row of cells across a box.
 struct Axis {
     length: f64,
     edge: f64,
@@ -155,7 +150,6 @@ impl Axis {
 struct Near {
     axis: Axis,
     reach: f64,
-    /// Length of the segment.
     length: f64,
     /// The part of the segment from which any cell is within reach.
     from: f64,
@@ -173,7 +167,6 @@ impl Near {
         Near { axis, reach, length, from, to }
     }
 
-    /// Returns the fraction of points with any cell within reach.
     fn within(&self) -> f64 {
         (self.to - self.from) / self.length
     }
@@ -217,7 +210,6 @@ pub fn optimal<T: Real, const D: usize>(
         let radius = bodies.radius(id);
         parts[part(largest, radius)].take(bodies.position(id), radius);
     }
-    // Keep parts with particles.
     let mut count = 0;
     for k in 0..RADII {
         if parts[k].bodies > 0 {

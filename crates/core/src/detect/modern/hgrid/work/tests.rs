@@ -20,7 +20,6 @@ fn power(n: u32, ratio: f64, exponent: f64) -> Vec<f64> {
     (0..n).map(quantile).collect()
 }
 
-/// Particles at random positions that fill this fraction of a box.
 fn filled<const D: usize>(radii: Vec<f64>, fraction: f64, seed: u64) -> Scene<'static, f64, D>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -131,7 +130,6 @@ fn counted_work_is_as_modelled() {
     assert!(worst.iter().all(|&off| off < 0.05), "{worst:?}");
 }
 
-/// By the counts, the optimum is no worse than any ratio of levels.
 #[test]
 fn the_optimum_is_no_worse_than_any_ratio() {
     fn check<const D: usize>()
