@@ -1,4 +1,4 @@
-//! Particles with their numbers in the whole scene, and their exchange between ranks.
+//! Particles with their numbers in the whole scene, and their transfer between ranks.
 
 use nalgebra::Point;
 
@@ -7,21 +7,20 @@ use contactbench_core::scene::{Radii, Scene, SceneError, array};
 
 use crate::rank::Failure;
 
-/// Some particles of a larger scene, each with its number there.
+/// Particles of a larger scene, each with its number there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbered<const D: usize> {
     ids: Vec<u32>,
     centres: Vec<Point<f64, D>>,
-    /// One radius per particle; empty if all particles of the scene share one.
+    /// One per particle; empty if all particles have one radius, stored elsewhere.
     radii: Vec<f64>,
 }
 
 impl<const D: usize> Numbered<D> {
-    /// Numbers the particles of a scene from `first` and stores a radius for each.
+    /// The particles of a scene, numbered from `first`, with a radius each.
     ///
     /// # Errors
-    /// Returns [`SceneError::TooMany`] if a number would exceed 2^32 - 2; fails if there is no
-    /// memory.
+    /// [`SceneError::TooMany`] if a number would exceed 2^32 - 2; a refusal if memory is exhausted.
     pub fn new(scene: &Scene<'_, f64, D>, first: u64) -> Result<Numbered<D>, Failure> {
         let n = first.saturating_add(scene.len() as u64);
         if n > u64::from(u32::MAX) {
@@ -55,7 +54,7 @@ impl<const D: usize> Numbered<D> {
         Ok(reserve(&mut self.radii, if radii { further } else { 0 })?)
     }
 
-    /// Returns the bytes of a particle in a letter.
+    /// Bytes of one particle in a message.
     pub const fn bytes(radii: bool) -> usize {
         size_of::<u32>() + (D + radii as usize) * size_of::<f64>()
     }
@@ -76,22 +75,21 @@ impl<const D: usize> Numbered<D> {
         &self.radii
     }
 
-    /// Returns a scene of all particles with this radius, or with individual radii.
+    /// The particles as a scene, with this radius, or a radius each if it is `None`.
     pub fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
         let each = || Radii::Each((&self.radii[..]).into());
-        // Valid, because the particles come from valid scenes and have individual radii if there is
-        // no common one.
+        // The particles come from valid scenes, and each has a radius unless all share one.
         Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
     }
 
-    /// Writes letters to `ranks` ranks; `to` names the ranks that get particle k.
+    /// Packs a message for each rank; `to` calls its argument with each rank that gets particle k.
     pub fn letters(
         &self,
         ranks: usize,
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Failure> {
-        // Called once per particle, because most particles are not sent to any rank.
+        // `to` is called once per particle, because for a halo it mostly finds no rank.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
         chosen.resize_with(ranks, Vec::new);
@@ -103,7 +101,7 @@ impl<const D: usize> Numbered<D> {
                     room = reserve(chosen, chosen.len().max(64));
                 }
                 if room.is_ok() {
-                    // Fits, because particle numbers are u32 and unique.
+                    // The capacity was checked above; particle numbers are u32.
                     chosen.push(k as u32);
                 }
             });
@@ -129,7 +127,7 @@ impl<const D: usize> Numbered<D> {
         Ok(letters)
     }
 
-    /// Appends the particles in letters.
+    /// Appends the particles of all messages.
     pub fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Failure> {
         let size = Self::bytes(radii);
         self.reserve(letters.iter().map(|letter| letter.len() / size).sum(), radii)?;
@@ -137,10 +135,9 @@ impl<const D: usize> Numbered<D> {
             let (id, numbers) = body.split_at(size_of::<u32>());
             let real = |k: usize| {
                 let at = k * size_of::<f64>();
-                // Eight bytes of a piece of D or D + 1 times eight bytes.
+                // Cannot fail: `numbers` has D or D + 1 pieces of eight bytes.
                 f64::from_le_bytes(*numbers[at..].first_chunk().unwrap())
             };
-            // The other four bytes.
             self.ids.push(u32::from_le_bytes(*id.first_chunk().unwrap()));
             self.centres.push(Point::from(std::array::from_fn(real)));
             if radii {

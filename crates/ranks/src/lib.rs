@@ -1,6 +1,5 @@
-//! Searches one scene with several ranks and measures the cost of each step and the data sent. The
-//! contacts are compared with those of one process. Ranks are MPI processes (feature `mpi`) or
-//! threads.
+//! One scene over several ranks: cost of each step, traffic, and a check that the contacts are
+//! those of one process. Ranks are processes of MPI (feature `mpi`) or threads.
 
 pub mod bodies;
 pub mod model;
@@ -35,70 +34,69 @@ use contactbench_core::sink::Digest;
 
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
-    /// Detector of each rank.
     pub spec: &'a DetectorSpec,
-    /// Limit in bytes for its arrays, and for a list of contacts.
+    /// Limit for the detector's arrays, and for a list of contacts, in bytes.
     pub memory_limit: u64,
     /// Number of timed steps, after one warm-up step; at least 1.
     pub steps: usize,
 }
 
-/// Result of all ranks. Counts are sums or maxima over ranks; times are those of the slowest rank,
-/// and the median over steps.
+/// Results of all ranks together. Counts are sums, or those of the largest rank where the name has
+/// `most`. Times are the slowest rank's, as the median over the steps.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The scene as requested.
+    /// The scene as named on the command line.
     pub scene: String,
-    /// Number of particles of all ranks.
+    /// Particles of all ranks.
     pub n: u64,
     pub dim: usize,
     pub detector: String,
     /// `mpi` or `threads`.
     pub kind: &'static str,
-    /// Number of ranks.
     pub ranks: usize,
-    /// Axis, or vector of the box, along which slabs lie, from 0.
+    /// The axis, or the vector of the box, along which slabs lie, from 0.
     pub along: usize,
-    /// Whether `along` is a vector of a periodic box, so that the last slab is adjacent to the
-    /// first.
+    /// Whether slabs lie along a periodic vector, so that the last slab meets the first.
     pub around: bool,
-    /// Fewest and most own particles of a rank.
+    /// Fewest and most particles that a rank owns.
     pub own: [u64; 2],
-    /// Most halo particles of a rank.
+    /// Most particles that a rank holds for others.
     pub halo_most: u64,
-    /// Particles sent in a step.
     pub sent: u64,
-    /// Bytes sent in a step, as counted; equal to `sent` times the bytes of a particle.
+    /// Bytes sent in a step, counted; `sent` times the bytes of one particle.
     pub sent_bytes: u64,
-    /// Most bytes sent by a rank.
     pub sent_bytes_most: u64,
-    /// Most ranks to which a rank sends.
     pub partners_most: u64,
-    /// Time from the start of a step to its last contact, in ms.
+    /// From the start of a step to the last contact.
     pub step_ms: f64,
-    /// Part of the step until halo particles have arrived.
+    /// The part of `step_ms` until the particles of other ranks have arrived.
     pub exchange_ms: f64,
-    /// Remaining part of the step.
+    /// The rest of `step_ms`.
     pub search_ms: f64,
-    /// Time of the same search while no other rank works, measured after each step, in ms.
+    /// The same search, repeated after each step while all other ranks wait.
     pub alone_ms: f64,
-    /// Ratio of `alone_ms` to the longest step of any rank, within each step: the part of a step
-    /// that an undisturbed search takes.
+    /// Ratio of `alone_ms` to the longest step of any rank, per step: the part of a step that an
+    /// undisturbed search of own particles and halo takes.
     pub alone_over_step: Option<Interval>,
-    /// Ratio of `alone_ms` to the longest search of the step: about the cost of sharing memory and
-    /// cores, though the later search finds warm caches.
+    /// Ratio of `alone_ms` to the longest search: about the speed that sharing memory and cores
+    /// leaves, because the later search finds warm caches.
     pub alone_over_search: Option<Interval>,
-    /// Most bytes of particles, buffers and contacts in a rank, by formula, without data in
-    /// transit.
+    /// Most bytes of particles, buffers and contacts in a rank, by their formulas; messages are not
+    /// included.
     pub memory_most: u64,
     pub pairs: u64,
     pub digest: String,
+    /// The answer of one process, if it was computed.
     pub whole: Option<Whole>,
+    /// The commit that this program was built from.
     pub revision: Option<&'static str>,
+    /// Whether the sources differed from that commit.
     pub dirty: Option<bool>,
+    /// The machine of the first rank.
     pub machine: String,
 }
 
+/// The contacts that one process finds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Whole {
     pub pairs: u64,
@@ -112,12 +110,14 @@ impl Whole {
 }
 
 impl Row {
+    /// Returns whether the contacts are those of one process; `None` if that was not computed.
     pub fn is_right(&self) -> Option<bool> {
         let whole = self.whole.as_ref()?;
         Some(whole.pairs == self.pairs && whole.digest == self.digest)
     }
 }
 
+/// Finds the contacts of the whole scene in one process; fails if the detector refuses.
 pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     let loaded = given.loaded(Arithmetic::Exact)?;
     let mut contacts = Contacts::default();
@@ -125,6 +125,8 @@ pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     Ok(Whole::of(contacts.digest()))
 }
 
+/// Measures, as one of the ranks, and returns the same row in all of them. Fails if any rank
+/// refuses.
 pub fn measure(
     world: &impl World,
     kind: &'static str,
@@ -133,6 +135,8 @@ pub fn measure(
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
+    // If ranks read files of different lengths, rows usually overlap or are missing. Contents are
+    // not compared, only the digest.
     let mut lens = vec![0; world.size()];
     lens[world.rank()] = scene.len() as u64;
     world.sum(&mut lens);
@@ -202,6 +206,7 @@ where
     let mut sums = [own, traffic.particles, traffic.bytes, digest.contacts, digest.sum];
     world.sum(&mut sums);
     let most = [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory];
+    // Exact, because the numbers are below 2^53.
     let [own_most, halo, bytes, partners, memory] = most.map(|number| number as f64);
     let mut most = [own_most, -own_most, halo, bytes, partners, memory];
     world.largest(&mut most);

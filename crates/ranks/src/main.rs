@@ -1,4 +1,4 @@
-//! `contactbench-ranks`: the program behind `contactbench ranks`.
+//! The program that `contactbench ranks` runs.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use clap::Parser;
 use contactbench::cli::process;
 use contactbench_ranks::verb::{Ranks, ranks};
 
-/// Finds the contacts of one scene by several ranks: processes of MPI, or threads to try it
+/// Finds the contacts of one scene on several ranks: MPI processes, or threads for trials
 #[derive(Parser)]
 #[command(
     version,

@@ -5,27 +5,28 @@
 //! step(R)   = search(R) + measured step - search(measured R)
 //! ```
 //!
-//! s is the measured search time per particle of a rank, own and halo particles, while no other
-//! rank works (the longest time over the most particles, assuming equal ranks). h is the measured
-//! number of particles that cross a border, b their bytes. A scene that grows along its slabs keeps
-//! this h; one that keeps its shape has a border area that grows as N^((D - 1) / D). There is one
-//! message per border, or more if slabs are thinner than the halo. All ranks first exchange the
-//! numbers of bytes, in log2 R steps.
+//! s is the measured search time per particle, own or received, while no other rank works: the
+//! longest time over the most particles, as ranks are assumed to be alike. h is the measured number
+//! of particles that cross a border; b is the bytes of one particle.
 //!
-//! The model of the search ignores the pass before it, shared memory and cores, and unequal slabs.
-//! Their contribution to the measured step is added unchanged to other steps. Steps are predicted
-//! for at most [`FARTHEST`] times the measured ranks.
+//! A scene that grows along its slabs keeps h. One that keeps its shape has an area that grows as
+//! N^((D - 1) / D). A rank sends one message, or as many as there are slabs in a layer of h
+//! particles. The sizes of messages are exchanged first, in log2 R steps.
+//!
+//! The search model leaves out the pass before the search, shared memory and cores, and unequal
+//! slabs. Their contribution to the measured step is added to all others, unchanged. Steps are
+//! predicted for at most [`FARTHEST`] times the measured ranks.
 
 use serde::Serialize;
 
 use super::Row;
 
-/// Largest factor between predicted and measured ranks.
+/// The model covers at most this many times the measured ranks.
 pub const FARTHEST: u64 = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
-    /// Seconds for an empty message to arrive.
+    /// Seconds until an empty message arrives.
     pub latency_s: f64,
     /// Bytes per second of one rank.
     pub bytes_per_s: f64,
@@ -53,32 +54,28 @@ impl std::str::FromStr for Network {
 /// A predicted step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Step {
-    /// Number of ranks.
     pub ranks: u64,
-    /// Number of particles of all ranks.
+    /// Particles of all ranks.
     pub n: f64,
-    /// Particles that cross a border.
     pub halo: f64,
-    /// Time in ms.
     pub ms: f64,
-    /// Time of one rank with the same number of own particles, divided by `ms`.
+    /// The time of one rank with as many own particles, divided by `ms`.
     pub efficiency: f64,
-    /// Search time by the model, without the correction from the measured step.
+    /// The time by the search model alone.
     pub search_ms: f64,
 }
 
-/// How the scene grows with the number of ranks, for a constant number of particles per rank.
+/// How the scene grows with the number of ranks; the particles per rank stay the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
-    /// Along its slabs.
     Long,
-    /// In all directions, keeping its shape.
+    /// In all directions, so that the scene keeps its shape.
     Alike,
 }
 
 /// Predicts the step on `ranks` ranks from one measured on several. `one_ms` is the measured step
-/// of one rank with as many own particles; the model replaces it if missing. Returns `None` if the
-/// row has one rank, or `ranks` is beyond [`FARTHEST`].
+/// of one rank with as many own particles; without it the model estimates it. `None` if the row is
+/// of one rank, or `ranks` exceeds [`FARTHEST`] times its ranks.
 pub fn step(
     row: &Row,
     one_ms: Option<f64>,
@@ -97,9 +94,9 @@ pub fn step(
     Some(Step { ms, efficiency: one_ms / ms, ..found })
 }
 
-/// Predicts the search on `ranks` ranks and the exchange, without other parts of a step.
+/// Predicts the search on `ranks` ranks and their messages, without the rest of a step.
 fn search(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
-    // In a periodic box the last slab is adjacent to the first.
+    // In a periodic box the last slab meets the first.
     let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };
     if row.ranks < 2 || row.n == 0 {
         return None;
@@ -126,7 +123,7 @@ mod tests {
 
     const NETWORK: Network = Network { latency_s: 1e-3, bytes_per_s: 1e6 };
 
-    /// Two ranks of a thousand spheres each, of which a hundred cross the border.
+    /// Two ranks of a thousand spheres each; a hundred cross the border.
     fn row() -> Row {
         Row {
             scene: "packed".into(),
@@ -168,10 +165,10 @@ mod tests {
         assert_eq!((long.n, long.halo), (8000.0, 100.0));
         // 1.1 ms of search, four messages of 1 ms, 2.8 ms of transfer.
         assert!((long.ms - (1.1 + 4.0 + 2.8)).abs() < 1e-9, "{long:?}");
-        // Eight times as many particles in the same shape: four times the area.
+        // Eight times as many in the same shape: four times the area.
         let alike = search(&row(), NETWORK, Growth::Alike, 16).unwrap();
         assert!((alike.halo - 400.0).abs() < 1e-9, "{alike:?}");
-        // Slabs thinner than the halo need more messages.
+        // Slabs are thinner than the halo, so there are more messages.
         let thin = search(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
         assert!(thin.halo > thin.n / 1048576.0 && thin.efficiency < 0.02, "{thin:?}");
         assert_eq!(search(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
@@ -181,7 +178,8 @@ mod tests {
     fn a_predicted_step_starts_from_the_measured_one() {
         let row = Row { step_ms: 8.0, ..row() };
         let at = |one_ms, ranks| step(&row, one_ms, NETWORK, Growth::Long, ranks);
-        // 1.1 + 2.0 + 2.8 ms by the model, 8 measured: 2.1 more at each number of ranks.
+        // The model alone gives 1.1 + 2.0 + 2.8 ms, but 8 are measured: 2.1 more for any number of
+        // ranks.
         let measured = at(Some(4.0), 2).unwrap();
         assert!((measured.search_ms - 5.9).abs() < 1e-9 && (measured.ms - 8.0).abs() < 1e-9);
         assert!((measured.efficiency - 0.5).abs() < 1e-9, "{measured:?}");

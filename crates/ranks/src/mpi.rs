@@ -1,4 +1,4 @@
-//! Ranks as MPI processes.
+//! Ranks that are processes of MPI.
 
 use contactbench_core::refusal::reserve;
 use mpi::collective::SystemOperation;
@@ -10,24 +10,24 @@ use mpi::traits::{Communicator, CommunicatorCollectives};
 use crate::rank::{Failure, together};
 use crate::world::World;
 
-/// Most bytes that a rank sends at once; MPI counts them in 32 bits.
+/// Most bytes that a rank sends at once, because MPI counts them in 32 bits.
 const MOST: usize = 1 << 30;
 
-/// The ranks that `mpirun` started. Dropping the value finalises MPI.
+/// The ranks that `mpirun` started. Dropping this ends MPI.
 pub struct Processes {
     world: SimpleCommunicator,
     _universe: Universe,
 }
 
 impl Processes {
-    /// Returns `None` if MPI was initialised before.
+    /// `None` if MPI was initialized before.
     pub fn begin() -> Option<Processes> {
         let universe = mpi::initialize()?;
         Some(Processes { world: universe.world(), _universe: universe })
     }
 }
 
-/// A rank that panics aborts all ranks, because the others would wait for it, and MPI for them.
+/// A rank that panics aborts all, because the others and MPI would wait for it.
 impl Drop for Processes {
     fn drop(&mut self) {
         if std::thread::panicking() {
@@ -38,7 +38,7 @@ impl Drop for Processes {
 
 impl World for Processes {
     fn rank(&self) -> usize {
-        // Not negative.
+        // MPI's rank numbers are not negative.
         self.world.rank() as usize
     }
 
@@ -56,7 +56,7 @@ impl World for Processes {
         self.world.all_reduce_into(&mine[..], numbers, SystemOperation::max());
     }
 
-    /// Exchanges in rounds, with so few bytes per pair of ranks that MPI can count their sum.
+    /// Sends in rounds, so that the bytes of a round fit MPI's counters.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
         assert_eq!(parts.len(), self.size(), "one part for each rank");
         let sizes: Vec<u64> = parts.iter().map(|part| part.len() as u64).collect();
@@ -68,9 +68,9 @@ impl World for Processes {
         self.largest(&mut longest);
         let most = (MOST / parts.len()) as u64;
         for round in 0..(longest[0] as u64).div_ceil(most) {
-            // Where the piece of this round begins and ends.
+            // Start and end of this round's piece.
             let ends = |size: u64| [(round * most).min(size), ((round + 1) * most).min(size)];
-            // Numbers of bytes and their offsets, at most MOST.
+            // Lengths and offsets in bytes, at most MOST.
             let places = |sizes: &[u64]| -> (Vec<i32>, Vec<i32>) {
                 let mut begin = 0;
                 let place = |&size: &u64| {
@@ -86,8 +86,7 @@ impl World for Processes {
                 let [from, to] = ends(part.len() as u64);
                 sent.extend_from_slice(&part[from as usize..to as usize]);
             }
-            // An empty list could have the address 1, which some MPI libraries use for
-            // MPI_IN_PLACE.
+            // An empty list has the dangling address 1, which some MPIs define as MPI_IN_PLACE.
             sent.push(0);
             let (lens, begins) = places(&sizes);
             let (got, got_at) = places(&coming);
@@ -106,9 +105,10 @@ impl World for Processes {
     }
 }
 
+/// Memory for messages.
 struct Room {
     received: Vec<Vec<u8>>,
-    /// Bytes sent in a round.
+    /// Contents of one round.
     sent: Vec<u8>,
     letters: Vec<u8>,
 }

@@ -1,4 +1,4 @@
-//! One scene divided among several ranks, each with a slab: MPI processes or threads.
+//! One scene over several ranks, each with a slab of it: processes of MPI, or threads.
 //!
 //! ```text
 //! rows of the file ─> owners of slabs ─> own particles ─┬─> any detector ─> contacts ─> sums
@@ -8,18 +8,17 @@
 //! ```
 //!
 //! * **Every contact is found once.** A contact of particles of two ranks belongs to the lower
-//!   rank. Each rank sends its particles near a border downwards. The ranks below search their own
-//!   and the received particles for contacts with at least one own particle.
-//! * **The halo** contains every particle that may touch one in the slab below, or in several slabs
-//!   below if particles are larger than slabs: no size is refused. [`crate::slabs`] has the proof.
-//! * **In a periodic box** the first slab is adjacent to the last. Ranks get particles as they were
-//!   given, with the box. Each rank makes the images that it needs, as one process would, and
-//!   contacts are decided for the given numbers.
-//! * **Exact arithmetic only.** There a contact depends on its two particles alone. What rounded
-//!   filters lose, and which images are made, depends on where cells and boxes begin, and would
-//!   depend on the number of ranks.
+//!   rank. Each rank sends its particles near a border downwards. The lower rank searches its own
+//!   and the received particles for contacts that involve at least one of its own.
+//! * **The halo** is what may touch a particle in the slab below, or in lower ones if particles are
+//!   larger than slabs: no size is refused. The proof is in [`crate::slabs`].
+//! * **In a periodic box** the first slab is the last one's neighbour. Ranks get particles with
+//!   their given coordinates, and the box. Each makes the images that it needs, as one process
+//!   does, and decides contacts for the given numbers.
+//! * **Exact arithmetic only**, because there a contact depends on its two particles alone. Rounded
+//!   filters and images depend on the corners of cells and boxes, and so on the number of ranks.
 //!
-//! Counts and digests of the ranks add up to those of one process ([`Rank::digest`]).
+//! Numbers of contacts and digests of the ranks add up to those of one process ([`Rank::digest`]).
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, PeriodicError};
@@ -32,71 +31,70 @@ use crate::bodies::Numbered;
 use crate::slabs::Slabs;
 use crate::world::World;
 
-/// Why ranks fail. All of them then end.
+/// The reason why all ranks end without an answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
-    /// This rank's detector refuses.
+    /// This rank refuses.
     #[error(transparent)]
     Here(#[from] Refusal),
-    /// Another rank failed and reports the reason.
-    #[error("rank {0} has refused; it says why")]
+    /// Another rank refuses, and prints why.
+    #[error("rank {0} has failed; it prints why")]
     Elsewhere(usize),
-    /// There are more particles than can be numbered.
+    /// More particles than u32 can number.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The box does not fit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
-    /// The ranks were given different scenes or options.
+    /// The inputs of the ranks differ.
     #[error(
-        "the ranks do not work on one scene: {0} differs from rank to rank; give all of them the \
+        "ranks do not agree on one scene: {0} differs between ranks; give all of them the \
          same file and the same options"
     )]
     Unlike(&'static str),
 }
 
-/// Returns the highest rank that failed, if any; every rank takes part.
+/// Returns the highest rank that has failed, or `None`. Collective: all ranks must call it.
 pub fn failed(world: &impl World, here: bool) -> Option<usize> {
     let mut highest = [if here { world.rank() as f64 } else { -1.0 }];
     world.largest(&mut highest);
     (highest[0] >= 0.0).then_some(highest[0] as usize)
 }
 
-/// Returns the result of each rank if none failed, so that no rank waits for one that refused.
+/// Returns this rank's result if no rank has failed, so that none waits for one that ended.
 ///
 /// # Errors
-/// Returns the error of this rank, or the number of the highest failed rank.
+/// The error of this rank, or the number of the highest rank that failed.
 pub fn together<T, E: From<Failure>>(world: &impl World, result: Result<T, E>) -> Result<T, E> {
     let failed = failed(world, result.is_err());
     let result = result?;
     failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
-/// Returns whether these numbers, without NaN, are equal in all ranks.
+/// Returns whether the numbers are the same in all ranks. None may be NaN.
 pub fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
     let mut ends = numbers.map(|number| [number, -number]);
     world.largest(ends.as_flattened_mut());
     ends.iter().all(|[most, least]| *most == -least)
 }
 
-/// Data that a rank sent before its search.
+/// Messages that a rank sends for one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Particles, counted as often as sent.
+    /// Particles, each counted as often as it was sent.
     pub particles: u64,
-    /// Bytes of these particles: 4 for the number, 8 per coordinate, 8 for an individual radius.
+    /// Bytes: 4 for a particle's number, 8 per coordinate, 8 for the radius if radii differ.
     pub bytes: u64,
-    /// Number of ranks that received any.
+    /// Number of ranks that got a message.
     pub partners: u64,
 }
 
-/// A rank: its slab of the scene and its halo.
+/// A rank: the particles of its slab, and copies of those of other slabs that may touch them.
 pub struct Rank<const D: usize> {
     slabs: Slabs<D>,
     lattice: Option<Lattice>,
     /// The radius of all particles, if they share one.
     radius: Option<f64>,
-    /// Own particles first, then the halo.
     bodies: Numbered<D>,
     own: usize,
 }
@@ -105,12 +103,12 @@ impl<const D: usize> Rank<D>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    /// Sends the particles that each rank made or read to their owners, in a periodic box if there
-    /// is one. Particle numbers must be unique.
+    /// Sends the particles that each rank has made or read to the owners of their slabs. The
+    /// numbers of all particles must differ.
     ///
     /// # Errors
-    /// Fails in all ranks if, in any of them, the box does not fit, dimensions or boxes differ,
-    /// [`Refusal::Skewed`] occurs or memory runs out ([`Refusal::Exhausted`]).
+    /// The box does not fit; dimensions or boxes differ between ranks; [`Refusal::Skewed`] or
+    /// [`Refusal::Exhausted`] in any rank.
     pub fn new(
         world: &impl World,
         bodies: Numbered<D>,
@@ -120,7 +118,7 @@ where
             let empty = Scene::<f64, D>::new(Vec::new(), Radii::Uniform(0.0))?;
             Ok(Periodic::new(empty.into(), lattice)?.into_parts().1)
         };
-        // The same number of values in any dimension.
+        // The same length in 2D and 3D.
         let told = |lattice: Lattice| {
             let axes = [lattice.periodic().map(f64::from), lattice.origin()];
             [lattice.vectors().as_flattened(), axes.as_flattened()].concat()
@@ -138,7 +136,7 @@ where
             .iter()
             .fold([f64::NEG_INFINITY; 2], |[most, least], &r| [most.max(r), least.max(-r)]);
         world.largest(&mut ends);
-        // Without particles the values are minus infinity, so there is no common radius.
+        // Minus infinity without particles, and then there is not a common radius.
         let radius = (ends[0] == -ends[1]).then_some(ends[0]);
         let sizes = radius.is_none();
         let mut slabs = Slabs::new(world, &bodies, ends[0].max(0.0), lattice.as_ref())?;
@@ -159,15 +157,15 @@ where
         Ok(Rank { slabs, lattice, radius, own: own.len(), bodies: own })
     }
 
-    /// Replaces the halo by the particles of other ranks that may touch own ones. Returns the data
-    /// that this rank sent.
+    /// Replaces the copies of other ranks' particles by current ones, and returns what this rank
+    /// sent.
     ///
     /// # Errors
-    /// Returns [`Refusal::Exhausted`] if memory runs out in any rank.
+    /// [`Refusal::Exhausted`] in any rank.
     pub fn refresh(&mut self, world: &impl World) -> Result<Traffic, Failure> {
         self.bodies.truncate(self.own);
         let (bodies, slabs, radius) = (&self.bodies, &self.slabs, self.radius);
-        // Called once, because in MPI this call takes longer than a particle.
+        // Read once, because MPI's call costs more than a particle.
         let rank = world.rank();
         let reached = |k: usize, to: &mut dyn FnMut(usize)| {
             let r = radius.unwrap_or_else(|| bodies.radii()[k]);
@@ -204,36 +202,33 @@ where
         self.bodies.ids()[k as usize]
     }
 
-    /// Finds the contacts that belong to this rank, exactly, and replaces the contents of the
-    /// lists. Particles have the rank's own numbers, own particles first ([`Rank::id`]).
-    ///
-    /// # Errors
-    /// Returns the refusals of the detector.
+    /// Replaces the lists by the exact contacts that belong to this rank, in the rank's own
+    /// numbers, own particles first ([`Rank::id`]). Fails if the detector refuses.
     pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
-            // Convert to numbers of the whole scene, which users know.
+            // Users know the particle by its number in the whole scene.
             Refusal::Away { particle, vector, boxes } => {
                 Refusal::Away { particle: self.id(particle), vector, boxes }
             }
             other => other,
         })?;
-        // At most 2^32 - 1, like the scene.
+        // The scene has at most 2^32 - 1 particles.
         let own = self.own as u32;
         contacts.plain.retain(|&[i, j]| i.min(j) < own);
         contacts.shifted.retain(|&ImagePair { i, .. }| i < own);
         Ok(())
     }
 
-    /// Returns the bytes of particles and of the searcher's last detection, by formula, without the
-    /// lists of contacts.
+    /// Returns the bytes of particles and of the searcher's last detection, by their formulas,
+    /// without the lists of contacts.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
         (self.bodies.len() * each) as u64 + searcher.formula_bytes()
     }
 
-    /// Returns number and digest of this rank's contacts, in numbers of the whole scene. Both add
-    /// up over ranks.
+    /// Returns number and digest of this rank's contacts, in the numbers of the whole scene. Both
+    /// can be added over ranks.
     pub fn digest(&self, contacts: &Contacts) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in &contacts.plain {
@@ -249,8 +244,7 @@ where
         let scene = self.bodies.scene(self.radius);
         match self.lattice {
             None => Loaded::Open(scene.into()),
-            // Valid, because the box was checked with an empty scene of the same dimension and
-            // storage.
+            // It fits an empty scene of this dimension in f64.
             Some(lattice) => Loaded::InBox(Periodic::new(scene.into(), lattice).unwrap()),
         }
     }

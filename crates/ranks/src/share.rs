@@ -10,30 +10,33 @@ use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::rank::together;
 use crate::world::World;
 
-/// Particles that one rank contributes, whichever rank will own them.
+/// Particles that one rank makes or reads, whatever rank will own them.
 #[derive(Clone, Debug)]
 pub struct Share {
-    /// The particles, with the box of the whole scene.
+    /// The particles, and the box of the whole scene.
     pub given: Given,
-    /// Number of the first particle in the whole scene.
+    /// The number of the first particle in the whole scene.
     pub first: u64,
     /// Number of frames in the file; 1 for a generated scene.
     pub frames: u64,
 }
 
 pub trait Dealt {
-    /// Returns the part of one rank. It reads only these rows of an npy file; other files and
-    /// generated scenes are held completely for a moment. Fails as [`Origin::whole`].
-    fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share>;
-
-    /// Returns a separate scene for each rank, with consecutive seeds, side by side along x: the
-    /// scene grows with the number of ranks, and no rank makes more than its part.
+    /// Returns the part of one rank. From an npy file it reads only its rows. Other files and
+    /// generated scenes are held as a whole for a moment.
     ///
     /// # Errors
-    /// Fails as [`Origin::whole`], and for a file or a periodic box.
+    /// As [`Origin::whole`].
+    fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share>;
+
+    /// Makes a scene for each rank, with consecutive seeds, side by side along x. The whole grows
+    /// with the number of ranks, and no rank makes more than its part.
+    ///
+    /// # Errors
+    /// As [`Origin::whole`]; also for a file and for a periodic box.
     fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
 
-    /// Returns the scene of this many ranks in one piece. Fails as [`Dealt::beside`].
+    /// The scene of [`Dealt::beside`] for this many ranks, as a whole; fails likewise.
     fn row(&self, ranks: usize) -> anyhow::Result<Given>;
 }
 
@@ -71,16 +74,17 @@ impl Dealt for Origin {
     }
 }
 
-/// Makes the scene of one rank, with its own seed.
 fn seeded(origin: &Origin, rank: usize) -> anyhow::Result<Given> {
     let Origin::Made(spec) = origin else {
-        anyhow::bail!("--each is for scenes that are made; a file is dealt out: leave it out");
+        anyhow::bail!(
+            "--each makes a scene per rank, but a file is split between ranks; leave out --each"
+        );
     };
     let seed = spec.seed.wrapping_add(rank as u64);
     let given = Spec { seed, ..spec.clone() }.given()?;
     ensure!(
         given.lattice.is_none(),
-        "--each puts scenes side by side, and this one repeats in a box; leave out the box, or \
+        "--each puts scenes side by side, but this one has a periodic box; leave out the box, or \
          --each"
     );
     Ok(given)
@@ -99,8 +103,8 @@ impl Share {
     }
 }
 
-/// Returns the offset of the next scene along x, such that centres on both sides are nine tenths of
-/// the largest diameter apart.
+/// Returns the distance along x to the next scene: where they meet, centres are 0.9 of the largest
+/// diameter apart.
 fn width(given: &Given) -> f64 {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     contactbench_core::with_scene!(&given.scene, scene => for x in scene.centres() {

@@ -1,23 +1,22 @@
-//! Which rank owns a particle, and which other ranks need it.
+//! The slabs that ranks own, and the ranks that need copies of a particle.
 //!
-//! A slab is a range of *places*: values of one coordinate in open space, or of the fraction along
-//! one vector of a periodic box, taken modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has
-//! one owner, however inaccurate its place. The borders are quantiles of a sample of places, which
-//! is the same in all ranks.
+//! A slab is a range of *places*. A place is a coordinate in open space, and a fraction along a
+//! vector of a periodic box, modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has one
+//! owner, whatever rounding does. The borders are places of particles: quantiles of a sample that
+//! all ranks draw alike.
 //!
 //! **In open space** particles touch if |xi - xj| <= ri + rj. Let i be in a slab above that of j,
-//! whose upper border is c. Then xj < c along the axis, and a contact means xi - c < ri + rj. With
-//! R, the largest radius in the slab of j, this is at most ri + R. Rounding is monotone, so the
-//! rounded difference is at most the rounded sum: a particle that fails this comparison touches
-//! nothing in that slab.
+//! whose upper border is c. Then xj < c, so a contact implies xi - c < ri + rj. If R is the largest
+//! radius in the slab of j, this is at most ri + R. Rounding is monotone, so the rounded difference
+//! is at most the rounded sum. A particle that fails this comparison touches none in that slab.
 //!
-//! **In a box** a contact through S vectors means, with g the computed dual of vector a and (1) of
-//! `periodic/frame.rs`: |Ta - g·(xi - xj)| <= |g| (ri + rj) plus the coupling of the other vectors,
-//! for an integer Ta. So the two exact places are as near on the circle of length 1. A computed
-//! place is within 4u times the sum of |g| |x| of the exact one, and another u for taking it modulo
-//! 1. Twice the largest of these bounds, and a bit more for the sums here, is the slack. On the
-//! circle the slab of j is reached from i downwards, from its own place, or upwards, through the
-//! face.
+//! **In a box** let g be the computed dual of vector a. By (1) of
+//! [`frame`](contactbench_core::periodic::frame), a contact through S vectors implies
+//! |Ta - g·(xi - xj)| <= |g| (ri + rj) + the coupling of the other vectors, for a whole number Ta.
+//! So the exact places are as near on a circle of length 1. A computed place differs from the exact
+//! one by at most 4u times the sum of |g| |x|, and by another u from the modulo. The slack is twice
+//! the largest of these, and more for the sums here. On the circle, i reaches the slab of j
+//! downwards from its own place, or upwards through the face.
 
 use contactbench_core::periodic::frame::{Frame, U};
 use contactbench_core::refusal::Refusal;
@@ -28,16 +27,16 @@ use crate::bodies::Numbered;
 use crate::rank::Failure;
 use crate::world::World;
 
-/// Number of places that each rank contributes to the sample.
+/// Places per rank in the sample.
 const SAMPLE: usize = 512;
 
-/// Division of the scene into slabs; see the module.
+/// The borders of all slabs, and their largest radii.
 #[derive(Clone, Debug)]
 pub struct Slabs<const D: usize> {
     along: Along<D>,
     /// c(1), c(2), ...
     borders: Vec<f64>,
-    /// Largest radius in each slab; minus infinity if it is empty.
+    /// The largest radius in each slab; minus infinity if it is empty.
     largest: Vec<f64>,
     largest_of_all: f64,
 }
@@ -49,7 +48,7 @@ enum Along<const D: usize> {
 }
 
 impl<const D: usize> Slabs<D> {
-    /// Creates slabs with about equal numbers of the particles in all ranks.
+    /// Makes slabs with about equally many of the particles that all ranks hold together.
     pub fn new(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -58,10 +57,11 @@ impl<const D: usize> Slabs<D> {
     ) -> Result<Slabs<D>, Failure> {
         let along = match lattice {
             None => Along::axis(world, bodies),
-            // The box is the same in all ranks, and so are its refusals.
+            // The box is the same in all ranks, so all refuse it or none.
             Some(lattice) => Along::vector(world, bodies, largest_radius, lattice)?,
         };
-        // Random within each stride: equal strides could all fall on one row of a lattice.
+        // One particle is drawn from each interval: regular steps might take a single row of a
+        // lattice.
         let step = bodies.len().div_ceil(SAMPLE).max(1);
         let drawn = |begin: usize| {
             let some = step.min(bodies.len() - begin) as u64;
@@ -80,24 +80,24 @@ impl<const D: usize> Slabs<D> {
         Ok(Slabs { along, borders, largest: Vec::new(), largest_of_all: largest_radius })
     }
 
-    /// Computes the largest radius in each slab from the particles that ranks own.
+    /// Stores the largest radius of each slab; `largest` is this rank's.
     pub fn settle(&mut self, world: &impl World, largest: f64) {
         self.largest = vec![f64::NEG_INFINITY; world.size()];
         self.largest[world.rank()] = largest;
         world.largest(&mut self.largest);
     }
 
-    /// Returns the rank that owns a particle at `x`.
+    /// Returns the rank that owns the place of `x`.
     pub fn owner(&self, x: &[f64; D]) -> usize {
         let place = self.along.place(x);
         self.borders.partition_point(|&border| border <= place)
     }
 
-    /// Calls `send` once for each rank below `rank`, the owner, whose particles may touch a
-    /// particle of radius `r` at `x`.
+    /// Calls `send` once for each rank whose particles may touch a particle at `x` with radius `r`.
+    /// `rank` owns it; ranks above `rank` are not needed.
     pub fn reached(&self, rank: usize, x: &[f64; D], r: f64, send: &mut dyn FnMut(usize)) {
         let place = self.along.place(x);
-        // NaN counts as near.
+        // A comparison with NaN counts as near.
         let apart = |gap: f64, radius: f64| gap > self.along.reach(r + radius);
         let mut lowest = rank;
         for below in (0..rank).rev() {
@@ -126,8 +126,8 @@ impl<const D: usize> Slabs<D> {
         }
     }
 
-    /// Returns the axis or box vector along which slabs lie (0, 1 or 2), and whether it is a
-    /// vector.
+    /// Returns the axis, or the vector of the box, along which slabs lie (0, 1 or 2), and whether
+    /// it is a vector.
     pub fn direction(&self) -> (usize, bool) {
         match self.along {
             Along::Axis(axis) => (axis, false),
@@ -137,7 +137,7 @@ impl<const D: usize> Slabs<D> {
 }
 
 impl<const D: usize> Along<D> {
-    /// Chooses the axis along which the scene is longest.
+    /// Returns the axis along which the scene is longest.
     fn axis(world: &impl World, bodies: &Numbered<D>) -> Along<D> {
         let mut ends = [[f64::NEG_INFINITY; 2]; D];
         for x in bodies.places() {
@@ -152,7 +152,7 @@ impl<const D: usize> Along<D> {
         Along::Axis(longest.unwrap_or(0))
     }
 
-    /// Chooses the vector whose faces are farthest apart.
+    /// Returns the vector whose faces are farthest apart.
     fn vector(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -163,8 +163,7 @@ impl<const D: usize> Along<D> {
         let periodic = (0..3).filter(|&a| frame.periodic[a]);
         let vector = periodic.min_by(|&a, &b| frame.lengths[a].total_cmp(&frame.lengths[b]));
         let vector = vector.unwrap_or(0);
-        // Along each vector: the largest fraction, the largest negative fraction, and the largest
-        // sum of magnitudes.
+        // Along each vector: the largest fraction, the largest negated fraction, the largest sum.
         let mut most = [[f64::NEG_INFINITY; 3]; 3];
         for x in bodies.places() {
             for a in (0..3).filter(|&a| frame.periodic[a]) {
@@ -193,7 +192,7 @@ impl<const D: usize> Along<D> {
         }
     }
 
-    /// Returns how far apart the places of touching particles with this sum of radii may be.
+    /// Returns the largest distance of two places in contact, if `sum` is the sum of their radii.
     fn reach(&self, sum: f64) -> f64 {
         match self {
             Along::Axis(_) => sum,

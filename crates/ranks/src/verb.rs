@@ -43,7 +43,7 @@ pub struct Ranks {
         hide_possible_values = true
     )]
     detector: String,
-    /// Numbers of ranks to run in turn, as threads of this process; mpirun sets the number itself
+    /// Numbers of ranks to measure in turn, as threads; mpirun sets the number instead
     #[arg(
         long,
         value_name = "NUMBERS",
@@ -52,23 +52,23 @@ pub struct Ranks {
         value_parser = values::whole::<usize>
     )]
     ranks: Vec<usize>,
-    /// Give each rank a scene with a seed of its own, side by side along x, so that the whole scene
-    /// grows with the number of ranks
+    /// Make a scene per rank with its own seed, side by side along x; the whole grows with the
+    /// number of ranks
     #[arg(long)]
     each: bool,
     /// Number of timed steps, after one warm-up step
     #[arg(long, default_value_t = 9, value_parser = values::whole::<usize>)]
     steps: usize,
-    /// Do not compare with the contacts of one process, for scenes too large for one machine
+    /// Skip the comparison with one process, for scenes too large for one machine
     #[arg(long)]
     unchecked: bool,
-    /// Also print predicted steps on up to 1,024 ranks, each with as many particles
+    /// Also predict steps on up to 64 times the measured ranks, with equal particles per rank
     #[arg(long)]
     model: bool,
-    /// Network of the model: seconds for an empty message, and bytes per second of a rank
+    /// Network of the model: latency in seconds, bytes per second of a rank
     #[arg(long, value_name = "SECONDS,RATE", default_value = "2e-6,1e9")]
     network: Network,
-    /// Also append a line of JSON for each number of ranks to a file
+    /// Also append a line of JSON per number of ranks to a file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -77,11 +77,11 @@ pub struct Ranks {
 
 pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
-    ensure!(options.steps >= 1, "--steps 0: at least one is needed");
+    ensure!(options.steps >= 1, "--steps is 0; it must be at least 1");
     for &ranks in &options.ranks {
         ensure!(
             (1..=MOST_THREADS).contains(&ranks),
-            "--ranks {ranks}: threads are ranks from 1 to {MOST_THREADS}; start more by mpirun"
+            "--ranks is {ranks}; it must be from 1 to {MOST_THREADS}; use mpirun for more ranks"
         );
     }
     let Source { scene: Some(name), input } = &options.source else {
@@ -110,7 +110,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
             let setting = setting(share.given.scene.len());
             Ok(measure(world, "threads", name, share, setting)?)
         };
-        let ended = threads(ranks, of).with_context(|| format!("no {ranks} threads"))?;
+        let ended = threads(ranks, of).with_context(|| format!("cannot start {ranks} threads"))?;
         let mut row = first_to_say_why(ended).with_context(|| name.clone())?;
         if !options.unchecked {
             let all =
@@ -131,10 +131,9 @@ fn by_mpi<'a>(
     name: &str,
     setting: &dyn Fn(usize) -> Setting<'a>,
 ) -> anyhow::Result<ExitCode> {
-    let world = crate::mpi::Processes::begin().context("MPI does not begin")?;
+    let world = crate::mpi::Processes::begin().context("cannot initialize MPI")?;
     let (rank, size) = (world.rank(), world.size());
-    // With different options ranks would wait for each other, so all compare them first; the same
-    // holds if one has no file.
+    // If --steps differed, ranks would wait for each other; so they would if one found no file.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
     let origin = match same {
         true => together(&world, options.source.input.origin(name)),
@@ -157,8 +156,8 @@ fn by_mpi<'a>(
     let (mut row, origin) = match row {
         Ok(row) => row,
         Err(error) => {
-            // A rank that knows the reason prints it; if options differ, rank 0 does. No rank exits
-            // earlier, because mpirun then kills the others.
+            // A rank that knows the reason prints it; if inputs differ, the first rank does. All
+            // wait for that, because mpirun kills the others when one has failed.
             let knows = match error.downcast_ref() {
                 Some(Failure::Elsewhere(_)) => false,
                 Some(Failure::Unlike(_)) => rank == 0,
@@ -190,7 +189,7 @@ fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::R
     )
 }
 
-/// Returns the reason of the rank that failed first; ranks that end because of it do not know it.
+/// Prefers the error of a rank that knows the reason.
 fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
     let mut ended = None;
     for row in rows {
@@ -224,8 +223,8 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
             let have = std::thread::available_parallelism().map_or(1, |number| number.get());
             if most > have {
                 blocks.push(Block::paragraph(format!(
-                    "More ranks than processors ({have}) take turns: their times are not those of \
-                     ranks side by side."
+                    "There are more ranks than processors ({have}), so ranks take turns, and \
+                     times are longer than with a processor each."
                 )));
             }
         }
@@ -238,7 +237,7 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     };
     for row in rows.iter().filter(|row| row.ranks > 1) {
         blocks.push(Block::paragraph(format!(
-            "{}: alone / step {}; alone / search, about what sharing memory and cores leaves, {}.",
+            "{}: alone / step {}; alone / search {} (1: sharing memory and cores costs nothing).",
             plural(row.ranks, "rank"),
             ratio(&row.alone_over_step),
             ratio(&row.alone_over_search)
@@ -293,7 +292,7 @@ fn table(rows: &[Row]) -> Table {
         .into()
 }
 
-/// Rounds to two digits, which is the accuracy of the model.
+/// A prediction deserves two digits.
 fn two_digits(ms: f64) -> String {
     let decimals = 1 - ms.abs().log10().floor().clamp(-9.0, 9.0) as i32;
     let scale = 10f64.powi(decimals);
@@ -302,7 +301,7 @@ fn two_digits(ms: f64) -> String {
 
 fn model(rows: &[Row], network: Network) -> Vec<Block> {
     let Some(row) = rows.iter().filter(|row| row.ranks > 1).max_by_key(|row| row.ranks) else {
-        return vec![Block::paragraph("The model needs what two ranks or more send.")];
+        return vec![Block::paragraph("The model needs a measurement with at least 2 ranks.")];
     };
     let one = rows.iter().find(|one| one.ranks == 1 && one.n * row.ranks as u64 == row.n);
     let one_ms = one.map(|one| one.step_ms);
@@ -322,10 +321,10 @@ fn model(rows: &[Row], network: Network) -> Vec<Block> {
         .into();
     let measured = step(row, one_ms, network, Growth::Long, row.ranks as u64);
     let words = format!(
-        "Model, not measured: {} own particles in each rank, messages of {} s and {} bytes/s. With \
-         {} the model of the search gives {} ms, and {} ms were measured; the difference is added \
-         to every step below, which go to {FARTHEST} times as many ranks. Long: the scene grows \
-         along its slabs; alike: in its shape, so that slabs become thin.",
+        "Model, not measured: {} own particles per rank, messages of {} s and {} bytes/s. For {} \
+         the search model predicts {} ms, and {} ms were measured; the difference is added to \
+         every step below. Predictions end at {FARTHEST} times the measured ranks. Long: the scene \
+         grows along its slabs. Alike: it keeps its shape, so slabs become thin.",
         number(row.n as f64 / row.ranks as f64),
         number(network.latency_s),
         number(network.bytes_per_s),

@@ -1,4 +1,4 @@
-//! Communication between ranks, and ranks as threads.
+//! Communication between ranks, and ranks that are threads.
 
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -6,26 +6,25 @@ use std::thread;
 
 use crate::rank::Failure;
 
-/// The ranks that work on one scene, from the view of one of them. All ranks must call the same
-/// functions in the same order, as in MPI.
+/// The ranks of one scene, as one of them sees them. All must call the same functions in the same
+/// order, as in MPI.
 pub trait World {
-    /// Returns the number of this rank, from 0.
+    /// This rank's number, from 0.
     fn rank(&self) -> usize;
-    /// Returns the number of ranks, at least 1.
+    /// Number of ranks, at least 1.
     fn size(&self) -> usize;
-    /// Replaces `numbers` by their sums over all ranks, element by element, modulo 2^64.
+    /// Replaces each number by its sum over all ranks, modulo 2^64.
     fn sum(&self, numbers: &mut [u64]);
-    /// Replaces `numbers` by their maxima over all ranks, element by element; none may be NaN.
+    /// Replaces each number by its maximum over all ranks; none may be NaN.
     fn largest(&self, numbers: &mut [f64]);
-    /// Sends part k to rank k, and replaces it by the part received from rank k.
+    /// Sends part k to rank k, and replaces part k by the one that came from rank k.
     ///
     /// # Errors
-    /// Returns [`Refusal::Exhausted`](contactbench_core::Refusal) if any rank has no memory for its
-    /// parts.
+    /// [`Refusal::Exhausted`](contactbench_core::Refusal) if any rank lacks memory for the parts.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 
-/// A rank as a thread of this process, for tests and to try an MPI run.
+/// A rank that is a thread of this process, for tests and trials.
 pub struct Thread {
     rank: usize,
     shared: Arc<Shared>,
@@ -37,13 +36,13 @@ struct Shared {
     turned: Condvar,
 }
 
-/// Shared data of all ranks; each rank has one entry in each list.
+/// Each list has an entry per rank.
 struct Table {
     arrived: usize,
     round: u64,
-    /// Whether all threads were started, once known.
+    /// Whether all threads were started; `None` until that is known.
     complete: Option<bool>,
-    /// The first rank that ended; the others must not wait for it.
+    /// The first rank that returned: others may wait for it in vain.
     left: Option<usize>,
     /// The first rank that panicked.
     lost: Option<usize>,
@@ -51,14 +50,14 @@ struct Table {
     mail: Vec<Vec<Vec<u8>>>,
 }
 
-/// Runs `work` in one thread per rank and returns the results in order.
+/// Runs the work in this many threads, one per rank, and returns the results in their order.
 ///
 /// # Errors
 /// Fails before any work if the system cannot start that many threads.
 ///
 /// # Panics
-/// Panics as the first rank that does. Ranks that then wait for it panic, too, and so do ranks that
-/// wait for a rank that has returned.
+/// Panics if the work of a rank does. The panic is that of the first such rank; ranks that wait for
+/// it, or for a rank that has returned, panic, too.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
@@ -85,7 +84,7 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
         {
             std::panic::resume_unwind(cause);
         }
-        // No thread panicked, and all were started.
+        // No rank has panicked, and all were started.
         Ok(ended.into_iter().filter_map(|end| end.ok().flatten()).collect())
     })
 }
@@ -95,7 +94,7 @@ impl Shared {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Releases the table until another rank changes it.
+    /// Waits for the next change of the table.
     fn turn<'a>(&self, table: MutexGuard<'a, Table>) -> MutexGuard<'a, Table> {
         self.turned.wait(table).unwrap_or_else(PoisonError::into_inner)
     }
@@ -113,7 +112,7 @@ impl Thread {
         }
     }
 
-    /// Waits until all ranks have called this.
+    /// Waits for all ranks.
     fn wait(&self) {
         let mut table = self.shared.table();
         let round = table.round;
@@ -131,7 +130,7 @@ impl Thread {
         }
     }
 
-    /// Stores something in the table, and reads the result once all ranks have stored.
+    /// Calls `put`, waits for all ranks, and calls `take`.
     fn meet<R>(
         &self,
         put: impl FnOnce(&mut Table, usize),
@@ -144,7 +143,7 @@ impl Thread {
         taken
     }
 
-    /// Calls `take` with each number of all ranks and its place in the list.
+    /// Calls `take` with the numbers of all ranks, each with its index in the list.
     fn all(&self, mine: Vec<u64>, mut take: impl FnMut(usize, u64)) {
         self.meet(
             |table, rank| table.numbers[rank] = mine,
@@ -242,7 +241,7 @@ mod tests {
                 world.sum(&mut [1]);
             })
         });
-        // The reason of the rank that panicked, not of those that waited for it.
+        // The first panic is returned, not those of the ranks that wait.
         assert_eq!(panics.unwrap_err().downcast_ref::<&str>(), Some(&"on purpose"));
     }
 

@@ -109,22 +109,22 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     // At most 64 times the two ranks that were measured.
     assert_eq!(words[..2], ["128", "64000"], "{said}");
     let alone = good(folder, &["loose:n=1000", "--ranks", "1", "--model"]).stdout;
-    assert!(alone.ends_with("The model needs what two ranks or more send.\n"), "{alone}");
+    assert!(alone.ends_with("The model needs a measurement with at least 2 ranks.\n"), "{alone}");
     let refuse = |words: &[&str], why: &str| {
         let ended = finished(program(folder, words));
         assert_eq!(ended.code, Some(2), "{words:?}: {}", ended.stdout);
         assert!(ended.stderr.contains(why), "{words:?}: no '{why}' in: {}", ended.stderr);
     };
     refuse(&[], "name a particle file, or a scene");
-    refuse(&["loose", "--ranks", "0"], "threads are ranks from 1 to 64; start more by mpirun");
-    refuse(&["loose", "--ranks", "65"], "threads are ranks from 1 to 64");
-    refuse(&["loose", "--steps", "0"], "--steps 0: at least one is needed");
+    refuse(&["loose", "--ranks", "0"], "--ranks is 0; it must be from 1 to 64; use mpirun");
+    refuse(&["loose", "--ranks", "65"], "--ranks is 65; it must be from 1 to 64");
+    refuse(&["loose", "--steps", "0"], "--steps is 0; it must be at least 1");
     let command = program(folder, &["loose", "--network", "fast"]);
     assert!(finished(command).stderr.contains("seconds and bytes per second"));
     refuse(&["loose", "--radius", "1"], "belong to files");
-    refuse(&["loose:periodic=true", "--each"], "this one repeats in a box; leave out the box");
+    refuse(&["loose:periodic=true", "--each"], "this one has a periodic box; leave out the box");
     std::fs::write(folder.join("p.csv"), "x,y,r\n0,0,1\n").unwrap();
-    refuse(&["p.csv", "--each"], "a file is dealt out: leave it out");
+    refuse(&["p.csv", "--each"], "a file is split between ranks; leave out --each");
     // Only the last ranks fail, by overflow, and the others do not wait for them.
     let far = "packed:n=4,diameter=1e307";
     good(folder, &[far, "--each", "--ranks", "2"]);
@@ -187,10 +187,10 @@ fn of_mpi() -> Result<(), String> {
     scene(folder, "packed:dim=3,n=2000,size-ratio=2", "few.npy");
     for (other, why) in [
         ("missing.npy --steps 1", "missing.npy"),
-        ("flat.csv --steps 1", "its dimension differs from rank to rank"),
-        ("few.npy --steps 1", "its number of particles differs from rank to rank"),
-        ("p.npy --steps 2", "--steps or --each differs from rank to rank"),
-        ("p.npy --steps 1 --each", "--steps or --each differs from rank to rank"),
+        ("flat.csv --steps 1", "its dimension differs between ranks"),
+        ("few.npy --steps 1", "its number of particles differs between ranks"),
+        ("p.npy --steps 2", "--steps or --each differs between ranks"),
+        ("p.npy --steps 1 --each", "--steps or --each differs between ranks"),
     ] {
         let mut command = Command::new("timeout");
         command.current_dir(folder).args([

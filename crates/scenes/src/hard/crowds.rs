@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   +------+------+
-//!   |:::::.|      |     a table of 100 places per cell drops the others without a word
+//!   |:::::.|      |     a table of 100 places per cell silently drops the others
 //!   |::::::|   o  |
 //!   +------+------+
 //! ```
