@@ -45,7 +45,7 @@ typedef struct contactbench_detector contactbench_detector;
 typedef struct contactbench_tracker contactbench_tracker;
 
 /**
- * The box in which a scene repeats. Discs use the first two vectors.
+ * A periodic box. Discs use the first two vectors.
  */
 typedef struct contactbench_box {
   /**
@@ -53,7 +53,7 @@ typedef struct contactbench_box {
    */
   double vectors[9];
   /**
-   * Not 0 for each vector along which the scene repeats. The other vectors are ignored.
+   * Not 0 for each periodic vector. The other vectors are ignored.
    */
   int periodic[3];
   /**

@@ -1,4 +1,4 @@
-//! Scenes and options from the caller, and why they cannot be used.
+//! Scenes and options from the caller, and the reasons for refusing them.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -134,7 +134,7 @@ impl Given<'_> {
 /// Returns `count` rows of `width` numbers.
 ///
 /// # Safety
-/// The pointer is null, or so many numbers can be read as long as they are used.
+/// The pointer is null, or `count` times `width` numbers can be read as long as they are used.
 pub unsafe fn rows<'a, T>(
     numbers: *const T,
     count: usize,

@@ -33,13 +33,13 @@ pub const CONTACTBENCH_MEMORY: c_int = 2;
 /// A defect of this library.
 pub const CONTACTBENCH_DEFECT: c_int = 3;
 
-/// The box in which a scene repeats. Discs use the first two vectors.
+/// A periodic box. Discs use the first two vectors.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct contactbench_box {
     /// Three vectors of any direction, one after the other.
     pub vectors: [f64; 9],
-    /// Not 0 for each vector along which the scene repeats. The other vectors are ignored.
+    /// Not 0 for each periodic vector. The other vectors are ignored.
     pub periodic: [c_int; 3],
     /// The corner at which the vectors start. It does not affect exact contacts.
     pub origin: [f64; 3],
