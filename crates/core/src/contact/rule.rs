@@ -169,7 +169,7 @@ pub struct Asked<'a> {
     pub decide: Decide<'a>,
 }
 
-/// Decides by their numbers whether two bodies touch.
+/// A callback that decides, from the numbers of two bodies, whether they touch.
 pub type Decide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
 
 impl Asked<'_> {

@@ -138,7 +138,7 @@ mod tests {
             grazes += 1;
         }
         assert_eq!(grazes, 7);
-        // The disc stops just before it touches, or starts behind the other one.
+        // The moving disc stops just before contact, or starts beyond the other disc.
         let rest = [[0.0, 0.0], [0.0, 0.0]];
         assert!(!both([[-3.0, 0.0], [-1.0f64.next_up() - 1e-15, 0.0]], rest, 0.5, 0.5));
         assert!(both([[-3.0, 0.0], [-1.0, 0.0]], rest, 0.5, 0.5));

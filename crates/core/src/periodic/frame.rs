@@ -37,9 +37,9 @@ use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
 
 /// Unit roundoff of f64, 2^-53.
 pub const U: f64 = 1.0 / (1u64 << 53) as f64;
-/// 2^-99.
+/// 2^-99: twice the relative error of adding up errors.
 const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
-/// 2^-1070.
+/// 2^-1070: more than products of a position can lose by underflow.
 const LEAST: f64 = f64::from_bits(1 << 4);
 /// Limit for the magnitudes of image numbers, so that a sum of three fits an `i32`.
 pub(super) const MOST: f64 = (1u64 << 29) as f64;
@@ -135,7 +135,7 @@ impl<const D: usize> Frame<D> {
         }
         let mut given = [0; 3];
         for (b, number) in given.iter_mut().enumerate() {
-            // At most 3 · 2^31 · 2^29.
+            // At most 3 · 2^31 · 2^29, so no overflow.
             let sum: i64 =
                 (0..3).map(|a| i64::from(image[a]) * i64::from(self.numbers[a][b])).sum();
             if sum.unsigned_abs() >= 1 << 29 {

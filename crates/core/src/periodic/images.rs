@@ -25,7 +25,7 @@ pub struct Images<const D: usize> {
     /// moved.
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
-    /// One-byte codes of these numbers: for nearly all pairs the codes are equal, which suffices.
+    /// One-byte codes of `wraps`: equal codes mean equal wraps, as in nearly all pairs.
     tags: Vec<u8>,
     candidates: Vec<Candidate<D>>,
     images: Vec<Body>,

@@ -284,7 +284,7 @@ pub(super) struct Near<'a, const D: usize> {
     off: f64,
 }
 
-/// 1 + 2^-40.
+/// A factor of 1 + 2^-40, which covers the roundings of a margin.
 const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 
 impl<'a, const D: usize> Near<'a, D> {

@@ -53,7 +53,7 @@ impl<const D: usize> Default for Around<D> {
 
 #[derive(Clone, Copy, Debug)]
 struct Vectors<const D: usize> {
-    /// Zeros along open axes.
+    /// Vectors of the box; zeros along open axes.
     vectors: [[f64; D]; 3],
     /// Duals of the shortest vectors of the lattice; `numbers` combines those from the box vectors.
     duals: [[f64; D]; 3],

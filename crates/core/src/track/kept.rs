@@ -132,7 +132,7 @@ impl<const D: usize> Kept<D> {
         }
         let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
         let each = match scene.radii() {
-            // By particle, by place, and enlarged during the build.
+            // Three radii: by particle, by place, and enlarged during the build.
             Radii::Each(_) => 24,
             Radii::Uniform(_) => 0,
         };

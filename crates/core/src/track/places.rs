@@ -46,7 +46,7 @@ impl<const D: usize> Default for Unit<D> {
 impl<const D: usize> Unit<D> {
     /// Creates a unit for particles of up to this diameter within this box.
     pub fn new((low, high): Corners<D>, diameter: f64) -> Unit<D> {
-        // Within the range of f64, whatever the diameter.
+        // Keeps the unit a normal double for any diameter.
         const FEWEST: u64 = 1023 - 1000;
         let exponent = (diameter.abs().to_bits() >> 52).clamp(FEWEST, 2 * 1023 - FEWEST);
         let origin = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
@@ -143,7 +143,7 @@ mod tests {
         let far = -2.0 * (power(106) + 3.0 * power(82) - power(54));
         let points = [[power(53) - 1.0, 0.0], [power(53), 0.0]];
         assert_eq!(verdict(points, [0.5, 0.5], &[[far, 0.0]]), None);
-        // These two are far apart themselves, with no other particle.
+        // Two particles far apart, with no other particle.
         assert_eq!(verdict([[0.0, 0.0], [power(70), 0.0]], [0.5, 0.5], &[]), Some(false));
     }
 }

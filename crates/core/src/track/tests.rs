@@ -172,8 +172,8 @@ fn numbers_that_overflow_lose_nothing() {
     }
 }
 
-/// For the same list, no rule discards it before the rule below it does, nor after the first frame
-/// in which an unlisted pair touches.
+/// The rules discard the same list in their documented order, and never after the first frame in
+/// which an unlisted pair touches.
 #[test]
 fn the_ladder_of_rules_has_no_exception() {
     let (mut apart, mut equal) = (0, 0);

@@ -135,7 +135,7 @@ fn best(costs: Costs, served: &Served) -> Option<f64> {
     let mut found: Option<(f64, f64)> = None;
     let mut steps = 1.0;
     while steps * step <= MOST {
-        // Speeds vary a little.
+        // A margin of 1%, because speeds vary slightly.
         let skin = (1.01 * steps * step).max(LEAST);
         let cost = cost((skin / step).floor(), skin);
         if cost < alone && found.is_none_or(|(least, _)| cost < least) {

@@ -107,7 +107,7 @@ impl Avx2 {
             let (a1, b1) = (two(1, 0), two(1, 1));
             let (a2, b2) = (two(2, 0), two(2, 1));
             let (a3, b3) = (two(3, 0), two(3, 1));
-            // The fourth lane of each keeps the number of b.
+            // The fourth lane of each keeps the particle number of b.
             let off0 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a0, b0), b0);
             let off1 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a1, b1), b1);
             let off2 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a2, b2), b2);

@@ -185,7 +185,7 @@ impl Wide for Avx512 {
             let (a1, b1) = (four(1, 0), four(1, 1));
             let (a2, b2) = (four(2, 0), four(2, 1));
             let (a3, b3) = (four(3, 0), four(3, 1));
-            // The fourth lane of each keeps the number of b.
+            // The fourth lane of each keeps the particle number of b.
             let off0 = _mm512_mask_sub_ps(b0, 0x7777, a0, b0);
             let off1 = _mm512_mask_sub_ps(b1, 0x7777, a1, b1);
             let off2 = _mm512_mask_sub_ps(b2, 0x7777, a2, b2);

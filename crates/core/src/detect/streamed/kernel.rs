@@ -32,10 +32,10 @@ use crate::probe::Op;
 use crate::scene::Real;
 use crate::wide::{HALF, Kernel, LANES, Level, Wide};
 
-/// Distances that decide, in steps.
+/// Limits on distances that decide a contact, in steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    /// Sum of two radii, if all are equal.
+    /// Sum of two radii if all radii are equal.
     pub sum: f32,
     pub grow: f32,
     /// Edge of a cell.
@@ -185,7 +185,7 @@ struct Found {
     at: usize,
     /// Not zero if the contact test must decide.
     odd: u32,
-    /// Bitwise or of the numbers of neighbours.
+    /// Bitwise or of the numbers of neighbours found per vector.
     counts: u32,
 }
 

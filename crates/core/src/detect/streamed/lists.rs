@@ -210,7 +210,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
     }
 }
 
-/// Particles whose steps are computed together.
+/// Number of particles whose coordinates are converted to steps together.
 const TOGETHER: usize = 64;
 
 struct Fill<'a, P, Q, R, const D: usize> {

@@ -5,7 +5,7 @@ use crate::wide::Wide;
 
 /// 1.5·2^23: adding and subtracting it rounds a small number to the nearest integer.
 const WHOLE: f32 = 12_582_912.0;
-/// Half a step less, so that an inner bound of zero accepts no pair.
+/// Margin of half a step: an inner limit of zero accepts no pair as touching.
 const SPARE: f32 = 0.5;
 
 pub(super) struct Query<W: Wide, const D: usize> {

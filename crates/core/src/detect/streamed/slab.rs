@@ -90,7 +90,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         begin.fill(0);
         *len = 0;
         for block in blocks() {
-            // For now in the order of the list.
+            // Cells in the order of the list; sorted below.
             let cells = &mut cells[*len..][..block.len()];
             for (cell, record) in cells.iter_mut().zip(block) {
                 *cell = plan.cell(record.at);

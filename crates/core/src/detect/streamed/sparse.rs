@@ -148,7 +148,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         let bits = |k: usize| u64::BITS - grid.count[k].leading_zeros();
         let (rows, xs) = (if D == 2 { 0 } else { bits(1) }, bits(0));
         let all = bits(D - 1) + rows + xs;
-        // Longer cell numbers are compared.
+        // Cell numbers of more than 64 bits are compared, not partitioned by digits.
         let all = if all <= u64::BITS { all } else { 0 };
         let cell = |place: &Place<R>| {
             let (layer, row) = (place.row >> 32, place.row & u64::from(u32::MAX));

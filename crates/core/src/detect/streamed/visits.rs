@@ -127,7 +127,7 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             let (first, last) = ((low >> bundle).min(end), (high >> bundle).min(end));
             for number in first..=last {
                 for record in from.lists.blocks(number as usize).flatten() {
-                    // Along the last axis the bundle has the highest bits.
+                    // The bundle number forms the highest bits of the last coordinate.
                     let in_bundle = u64::from(record.at[D - 1]) & ((1 << bundle) - 1);
                     let z = number << bundle | in_bundle;
                     if !(low..=high).contains(&z) {

@@ -109,7 +109,7 @@ fn images_fit_in_the_formula_bytes() {
                 candidates % 32 == 0 && (100..350).contains(&(candidates / 32)),
                 "{candidates}"
             );
-            // Lists are longer than that.
+            // Lists of contacts need more bytes than that.
             let enough = Finder::new(bytes.max(30_000));
             assert_eq!(list(&mut { enough }), Ok(()));
             let refused = list(&mut Finder::new(bytes - 1));

@@ -22,7 +22,7 @@ use crate::scene::{Radii, Scene, Stored};
 use crate::sink::Digest;
 
 const LIMIT: u64 = 1 << 28;
-/// Larger grids are not worth the time.
+/// A low memory limit, because larger grids take too long.
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
 #[derive(Clone, Debug)]
