@@ -1,12 +1,10 @@
-//! True contacts of a scene, in open space or in a box.
-
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, NoTruth};
 use contactbench_core::periodic::{self, ImagePair, Truth, without_shift};
 use contactbench_core::refusal::reserve;
 use contactbench_core::searcher::Loaded;
 
-/// Finds the contacts, in ascending order; lists of them may take `limit` bytes.
+/// Finds the true contacts, in ascending order; lists of them may use `limit` bytes.
 pub(crate) fn truth(
     scene: &Loaded<'_>,
     arithmetic: Arithmetic,

@@ -35,12 +35,10 @@ impl<'a> Checker<'a> {
         Ok(Checker { limits, started, arithmetics, contenders, report })
     }
 
-    /// Whether every subject has failed, so that none is left to check.
     fn decided(&self) -> bool {
         self.report.failures.len() == self.contenders.len()
     }
 
-    /// Whether the time is over or no subject is left.
     pub(super) fn over(&self) -> bool {
         self.started.elapsed() > self.limits.time || self.decided()
     }
@@ -137,7 +135,6 @@ fn simplest(
     if matches!(found, Wrong::Hangs(_)) {
         return Ok((given.clone(), Some(found.clone())));
     }
-    // The box is not shrunk.
     let in_box = |scene: AnyScene<'static>| Given { lattice: given.lattice, ..scene.into() };
     let wrong = |respondent: &mut dyn Respondent,
                  given: &Given,

@@ -61,7 +61,6 @@ impl Contender {
         }
     }
 
-    /// Starts a subject without history; a detection may take until `deadline`.
     pub fn respondent(
         &self,
         options: Options,
@@ -98,19 +97,14 @@ pub trait Respondent {
 }
 
 pub enum Answer {
-    /// Right, or lossy if the arithmetic allows that.
     Right,
     Pairs(Vec<ImagePair>),
-    /// A detector refused the scene after reporting this many pairs.
     Refused(Refusal, u64),
-    /// A runner refused the scene for this reason.
     Declined(String),
-    /// A runner made another error.
     Wrong(Wrong),
 }
 
 impl Answer {
-    /// Compares pairs in ascending order with the truth.
     pub(super) fn of(pairs: Vec<ImagePair>, truth: &Truth, arithmetic: Arithmetic) -> Answer {
         let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
         // Depths are not needed here.
@@ -119,7 +113,6 @@ impl Answer {
         if good { Answer::Right } else { Answer::Pairs(pairs) }
     }
 
-    /// The reason, if the scene was validly refused.
     pub fn refusal(&self) -> Option<String> {
         match self {
             Answer::Refused(refusal, 0) => Some(refusal.to_string()),
@@ -128,7 +121,6 @@ impl Answer {
         }
     }
 
-    /// The error, if the answer is wrong.
     pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
         match self {
             Answer::Right => None,
@@ -214,7 +206,6 @@ pub fn answer(
     }
 }
 
-/// The part of the truth that is needed to run a detector.
 #[derive(Clone, Copy, Default)]
 pub struct Expected {
     digest: Digest,
@@ -279,7 +270,6 @@ impl Respondent for Thread {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { stored, arithmetic, fresh, truth, .. } = *question;
         let job = Job { scene: stored.clone(), arithmetic, fresh, expected: truth.into() };
-        // If the thread has ended, receiving fails as well.
         let _ = self.jobs.send(job);
         let lost = match self.answers.recv_timeout(self.deadline) {
             Ok(answer) => return Ok(answer),
@@ -291,7 +281,6 @@ impl Respondent for Thread {
     }
 }
 
-/// Serves jobs until the channel closes.
 fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     let mut searcher = None;
     for job in jobs {

@@ -18,11 +18,9 @@ use contactbench_io::Given;
 pub struct Manners {
     /// The first error of each kind.
     pub broken: Vec<Wrong>,
-    /// What the runner measures besides time.
     pub abilities: Vec<&'static str>,
 }
 
-/// Length of the requested sample.
 const SAMPLE_NS: u64 = 2_000_000;
 
 struct Talk {
@@ -125,7 +123,6 @@ impl Talk {
         let request = Request::Sample { min_ns: SAMPLE_NS };
         for when in ["asked for a sample", "asked for a second sample"] {
             let Some(reply) = self.say(when, &request, &[])? else { return Ok(()) };
-            // Any scene may be refused.
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
             }
@@ -141,7 +138,6 @@ impl Talk {
         Ok(())
     }
 
-    /// Records what is impossible in the reply; returns whether anything was.
     fn impossible(&mut self, when: &str, request: &Request, reply: &Reply) -> bool {
         let found = self.line.impossible(request, reply);
         let wrong = found.is_some();

@@ -68,15 +68,12 @@ impl Default for Limits {
 
 #[derive(Default)]
 pub struct Report {
-    /// Number of detections compared with the truth.
     pub cases: u64,
     /// The same by detector and arithmetic; a missing entry means that nothing was compared.
     pub compared: BTreeMap<(String, &'static str), u64>,
-    /// Number of scenes, by origin.
     pub scenes: BTreeMap<&'static str, u64>,
     /// Whether the time was over before a [`battery`] was complete.
     pub cut: bool,
-    /// Number of refused detections, by reason.
     pub refused: BTreeMap<String, u64>,
     /// The first failure of each detector.
     pub failures: Vec<Failure>,
@@ -102,7 +99,6 @@ impl Report {
         }
     }
 
-    /// Whether any answer of this detector in this arithmetic was compared.
     pub fn has_compared(&self, detector: &str, arithmetic: Arithmetic) -> bool {
         self.compared.contains_key(&(detector.to_string(), arithmetic.name()))
     }

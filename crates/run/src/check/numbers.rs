@@ -79,13 +79,11 @@ pub fn rounded(x: f64, count: u32) -> f64 {
     libm::scalbn(libm::round(libm::scalbn(fraction, count as i32)), exponent - count as i32)
 }
 
-/// `x` times a power of two, if that is exact.
 pub fn scaled(x: f64, exponent: i32) -> Option<f64> {
     let scaled = libm::scalbn(x, exponent);
     (scaled.is_finite() && libm::scalbn(scaled, -exponent) == x).then_some(scaled)
 }
 
-/// a - b, if that is exact.
 pub fn difference(a: f64, b: f64) -> Option<f64> {
     // Knuth's TwoSum for a and -b gives the rounding error.
     let d = a - b;

@@ -28,7 +28,6 @@ use contactbench_record::record::row::Outcome;
 const ADDRESS_SPACE: u64 = 8 << 30;
 /// Limit for the first line, because an interpreter may load libraries slowly.
 const GREETING: Duration = Duration::from_secs(30);
-/// Number of lines of standard error that are kept.
 const LAST_LINES: usize = 12;
 /// Up to this many particles, the pairs are always requested.
 const SMALL: usize = 100;
@@ -43,17 +42,13 @@ pub struct Foreign {
     pub command: Vec<String>,
 }
 
-/// The result of starting a runner and reading its hello.
 pub enum Met {
     Runner(Foreign),
     Wrong(Wrong),
 }
 
-/// Why a scene ends early.
 pub(super) enum Stop {
-    /// The answer is decided.
     Answer(Answer),
-    /// The check itself cannot continue.
     Failed(anyhow::Error),
 }
 
@@ -107,7 +102,6 @@ impl Foreign {
         Ok(Met::Runner(Foreign { name, version, arithmetic, command }))
     }
 
-    /// Starts a process and reads its hello.
     fn start(&self, limit: Duration) -> Result<Client, Stop> {
         let mut client = spawn(&self.command, limit)?;
         match client.greet(GREETING) {
@@ -147,7 +141,6 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Sends a request with additional fields, and returns any kind of reply.
     pub fn say(&mut self, request: &Request, fields: &[(&str, &str)]) -> Result<Reply, Stop> {
         let mut client = match self.client.take() {
             Some(client) => client,
@@ -199,7 +192,6 @@ impl Process {
         }
     }
 
-    /// Requests the pairs; `None` if the runner does not support that.
     fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
         let n = given.scene.len();
         let box_dim = given.lattice.map(|_| given.scene.dim());

@@ -49,7 +49,6 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     if smallest.lattice.is_some() {
         // Extended XYZ cannot hold the comment.
         let mut text = Vec::new();
-        // Writing to memory cannot fail.
         let _ = write::scene_to(&mut text, SceneFormat::Xyz, smallest);
         return String::from_utf8_lossy(&text).into_owned();
     }

@@ -26,7 +26,6 @@ pub struct Effort {
 /// Numbers of significant bits to round to.
 const BITS: [u32; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40];
 
-/// Number of particles that are tried as the new origin.
 const ORIGINS: usize = 16;
 
 type Cost = (usize, bool, u64, u64, u64);
@@ -80,7 +79,6 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         self.trials == 0 || Instant::now() >= self.until
     }
 
-    /// Keeps the candidate if it is simpler and still fails.
     fn keeps(&mut self, candidate: Numbers) -> bool {
         let cost = cost(&candidate);
         if cost >= self.cost || self.spent() {

@@ -11,14 +11,12 @@ pub enum Wrong {
     RefusesLate(u64),
     Panics(String),
     Hangs(Duration),
-    /// A runner died.
     Dies {
         /// The cause and its last words, in one sentence; `errors` is the end of its standard
         /// error.
         how: String,
         errors: String,
     },
-    /// A runner broke the protocol, as described.
     Breaks(String),
     /// A function failed, as described: `raises an error`, for example.
     Fails(String),

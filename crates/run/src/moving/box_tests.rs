@@ -137,7 +137,6 @@ fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
     let frames: Vec<Given> = (0..9)
         .map(|k| {
             let at = |x: f64| [(x + 0.5 * f64::from(k)).rem_euclid(8.0), 1.0];
-            // They meet in frame 1.
             let gap = if k == 0 { 1.5 } else { 0.75 };
             given(vec![at(6.25), at(6.25 + gap)], 0.5, square(8.0))
         })
@@ -195,7 +194,6 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
         (2, 14, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
         (3, 14, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
         (4, 14, [[1.5, 0.0], [0.5, 2.0]], [[1.5, 0.0], [-0.75, 2.0]]),
-        // Only the box moves.
         (5, 0, [[4.0, 0.0], [1.5, 3.0]], [[4.0, 0.0], [-1.25, 3.0]]),
         (6, 0, [[1.5, 0.0], [0.5, 1.5]], [[1.5, 0.0], [-0.125, 1.5]]),
     ] {

@@ -10,7 +10,6 @@ pub struct Builds {
     pub rightly: u64,
     /// All builds after such a frame. Misses after the last build are not counted.
     pub missing: u64,
-    /// Missed contacts up to the last build.
     missed_before: u64,
 }
 

@@ -13,13 +13,10 @@ use contactbench_core::periodic::ImagePair;
 /// in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Late<P: Eq + Hash = ImagePair> {
-    /// Missed pair-steps.
     pub missed: u64,
-    /// Largest number of contacts missed in one frame.
     pub worst: u64,
     /// First frame with a missed contact.
     pub first: Option<u64>,
-    /// Number of frames with a missed contact.
     pub frames: u64,
     /// Contacts that ended, or lasted to the last frame, without being reported.
     pub never: u64,
@@ -27,7 +24,6 @@ pub struct Late<P: Eq + Hash = ImagePair> {
     pub latest: u64,
     /// Largest overlap of a late contact when it was first reported, in mean radii of the pair.
     pub deepest: f64,
-    /// Contacts missed now, with the frame in which that began.
     open: HashMap<P, u64>,
 }
 
@@ -69,7 +65,6 @@ impl<P: Copy + Eq + Hash> Late<P> {
     /// Notes the contacts missed in frame `k`, each once. `depth` returns the overlap of a contact,
     /// or `None` if it has ended.
     pub fn note(&mut self, k: u64, missed: &[P], depth: impl Fn(&P) -> Option<f64>) {
-        // Contacts that are no longer missed were reported or have ended.
         let mut before = std::mem::take(&mut self.open);
         for &pair in missed {
             self.open.insert(pair, before.remove(&pair).unwrap_or(k));
@@ -92,7 +87,6 @@ impl<P: Copy + Eq + Hash> Late<P> {
         self.worst = self.worst.max(missed);
     }
 
-    /// Whether some contact is still missed.
     pub(crate) fn is_open(&self) -> bool {
         !self.open.is_empty()
     }

@@ -32,11 +32,9 @@ pub struct Question<'a> {
     pub arithmetic: Arithmetic,
     /// Maximum number of frames, the first included.
     pub frames: u64,
-    /// Maximum bytes of a list.
     pub memory_limit: u64,
 }
 
-/// Results of all trackers for one motion.
 #[derive(Debug)]
 pub struct Followed {
     pub moved: Moved,
@@ -52,21 +50,16 @@ pub struct Tracked {
     /// Time for building lists, over all frames.
     pub building: Duration,
     pub builds: Builds,
-    /// Pairs that were tested, over all frames.
     pub listed: u64,
-    /// Pairs that were reported, over all frames.
     pub reported: u64,
-    /// Reported pairs that do not touch.
     pub spurious: u64,
     pub late: Late,
     /// Bytes kept between frames, by formula.
     pub bytes: u64,
-    /// Why it stopped before the last frame.
     pub refused: Option<String>,
 }
 
 impl Tracked {
-    /// Whether it missed a contact although it is safe, or reported a pair that does not touch.
     pub fn is_wrong(&self) -> bool {
         self.spurious > 0 || self.is_safe && self.late.missed > 0
     }

@@ -15,7 +15,6 @@ type Numbers = [[i32; 3]; 3];
 
 const SAME: Numbers = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-/// The step from one frame to the next.
 pub(crate) struct Onward {
     /// Number of vectors of the later box that bring each particle nearest to its earlier position.
     pub by: Vec<[i32; 3]>,
@@ -25,7 +24,6 @@ pub(crate) struct Onward {
     back: Numbers,
 }
 
-/// The names in the last frame.
 #[derive(Default)]
 pub struct Names {
     last: Option<Periodic<'static>>,
@@ -61,13 +59,11 @@ impl Names {
         step
     }
 
-    /// The name of a contact in all frames.
     pub fn name(&self, pair: ImagePair) -> ImagePair {
         let apart = self.apart(pair);
         ImagePair::new(pair.i, pair.j, add(times(pair.image, &self.turned), apart))
     }
 
-    /// The contact in this frame that has this name.
     pub fn called(&self, name: ImagePair) -> ImagePair {
         let apart = self.apart(name).map(i32::wrapping_neg);
         ImagePair::new(name.i, name.j, times(add(name.image, apart), &self.back))
@@ -108,13 +104,11 @@ impl Onward {
     }
 }
 
-/// The periodic vectors of a box, and 0 for the others.
 pub(super) fn repeating(lattice: &Lattice) -> [[f64; 3]; 3] {
     let (vectors, repeats) = (lattice.vectors(), lattice.periodic());
     std::array::from_fn(|v| if repeats[v] { vectors[v] } else { [0.0; 3] })
 }
 
-/// S·H.
 pub(super) fn sum(image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * vectors[v][k]).sum())
 }
@@ -137,7 +131,6 @@ fn turned(from: &Lattice, to: &Lattice) -> (Numbers, Numbers) {
     inverse(&turned).map_or((SAME, SAME), |back| (turned, back))
 }
 
-/// The inverse, if it is integral.
 fn inverse(of: &Numbers) -> Option<Numbers> {
     let minor = |a: usize, b: usize| -> i128 {
         let at = |i: usize, k: usize| i128::from(of[(a + i) % 3][(b + k) % 3]);
@@ -160,7 +153,6 @@ fn add(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
     std::array::from_fn(|v| a[v].wrapping_add(b[v]))
 }
 
-/// A row times a matrix.
 fn times(row: [i32; 3], by: &Numbers) -> [i32; 3] {
     let product = |v: usize, k: usize| row[v].wrapping_mul(by[v][k]);
     std::array::from_fn(|k| (0..3).fold(0, |sum: i32, v| sum.wrapping_add(product(v, k))))
@@ -213,7 +205,6 @@ impl Nearest {
         let others = steps(0).flat_map(|x| steps(1).map(move |y| (x, y)));
         let others = others.flat_map(|(x, y)| steps(2).map(move |z| [x, y, z]));
         for by in others.map(|step| add(about, step)) {
-            // Most particles are near their last position.
             if best.0 <= self.near {
                 break;
             }

@@ -20,7 +20,6 @@ struct First {
     len: usize,
     dim: usize,
     ids: Option<Vec<i64>>,
-    /// Periodic axes of its box.
     repeats: [bool; 3],
 }
 

@@ -3,7 +3,6 @@ use super::through::Through;
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_terms::moved::Moved;
 
-/// Statistics of a motion.
 #[derive(Default)]
 pub struct Survey {
     pub moved: Moved,
@@ -67,7 +66,6 @@ mod tests {
     #[test]
     fn contacts_begin_end_and_lie_between_frames() {
         let mut survey = Survey::default();
-        // Unit discs on a line.
         let mut take = |places: [f64; 4], pairs: &[[u32; 2]]| {
             let centres = places.map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
             let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(1.0)).unwrap().into();

@@ -127,7 +127,6 @@ impl<'a> Through<'a> {
     }
 }
 
-/// A scene with radii increased by `by`.
 fn wider_by<const D: usize>(
     scene: &Scene<'_, f64, D>,
     by: Vec<f64>,
@@ -137,7 +136,6 @@ fn wider_by<const D: usize>(
     Scene::new(scene.centres().to_vec(), radii).map_err(|error| error.to_string())
 }
 
-/// x + S·H.
 fn moved(at: &[f64; 3], image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     let shift = sum(image, vectors);
     std::array::from_fn(|k| at[k] + shift[k])

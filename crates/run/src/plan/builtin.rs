@@ -16,7 +16,6 @@ macro_rules! files {
     };
 }
 
-/// Name and text of each file in `experiments/`.
 pub const FILES: &[(&str, &str)] = files! {
     "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
     "motion" "rebuilds" "maps" "peers" "codes"

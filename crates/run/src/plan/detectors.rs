@@ -62,7 +62,6 @@ pub fn in_full(text: &str) -> String {
     format!("{}[{}]{}", &text[..start], names.join(", "), &text[end..])
 }
 
-/// The detectors of a group, in the order of the table.
 pub fn members(group: &str) -> Result<Vec<String>, String> {
     let one = Group::ALL.iter().find(|known| known.name() == group);
     let groups = match one {
@@ -95,7 +94,6 @@ pub fn role(role: table::Role) -> Role {
     }
 }
 
-/// Lists the libraries that were not compiled, and how to enable them.
 pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> {
     let missing = names.filter(|name| peers::missing(name).is_some());
     let missing: BTreeSet<&str> = missing.map(String::as_str).collect();
@@ -158,7 +156,6 @@ mod tests {
         }
     }
 
-    /// A tracker's text is the normal form in its row.
     #[test]
     fn rows_have_the_normal_form_of_a_tracker() {
         for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]

@@ -13,7 +13,6 @@ const OLD: &str = "per-element";
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
 
-/// The text below a heading, up to the next one.
 fn section(heading: &str) -> &'static str {
     let rest = PAGE.split_once(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("{heading}")).1;
     rest.find("\n#").map_or(rest, |end| &rest[..end])
@@ -37,7 +36,6 @@ fn examples(section: &str) -> Vec<&str> {
     blocks.map(|block| block.split("```").next().unwrap_or_default()).collect()
 }
 
-/// Completes an example to a valid file.
 fn completed(example: &str) -> String {
     let mut head = if example.contains("question = ") { String::new() } else { HEAD.to_string() };
     if !example.contains("detectors = ") {
@@ -108,7 +106,6 @@ fn the_examples_can_be_read_and_planned() {
     assert_eq!((complete.planned.scenes.len(), complete.planned.quick.len()), (3, 3));
 }
 
-/// Removes a key from an example.
 fn without(example: &str, key: &str) -> String {
     let assigns = |line: &&str| line.split([' ', '.']).next() == Some(key);
     example.lines().filter(|line| !assigns(line)).map(|line| format!("{line}\n")).collect()

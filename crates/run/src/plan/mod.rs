@@ -23,7 +23,6 @@ const MOST_BYTES: u64 = 1 << 20;
 /// Placeholder for the number of threads in the command of a runner.
 pub const THREADS: &str = "{threads}";
 
-/// Reads the text of an experiment file, up to its maximum size.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path);
@@ -101,7 +100,6 @@ fn checked<'a>(
     Ok((experiment, document))
 }
 
-/// Resolves groups and parameters in claims and figures.
 fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow::Result<()> {
     let runners = experiment.runners.iter().map(|runner| runner.name.clone());
     let known: Vec<String> = experiment.detectors.iter().cloned().chain(runners).collect();
@@ -134,7 +132,6 @@ fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String
     ))
 }
 
-/// Resolves groups and parameters among the detectors of a filter.
 pub fn resolve(filter: &mut Where) -> Result<(), String> {
     let Some(list) = filter.get_mut("detector") else { return Ok(()) };
     let mut all = Vec::new();
@@ -188,7 +185,6 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     all
 }
 
-/// Whether the command of a runner contains `{threads}`.
 pub fn says_threads(runner: &ExternalRunner) -> bool {
     runner.command.iter().any(|word| word.contains(THREADS))
 }

@@ -50,7 +50,6 @@ pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
     }
 }
 
-/// Generators that determine their own n.
 pub(super) fn own_n(experiment: &Experiment) -> BTreeSet<String> {
     let own = generators(experiment).filter(|generator| generator.own_n);
     own.map(|generator| generator.name.to_string()).collect()
@@ -70,7 +69,6 @@ pub(super) fn defaults(
     generators(experiment).flat_map(|generator| [2, 3].map(|dim| of(generator, dim))).collect()
 }
 
-/// Fails if there are too many scenes or cells.
 fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
     let mut scenes = 0u64;
     for sweep in sweeps {
@@ -106,7 +104,6 @@ fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Prefixes relative paths with `folder`.
 pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Result<()> {
     for params in [&mut sweep.params, &mut sweep.quick.params] {
         match params.get_mut("path").map(|list| list.0.as_mut_slice()) {

@@ -269,7 +269,6 @@ fn the_committed_records_are_whole() {
             let installed = summary.missing.keys().all(|why| *why == Why::Unavailable);
             let budget = summary.short.keys().all(|why| *why == Why::Budget);
             assert!(installed && budget, "{}: {summary:?}", folder.display());
-            // Plans and answers count the same scenes.
             let scenes = every::count(own.iter().copied());
             assert_eq!(summary.scenes[1], scenes, "{}: {}", folder.display(), experiment.name);
             seen += 1;

@@ -51,7 +51,6 @@ pub struct Question<'a> {
     /// Scenes that detectors process first, as in some hard cases.
     pub history: &'a [Given],
     pub arithmetic: Arithmetic,
-    /// For detectors that can use several.
     pub threads: usize,
     /// Maximum bytes of a detector's arrays.
     pub memory_limit: u64,
@@ -109,7 +108,6 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// The rest of this share of the time.
     fn left(&self, share: f64) -> Duration {
         self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
     }
@@ -120,7 +118,6 @@ impl Ground<'_> {
         note: &mut dyn FnMut(&str),
     ) -> anyhow::Result<Vec<Standing>> {
         let mut standings: Vec<Standing> = Vec::new();
-        // The wall time of the fastest probe.
         let mut shortest: Option<Duration> = None;
         for entry in entries {
             note(&format!("probing {}", entry.name));
@@ -182,7 +179,6 @@ impl Ground<'_> {
                     standing.peak_bytes = Some(memory.peak_bytes);
                     standing.formula_bytes = memory.formula_bytes;
                 }
-                // Memory is optional.
                 Ok(_) => {}
                 Err(failure) => standing.fail(failure),
             }

@@ -48,7 +48,6 @@ impl Standing {
         self.times.clear();
     }
 
-    /// Returns whether the times of this subject can be compared.
     pub fn is_timed(&self) -> bool {
         self.outcome.is_good() && !self.times.is_empty()
     }
@@ -76,7 +75,6 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
 }
 
 pub(super) struct Rule {
-    /// Subjects that take more than this many times as long as the fastest leave the race.
     pub limit: f64,
     /// Returns how many times as long the first subject takes as the second, the fastest.
     over: fn(&Standing, &Standing) -> Option<f64>,
@@ -106,7 +104,6 @@ pub(super) const BEHIND: Rule =
     Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
 
 impl Rule {
-    /// Removes the subjects that are too slow, but keeps two, so that there is a margin to report.
     pub fn apply(&self, standings: &mut [Standing]) {
         let mut racing: Vec<usize> =
             (0..standings.len()).filter(|&k| standings[k].racing).collect();

@@ -10,7 +10,6 @@ use contactbench_record::stats::interval::{Interval, interval, ratio};
 const LEANER: f64 = 1.2;
 
 pub struct Verdict {
-    /// Index of the recommended detector in the race.
     pub choice: usize,
     /// The fastest detector that is decidedly slower, and its time over that of the choice.
     pub next: Option<(usize, Interval)>,

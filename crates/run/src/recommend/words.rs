@@ -6,7 +6,6 @@ use contactbench_terms::number::{number, with_interval};
 use crate::recommend::standing::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 
-/// Errors compared with exact decisions on the given scene, in words.
 pub fn error(standing: &Standing) -> String {
     match standing.errors {
         None => "not compared".into(),

@@ -1,13 +1,13 @@
-//! A counting global allocator: how many heap bytes a detector takes.
+//! A counting global allocator, which measures the heap bytes of a detector.
 //!
-//! The binary installs [`Counting`]. It passes everything on to the system's allocator and counts
-//! only inside [`measure`], so that timed passes pay one relaxed load per allocation, and warm
-//! detectors do not allocate at all. Bytes are those requested; what the system's allocator adds to
-//! them, and memory that is not on the heap, is not counted.
+//! The program installs [`Counting`]. It uses the system's allocator and counts only inside
+//! [`measure`], so a timed pass pays one relaxed load per allocation, and warm detectors do not
+//! allocate. It counts requested bytes, not the allocator's own overhead, and only memory on the
+//! heap.
 //!
-//! Where several threads work, rayon's queue of jobs is counted with them. A job may be given back
-//! a moment after the work is done, and a block of 63 jobs, about 1.5 KB, in a later measurement.
-//! So the bytes of several threads are good to about 2 KB either way, and never less than 0.
+//! With several threads, rayon's job queue is counted too. A job may be freed shortly after the
+//! work is done, and a block of 63 jobs (about 1.5 KB) in a later measurement. So bytes of several
+//! threads are accurate to about 2 KB, and never negative.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -20,7 +20,6 @@ static ON: AtomicBool = AtomicBool::new(false);
 static LIVE: AtomicI64 = AtomicI64::new(0);
 static PEAK: AtomicI64 = AtomicI64::new(0);
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-/// One measurement at a time.
 static MEASURING: Mutex<()> = Mutex::new(());
 
 fn grow(bytes: i64) {
@@ -28,7 +27,7 @@ fn grow(bytes: i64) {
     PEAK.fetch_max(live, Relaxed);
 }
 
-// SAFETY: every call is passed on to `System` with the same arguments, and its result is returned
+// SAFETY: every call is forwarded to `System` with the same arguments, and its result is returned
 // unchanged; the counters do not touch the memory. So the contract of `GlobalAlloc` holds because
 // it holds for `System`.
 unsafe impl GlobalAlloc for Counting {
@@ -37,7 +36,7 @@ unsafe impl GlobalAlloc for Counting {
             ALLOCATIONS.fetch_add(1, Relaxed);
             grow(layout.size() as i64);
         }
-        // SAFETY: the caller's promises are those that `System` asks for.
+        // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.alloc(layout) }
     }
 
@@ -70,23 +69,22 @@ unsafe impl GlobalAlloc for Counting {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
-    /// Most bytes held at one time, above what was held before.
+    /// Peak of bytes, beyond those held before.
     pub peak_bytes: u64,
-    /// Bytes still held at the end.
     pub live_bytes: u64,
     pub allocations: u64,
 }
 
-/// Does `work` and counts what it takes from the heap, in all threads. `None` if [`Counting`] is
-/// not the global allocator.
+/// Runs `work` and counts its heap use, in all threads. `None` if [`Counting`] is not the global
+/// allocator.
 pub fn measure<R>(work: impl FnOnce() -> R) -> (R, Option<Usage>) {
     let meter = Meter::start();
     let result = meter.during(work);
     (result, meter.end())
 }
 
-/// Counts what several pieces of work take from the heap together. What is held between them is
-/// held on; what is allocated between them does not count. There is one at a time: others wait.
+/// Counts the heap use of several pieces of work together. Memory held between them stays counted;
+/// allocations between them are not counted. Only one meter exists at a time; others wait.
 pub struct Meter {
     _guard: std::sync::MutexGuard<'static, ()>,
     listening: bool,
@@ -97,7 +95,7 @@ impl Meter {
         let guard = MEASURING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         ALLOCATIONS.store(0, Relaxed);
         ON.store(true, Relaxed);
-        // One allocation of our own shows whether anybody counts.
+        // An allocation of our own shows whether the counting allocator is installed.
         drop(std::hint::black_box(Box::new(0u8)));
         ON.store(false, Relaxed);
         let listening = ALLOCATIONS.swap(0, Relaxed) > 0;
@@ -113,7 +111,6 @@ impl Meter {
         result
     }
 
-    /// What all of it took; `None` if [`Counting`] is not the global allocator.
     pub fn end(self) -> Option<Usage> {
         let usage = Usage {
             peak_bytes: PEAK.load(Relaxed).max(0) as u64,

@@ -1,10 +1,9 @@
-//! A block: a timed sample of each subject, in a process of its own.
+//! A block: one timed sample of each subject, each in a new process.
 //!
-//! Builds of one detector are timed side by side: the same detector of this build, of another one,
-//! and of this one again. In each block all are started afresh on the same processor and take
-//! turns, round after round: they meet the same state of the machine, from millisecond to
-//! millisecond. The ratio of a block is the median over its rounds, and blocks average over where
-//! processes happen to lie in memory.
+//! Builds of one detector are timed in turns: this build, the other one, and this one again as a
+//! twin. In each block, all are started on the same processor and alternate, round after round. So
+//! they see the same state of the machine from millisecond to millisecond. The ratio of a block is
+//! the median over its rounds; several blocks average over the positions of processes in memory.
 
 use std::time::{Duration, Instant, SystemTime};
 
@@ -16,14 +15,13 @@ use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
-/// A turn is at least this long.
 const TURN_NS: u64 = 500_000;
-/// Rounds of a block: at least as many, and at most; between them, as many as end in time.
+/// Minimum and maximum number of rounds in a block; between them, time decides.
 const FEWEST_ROUNDS: usize = 4;
 const MOST_ROUNDS: usize = 30;
 const LONGEST: Duration = Duration::from_millis(200);
 
-/// Those that are timed side by side, together; the others each alone. In the order of their first.
+/// Groups subjects that are timed in turns; all others are alone.
 pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
     let mut entries: Vec<Vec<Running>> = Vec::new();
     for one in running {
@@ -53,7 +51,7 @@ impl Stage<'_, '_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
         let blank = |one: &Running| Row { pass: Pass::Time, block, ..one.blank.clone() };
-        // A block that was begun before a kill is begun again.
+        // An incomplete block of a killed run is measured again.
         if entry.iter().all(|one| self.index.has(&blank(one))) {
             return Ok(entry);
         }
@@ -61,7 +59,7 @@ impl Stage<'_, '_> {
         for running in entry {
             let (mut row, processor) = (blank(&running), running.processor(block));
             if running.is_alone() {
-                // Before there is a process: it would find its caches empty.
+                // Measured before the process starts, because it would disturb the caches.
                 row.pulse_ns = pulse(processor);
             }
             match running.fresh(processor) {
@@ -69,7 +67,7 @@ impl Stage<'_, '_> {
                 Err(failure) => self.fail(&blank(&running), failure, Pass::Time.rest())?,
             }
         }
-        // Who begins in this block; in every second round the last is first.
+        // Rotates the order with each block; every second round is reversed.
         let all = players.len().max(1);
         players.rotate_left(block as usize % all);
         let started = Instant::now();
@@ -97,7 +95,7 @@ impl Stage<'_, '_> {
                 row.outcome = Outcome::Wrong;
                 row.reason =
                     format!("{others} of {} turns gave another answer than the last", turns.len());
-                // Those of the last say nothing of the others.
+                // The errors of the last turn do not apply to the others.
                 (row.errors, row.causes, row.course) = (None, None, None);
                 self.note_wrong(&row);
             }
@@ -108,7 +106,7 @@ impl Stage<'_, '_> {
     }
 }
 
-/// One turn of each, in order; those that failed leave.
+/// Takes one turn of each subject, in order; subjects that fail are removed.
 fn take_turns(players: &mut Vec<Player>, block: u32) -> Vec<(Player, Failure)> {
     let mut failed = Vec::new();
     let mut k = 0;
@@ -142,7 +140,6 @@ fn others(turns: &[Sample]) -> usize {
     turns.iter().filter(|turn| Some(answer(turn)) != last).count()
 }
 
-/// All turns as one sample, with the answer of the last.
 fn total(turns: &[Sample]) -> Option<Sample> {
     let (first, last) = (turns.first()?, turns.last()?);
     if turns.len() == 1 {
@@ -150,7 +147,7 @@ fn total(turns: &[Sample]) -> Option<Sample> {
     }
     let calls: u64 = turns.iter().map(|turn| turn.calls).sum();
     let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
-    // As the time: the mean over all detections.
+    // The mean over all detections, like the time.
     let mean = |of: &dyn Fn(&Sample) -> Option<u64>| {
         let all = turns.iter().map(|turn| Some(u128::from(of(turn)?) * u128::from(turn.calls)));
         let all: u128 = all.sum::<Option<u128>>()?;

@@ -1,4 +1,4 @@
-//! Who takes part in an experiment: every detector in every arithmetic, and the runners in other
+//! The subjects of an experiment: every detector in every arithmetic, and runners in other
 //! languages.
 
 use std::path::Path;
@@ -16,39 +16,33 @@ use contactbench_record::record::row::Row;
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats::Stats;
 
-/// Address space for a runner beside a detector's arrays and the scene: the program, its stacks,
-/// its libraries.
+/// Address space of a runner beyond its arrays and the scene: program, stacks, libraries.
 const PROGRAM_BYTES: u64 = 1 << 30;
-/// The same for each further thread: its stack, and the address space that the system's allocator
-/// sets apart for it.
+/// Address space for each further thread: its stack, and what the system's allocator reserves for
+/// it.
 const THREAD_BYTES: u64 = 128 << 20;
 
 #[derive(Clone)]
 pub struct Contender {
     pub name: String,
-    /// `None`: the runner says.
     pub arithmetic: Option<Arithmetic>,
     pub role: Role,
-    /// A tracker whose rule lets contacts be missed.
+    /// Whether it is a tracker whose rule may miss contacts.
     pub may_miss: bool,
     pub threads: usize,
     pub start: Start,
-    /// How a copy with one thread is started, where the ceiling of several threads is to be
-    /// measured.
     pub copy: Option<Start>,
-    /// Why it cannot be started at all.
     pub missing: Option<String>,
-    /// Builds of one detector are timed side by side: the number of the detector.
+    /// Number of the detector, if builds of it are timed in turns.
     pub duet: Option<usize>,
 }
 
-/// What stands behind the name of a detector of the build that is compared with this one.
+/// Suffix of a detector of the other build.
 pub(crate) const BASE: &str = "@base";
-/// The same of a control that is the same code once more.
 const TWIN: &str = "-twin";
 
-/// The command that starts this program, whose name may be followed by arguments of its own, as a
-/// runner of one of its detectors; `limit` is in bytes.
+/// The command that starts one of this program's detectors as a runner. `program` may include
+/// arguments; `limit` is in bytes.
 pub fn own(
     program: &[String],
     detector: &str,
@@ -68,7 +62,7 @@ pub fn own(
     command
 }
 
-/// An error if a program does not answer as a build of this one does.
+/// Fails unless the program answers like a build of this program.
 pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     let limit = 1 << 28;
     let program = [program.display().to_string()];
@@ -77,23 +71,22 @@ pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     Client::start(&start).map(drop)
 }
 
-/// The address space of a runner whose detector may take `limit` bytes, without its scene and
-/// pairs.
+/// Address space of a runner whose detector may use `limit` bytes, without scene and pairs.
 pub(crate) fn address_space(limit: u64, threads: usize) -> u64 {
     limit.saturating_add(PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES)
 }
 
-/// Bytes for a scene and its list of pairs: the scene (twice while it is read); the list (up to
-/// twice its size, and twice while it grows), with some to spare.
+/// Bytes for a scene (twice, while it is read) and its list of pairs (up to twice its size, and
+/// twice while it grows), with a reserve.
 pub fn room(n: u64, contacts: u64) -> u64 {
     n * (2 * 32 + 128) + contacts * 4 * 8
 }
 
-/// The contenders of an experiment, by arithmetic.
+/// The subjects of an experiment, by arithmetic.
 ///
-/// With another build of this program each detector takes part three times: as it is, of that
-/// build, and as its own twin, which shows what equal code differs by. Without, there is at least
-/// one twin wherever times are taken.
+/// With another build, each detector takes part three times: in this build, in the other, and as
+/// its own twin, which shows the noise of equal code. Otherwise there is at least one twin if times
+/// are measured.
 pub fn contenders(
     experiment: &Experiment,
     program: &Path,
@@ -104,21 +97,20 @@ pub fn contenders(
     if let Some(base) = against {
         let entries = asked.into_iter().enumerate().map(|(k, one)| match one.missing {
             None => one.trio(k, base).to_vec(),
-            // Its rows say why.
+            // Its rows state why it is missing.
             Some(_) => vec![one],
         });
         return entries.flatten().collect();
     }
     let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
     let originals = asked.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
-    // The first of those with the fewest threads: it is kept on a processor if that is one.
+    // The first subject with the fewest threads; with one thread, it stays on one processor.
     let original = originals.min_by_key(|one| one.threads);
     let twin = original.filter(|_| timed && !named).map(Contender::twin);
     asked.into_iter().chain(twin).collect()
 }
 
-/// Those that the experiment names; only those of which another build may have something to say,
-/// if there is one.
+/// The subjects that the experiment names. With another build, only those that can differ in it.
 fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let limit = memory_limit(experiment);
     let start = |command: &[String], install: &str, threads: usize| Start {
@@ -131,13 +123,13 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     };
     let path = [path.display().to_string()];
     let of_detector = |entrant: &Entrant, arithmetic| {
-        // The names were checked when the experiment was read: what cannot be parsed is a peer that
-        // was not compiled.
+        // Names were checked when the experiment was read. So a name that cannot be parsed is a
+        // peer that was not compiled.
         let Entrant { name, threads, .. } = entrant;
         let spec = track::parse(name);
         let with = |threads| {
             let mut start = start(&own(&path, name, arithmetic, threads, limit), "", threads);
-            // A tracker may take the limit for its lists beside its detector's arrays.
+            // A tracker's lists may use the limit a second time.
             if detectors::is_tracker(name) {
                 start.memory_limit = start.memory_limit.saturating_add(limit);
             }
@@ -173,7 +165,6 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     entrants.filter(|entrant| !beside || entrant.is_of_builds()).filter_map(contender).collect()
 }
 
-/// A contender's name with something behind the detector's: `nbs-twin`.
 fn suffixed(spec: &str, suffix: &str) -> String {
     let (name, rest) = spec.split_at(spec.find([':', '(']).unwrap_or(spec.len()));
     format!("{name}{suffix}{rest}")
@@ -201,7 +192,6 @@ impl Contender {
         Contender { name, role, copy: None, ..self.clone() }
     }
 
-    /// Itself, the same of another build, and its twin.
     fn trio(self, number: usize, base: &Path) -> [Contender; 3] {
         let this = Contender { duet: Some(number), copy: None, ..self };
         let mut other = Contender {
@@ -216,7 +206,6 @@ impl Contender {
         [this, other, twin]
     }
 
-    /// With memory for a scene and its list of pairs beside the detector's own.
     pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
         for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
             start.memory_limit += room(scene.len() as u64, contacts);
@@ -224,7 +213,6 @@ impl Contender {
         self
     }
 
-    /// A row of this contender without a measurement; without a scene, too, where there is none.
     pub fn blank(
         &self,
         experiment: &Experiment,

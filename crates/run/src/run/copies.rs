@@ -1,12 +1,11 @@
-//! What a machine lets several threads gain: as many copies of a detector as it has threads, with
-//! one thread each, at work on the same scene at the same time.
+//! Measures how much k threads can gain: k copies of a detector with one thread each, on the same
+//! scene at the same time.
 //!
-//! Copies share nothing but the machine: caches, memory, clock, and the cores that it really gives.
-//! Each has a process and a processor of its own. What they lose beside each other no parallel form
-//! of the same algorithm can win back. One row per block: the harmonic mean of their times at work
-//! together, so that k copies at `time_ns` each have the throughput that was measured; and, by the
-//! same path with samples of the same length, that of each of them alone on its processor. One copy
-//! timed elsewhere made ceilings of k copies that were beyond k.
+//! Copies share only the machine: caches, memory, clock, and cores. Each has its own process and
+//! processor. A loss of the copies is one that no parallel form of the algorithm can avoid. Each
+//! block has one row. Its time is the harmonic mean of the copies' times, so that k copies at this
+//! time have the measured throughput. It also has the time of each copy alone on its processor, in
+//! samples of the same length. (One copy timed elsewhere gave ceilings above k.)
 
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,18 +18,17 @@ use crate::run::protocol::Sample;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
-/// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
-/// in which its neighbours are not disturbed.
+/// Longer than other samples, because a copy is idle for some tens of microseconds between two
+/// samples, and its neighbours are then undisturbed.
 const SAMPLE_NS: u64 = 10_000_000;
 
 impl Stage<'_, '_> {
-    /// The record says that the copies of this detector failed on this scene.
+    /// Whether the record states that copies of this detector failed on this scene.
     pub fn no_ceiling(&self, blank: &Row) -> bool {
         self.index.ended(&Row { pass: Pass::Ceiling, ..blank.clone() }).is_some()
     }
 
-    /// How the copies of a detector are started, if they are asked for; a row says so if they are
-    /// not tried.
+    /// The command of the copies, if they are requested. If they are not tried, a row is written.
     pub fn copy(&mut self, running: &Running) -> anyhow::Result<Option<Start>> {
         let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
         let Some(start) = running.contender.copy.clone().filter(|_| !self.no_ceiling(&blank))
@@ -46,8 +44,8 @@ impl Stage<'_, '_> {
         Ok(Some(start))
     }
 
-    /// One sample of all copies of a detector at once, if it has any. They are given up after a
-    /// failure, the detector is not.
+    /// Takes one sample of all copies at once. After a failure, the copies are given up but not the
+    /// detector.
     pub fn ceiling(
         &mut self,
         running: &mut Running,
@@ -63,7 +61,7 @@ impl Stage<'_, '_> {
             .map(|place| fresh(start, Some(&running.hello), &running.loads, place))
             .collect::<Result<Vec<Client>, Failure>>()
             .and_then(|mut copies| {
-                // What comes first in one block comes last in the next.
+                // The order alternates between blocks.
                 let (alone, answers) = if block.is_multiple_of(2) {
                     (each_alone(&mut copies)?, together(&mut copies)?)
                 } else {
@@ -76,7 +74,7 @@ impl Stage<'_, '_> {
             Ok(answers) => answers,
             Err(failure) => {
                 running.copy = None;
-                // The first of all says that there are none.
+                // After a failure in block 1, there are no copies at all.
                 let row = if block == 1 { Row { block: 0, ..row } } else { row };
                 return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
             }
@@ -89,7 +87,7 @@ impl Stage<'_, '_> {
         row.calls = Some(answers.iter().map(|answer| answer.calls).sum());
         row.elapsed_ns = answers.iter().map(|answer| answer.elapsed_ns).max();
         for (copy, answer) in copies.iter_mut().zip(answers) {
-            // The first wrong answer speaks for all.
+            // The first wrong answer decides.
             if row.outcome.is_good() {
                 say(&mut row, &answer.found);
                 self.judge(&mut row, running, copy, judge, &answer.found)?;
@@ -105,7 +103,6 @@ fn harmonic_mean(samples: &[Sample]) -> u64 {
     (samples.len() as f64 / rate).round() as u64
 }
 
-/// A sample of each copy while the others wait.
 fn each_alone(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     let mut samples = Vec::new();
     for copy in copies.chunks_mut(1) {
@@ -118,18 +115,18 @@ fn copies_failed(failure: Failure) -> Failure {
     Failure { reason: format!("of the copies: {}", failure.reason), ..failure }
 }
 
-/// One sample of each copy, begun together. A copy that has answered goes on detecting until all
-/// have: no clock runs beside an idle neighbour.
+/// Takes one sample of all copies, started together. A copy that is done continues detecting until
+/// all are, so that no sample runs beside an idle neighbour.
 fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     let (start, answered, all) = (Barrier::new(copies.len()), AtomicUsize::new(0), copies.len());
     let work = |copy: &mut Client| {
         start.wait();
         let first = sample(copy, SAMPLE_NS);
-        // One that failed counts as well, or the others would wait for it.
+        // A failed copy counts as done; otherwise the others would wait for it.
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
             if sample(copy, SAMPLE_NS).is_err() {
-                // The sample that counts is complete.
+                // Its own sample is already complete.
                 break;
             }
             done = answered.load(Ordering::Relaxed);

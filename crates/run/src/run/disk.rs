@@ -1,5 +1,4 @@
-//! Can files be written into a folder, and is there room for them? Asked before hours are spent on
-//! what goes there.
+//! Checks before a long run that files can be written, and that there is space for them.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,14 +6,13 @@ use std::path::Path;
 use anyhow::Context;
 use tempfile::TempDir;
 
-/// A folder for scenes and pairs, which goes with its handle.
 pub fn temporary() -> anyhow::Result<TempDir> {
     tempfile::tempdir()
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")
 }
 
-/// An error, with this remedy, unless a file can be written into `folder` and `needed` bytes are
-/// free there for `what`.
+/// Fails, with this remedy, unless a file can be written to `folder` and `needed` bytes are free
+/// there for `what`.
 pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::Result<()> {
     let probe = || -> std::io::Result<()> {
         let mut file =
@@ -34,7 +32,7 @@ pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::R
     Ok(())
 }
 
-/// The bytes that are free for us; none where the system does not say.
+/// Free bytes for this user; `None` if the system does not report them.
 fn free(folder: &Path) -> Option<u64> {
     #[cfg(unix)]
     {

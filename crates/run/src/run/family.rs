@@ -1,19 +1,19 @@
-//! The runners at work, and what they have started: none of it is left behind.
+//! Tracks runners and the processes that they start, so that none is left behind.
 //!
-//! A runner is the head of a process group, and the group is ended with it. What leaves the group
-//! (`setsid`, and a parent that ends at once) is found on Linux: this process adopts the orphans
-//! below it, and each runner and all that it starts bear a mark in their environment. An orphan
-//! that bears none is ended when it can only be a runner's: this process had no children before
-//! the first runner, is not the one that all orphans go to, and no other runner is at work.
+//! A runner is the head of a process group, which is ended with it. On Linux, processes that leave
+//! the group (`setsid`, and a parent that ends at once) are found too. This process adopts orphans
+//! below it, and all processes of a runner have a mark in their environment. An orphan without a
+//! mark is ended only if it must be a runner's: this process had no children before the first
+//! runner, is not the one that adopts all orphans, and no other runner is active.
 
 use std::collections::BTreeMap;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The variable with the mark of a runner: the number of this process, and of the runner in it.
+/// The environment variable with the mark: number of this process, and of the runner in it.
 const MARK: &str = "CONTACTBENCH_RUNNER";
 
-/// The runners at work: the number of their process (and group), and their number here.
+/// The active runners: process (and group) number, and number in this program.
 static RUNNERS: Mutex<Runners> = Mutex::new(Runners { at_work: BTreeMap::new(), started: 0 });
 
 struct Runners {
@@ -26,11 +26,11 @@ fn runners() -> MutexGuard<'static, Runners> {
 }
 
 pub fn start(command: &mut Command) -> std::io::Result<Child> {
-    // While it is held nobody takes the new process for an orphan.
+    // The lock prevents the new process from being taken for an orphan.
     let mut runners = runners();
     runners.started += 1;
-    // Where the stack begins depends on the size of the environment: another in each process, so
-    // that none is measured in the same unlucky place again and again.
+    // The size of the environment moves the stack. It differs between processes, so that an unlucky
+    // position is not measured every time.
     let padding = runners.started.wrapping_mul(271) % 4096;
     command.env("CONTACTBENCH_PADDING", "x".repeat(padding as usize));
     command.env(MARK, format!("{}.{}", std::process::id(), runners.started));
@@ -44,21 +44,21 @@ pub fn start(command: &mut Command) -> std::io::Result<Child> {
     Ok(child)
 }
 
-/// Limits the address space of a process that has just been started (Linux; elsewhere detectors
-/// still refuse by their own sums).
+/// Limits the address space of a new process (Linux only; elsewhere detectors refuse by their own
+/// formula).
 pub(crate) fn limit_memory(child: &Child, bytes: u64) {
     #[cfg(target_os = "linux")]
     {
         use rustix::process::{Pid, Resource, Rlimit, prlimit};
         let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
-        // If the process has ended already, the first answer that does not come will say so.
+        // If the process has ended already, the first request fails.
         let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
     }
     #[cfg(not(target_os = "linux"))]
     let _ = (child, bytes);
 }
 
-/// How a runner has ended, if it has. Its number may then mean another process.
+/// Returns how a runner ended, if it has. Its number may then be reused.
 pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
     let mut runners = runners();
     let ended = runner.try_wait().ok().flatten()?;
@@ -66,7 +66,6 @@ pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
     Some(ended)
 }
 
-/// Sends a signal to a runner and its group. Fails only if they have ended already.
 #[cfg(unix)]
 pub fn signal(runner: u32, signal: rustix::process::Signal) {
     if let Some(group) = i32::try_from(runner).ok().and_then(rustix::process::Pid::from_raw) {
@@ -74,19 +73,17 @@ pub fn signal(runner: u32, signal: rustix::process::Signal) {
     }
 }
 
-/// Ends a runner's group, and what has left it.
 pub fn end(runner: &mut Child) {
     #[cfg(unix)]
     signal(runner.id(), rustix::process::Signal::KILL);
     runners().at_work.remove(&runner.id());
-    // Either may fail only because the process has ended already.
+    // These calls fail only if the process has ended.
     let _ = runner.kill();
     let _ = runner.wait();
     #[cfg(target_os = "linux")]
     orphans::end();
 }
 
-/// Ends all runners at once, at the end of the program.
 #[cfg(unix)]
 pub(crate) fn end_all() {
     let mut runners = runners();
@@ -109,28 +106,25 @@ mod orphans {
 
     use super::{MARK, Runners, runners};
 
-    /// So often orphans are looked for: some start others while they are ended.
+    /// Maximum number of searches for orphans, because some start others while they are ended.
     const ROUNDS: u32 = 200;
     const PAUSE: Duration = Duration::from_millis(5);
 
-    /// Is everything below this process of its runners?
     static ALONE: OnceLock<bool> = OnceLock::new();
-    /// Orphans that outlive a SIGKILL: nobody waits for them twice.
+    /// Orphans that survive SIGKILL; they are not waited for again.
     static STUCK: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
 
-    /// From now on orphans below this process are its children.
+    /// Makes orphans below this process its children.
     pub fn adopt() {
         ALONE.get_or_init(|| {
-            // Where the system cannot, groups are ended as elsewhere.
+            // Without this feature, only groups are ended.
             let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-            // What was started before this program became what it is (by a shell that ended with
-            // `exec`) is none of its business, nor what that starts. The first process of a
-            // container is given the orphans of everybody.
+            // Children from before this program (of a shell that ended with `exec`) are left alone,
+            // with their children. Process 1 of a container adopts all orphans.
             own() != 1 && children().iter().all(|child| child.ended)
         });
     }
 
-    /// A process, as `/proc` has it.
     struct Process {
         pid: i32,
         parent: i32,
@@ -142,18 +136,18 @@ mod orphans {
         rustix::process::getpid().as_raw_nonzero().get()
     }
 
-    /// Ends the orphans of runners that are no longer at work.
+    /// Ends the orphans of runners that are no longer active.
     pub fn end() {
         let mut stuck = STUCK.lock().unwrap_or_else(PoisonError::into_inner);
         for round in 1..=ROUNDS {
-            // While it is held no runner is started, which would look like an orphan.
+            // The lock prevents the start of a runner, which would look like an orphan.
             let runners = runners();
             let found = found(&runners);
             stuck.retain(|pid| found.contains(pid));
             for &pid in &found {
                 if let Some(pid) = Pid::from_raw(pid) {
                     let _ = rustix::process::kill_process(pid, Signal::KILL);
-                    // Those that are not children are their parents' to wait for.
+                    // Processes that are not children are waited for by their parents.
                     let _ = rustix::process::waitpid(Some(pid), WaitOptions::NOHANG);
                 }
             }
@@ -169,10 +163,10 @@ mod orphans {
         }
     }
 
-    /// Orphans that are no runner at work's, and all below them.
+    /// Orphans that do not belong to an active runner, and all processes below them.
     fn found(runners: &Runners) -> BTreeSet<i32> {
         let group = rustix::process::getpgrp().as_raw_nonzero().get();
-        // What this program starts for itself is in its own group.
+        // Processes that this program starts for itself are in its own group.
         let orphan = |process: &Process| {
             let at_work = runners.at_work.keys().any(|&runner| runner as i32 == process.pid);
             process.group != group && !at_work
@@ -187,7 +181,7 @@ mod orphans {
             .filter(|it| orphan(it) && (it.ended || nobodys(it)))
             .map(|it| it.pid)
             .collect();
-        // Mostly there is none, and the other processes of the machine need not be looked at.
+        // Usually there are none, and the other processes need not be listed.
         let all = if found.is_empty() { Vec::new() } else { processes() };
         loop {
             let below = all.iter().filter(|it| found.contains(&it.parent)).map(|it| it.pid);
@@ -206,18 +200,17 @@ mod orphans {
         )
     }
 
-    /// The same, as the system lists them by thread; `None` if it does not.
+    /// Reads the children from `/proc` by thread; `None` if the system does not list them.
     fn listed() -> Option<Vec<i32>> {
         let mut pids = Vec::new();
         for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {
-            // None, too, where a thread has just ended: another has its children now.
+            // A missing file may be a thread that just ended; another thread then has its children.
             let text = std::fs::read_to_string(thread.path().join("children")).ok()?;
             pids.extend(text.split_whitespace().flat_map(str::parse::<i32>));
         }
         Some(pids)
     }
 
-    /// The number of the runner that a process is of, if it says so.
     fn mark(pid: i32) -> Option<u32> {
         let environment = std::fs::read(format!("/proc/{pid}/environ")).ok()?;
         let head = format!("{MARK}={}.", std::process::id());
@@ -234,7 +227,7 @@ mod orphans {
 
     fn process(pid: i32) -> Option<Process> {
         let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-        // The name of the program, in brackets, may hold anything.
+        // The program's name, in parentheses, may contain anything.
         let mut fields = text.rsplit_once(')')?.1.split_whitespace();
         let ended = fields.next()? == "Z";
         let (parent, group) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);

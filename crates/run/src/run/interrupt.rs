@@ -1,35 +1,34 @@
-//! Ctrl-C, and the signal by which batch systems end jobs: the first ends a run after the rows that
-//! it has, the second ends it at once.
+//! Signals: the first Ctrl-C or SIGTERM ends a run after the current rows, the second ends it at
+//! once.
 
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 #[cfg(unix)]
 use crate::run::family;
 
-/// The signal that came first; 0 if none.
+/// The first signal; 0 if none.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
-/// The first signal ends everything.
+/// Whether the first signal ends the program at once.
 static AT_ONCE: AtomicBool = AtomicBool::new(false);
 
-/// A run that was ended by a signal. Its record holds what was measured.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
 pub struct Interrupted;
 
-/// From now on a signal ends the runners with the program: for verbs that have nothing to finish.
+/// Lets a signal end the runners and the program, for commands with nothing to finish.
 pub fn end_runners_too() -> std::io::Result<()> {
     AT_ONCE.store(true, Ordering::Relaxed);
     install()
 }
 
-/// From now on signals do not end the program at once.
+/// Lets the first signal end the run in order instead of at once.
 pub fn install() -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
         let mut wanted = vec![SIGINT, SIGTERM, SIGQUIT];
-        // A terminal that is closed ends its programs, but not the runners, which are groups of
-        // their own. Under nohup it ends nothing, nor is standard error a terminal there.
+        // A closed terminal ends its programs but not the runners, which are separate groups. Under
+        // nohup, SIGHUP is ignored and standard error is not a terminal.
         if !ignored(SIGHUP) {
             wanted.push(SIGHUP);
         }
@@ -52,7 +51,6 @@ pub fn install() -> std::io::Result<()> {
     Ok(())
 }
 
-/// A bar, or the ^C of a terminal, is not to stand before the next words.
 #[cfg(unix)]
 fn clear_line() {
     if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
@@ -60,8 +58,8 @@ fn clear_line() {
     }
 }
 
-/// Was this process started with the signal ignored? Where the system does not say: is there no
-/// terminal that could be closed?
+/// Whether the signal was ignored when this process started. If the system does not report that:
+/// whether there is no terminal.
 #[cfg(unix)]
 fn ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -82,7 +80,7 @@ pub fn check() -> Result<(), Interrupted> {
     if requested() { Err(Interrupted) } else { Ok(()) }
 }
 
-/// What a shell makes of the signal: 130 after Ctrl-C.
+/// The exit code that a shell gives for the signal: 130 after Ctrl-C.
 pub fn exit_code() -> u8 {
     u8::try_from(128 + SIGNAL.load(Ordering::Relaxed)).unwrap_or(u8::MAX)
 }

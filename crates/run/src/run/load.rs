@@ -1,11 +1,10 @@
-//! What else the machine did: processor time of other processes, and time that the host gave to
-//! other machines.
+//! Measures other load on the machine: processor time of other processes, and time that the host
+//! took away.
 //!
-//! The load average counts the run's own processes, and remembers the minute before; so what is
-//! asked is time. All that the cores had, less what they idled, what was stolen, and what the
-//! harness and the runners used, went to others. It is taken over the blocks of a scene: they last
-//! seconds, and the clocks of the system tick a hundred times in each, too coarse for a sample of
-//! two milliseconds.
+//! The load average includes the run's own processes and the minute before, so times are used
+//! instead. The time of all cores, minus idle time, stolen time, and time of harness and runners,
+//! is that of other processes. It is measured over the blocks of a scene, which last seconds. The
+//! system's clocks have 100 ticks per second, too coarse for a sample of two milliseconds.
 
 use std::time::{Instant, SystemTime};
 
@@ -19,7 +18,7 @@ pub(crate) struct Watch {
     load: Option<f64>,
 }
 
-/// Seconds since the machine and the harness were started, over all cores.
+/// Seconds since the start of the machine and of the harness, over all cores.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Times {
     cores: u64,
@@ -29,7 +28,7 @@ struct Times {
 }
 
 impl Watch {
-    /// None where the system does not say what is asked: anywhere but on Linux.
+    /// `None` if the system does not report this (anywhere but on Linux).
     pub fn start() -> Option<Watch> {
         let before = now()?;
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -38,7 +37,6 @@ impl Watch {
         Some(Watch { id, began: Instant::now(), before, load: load() })
     }
 
-    /// The span, which ends now; none if the system does not say any more.
     pub fn end(self, scene: String) -> Option<Span> {
         let seconds = self.began.elapsed().as_secs_f64();
         let span = between(self.before, now()?, seconds);
@@ -77,17 +75,17 @@ fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
 }
 
-/// Reads `/proc/stat` and `/proc/self/stat`, which count in ticks of so many seconds.
+/// Parses `/proc/stat` and `/proc/self/stat`, whose ticks last `tick` seconds.
 #[cfg(any(target_os = "linux", test))]
 fn times(all: &str, own: &str, tick: f64) -> Option<Times> {
     let number = |text: &str| text.parse::<u64>().ok();
     let line = all.lines().find_map(|line| line.strip_prefix("cpu "))?;
-    // user nice system idle iowait irq softirq steal
+    // Order of the numbers: user nice system idle iowait irq softirq steal.
     let all_cores: Vec<u64> = line.split_whitespace().map_while(number).collect();
     let core = |line: &&str| line.starts_with("cpu") && !line.starts_with("cpu ");
     let cores = all.lines().filter(core).count() as u64;
-    // The name of the program, in parentheses, may hold anything. Behind it: state, ten numbers,
-    // then user and system time, of its own and of children that have ended.
+    // The program's name, in parentheses, may contain anything. After it come the state, ten
+    // numbers, and the user and system time of the process and of its ended children.
     let fields: Vec<&str> = own.rsplit_once(')')?.1.split_whitespace().collect();
     let used: Vec<u64> = fields.get(11..15)?.iter().map_while(|text| number(text)).collect();
     let seconds = |ticks: &[u64]| ticks.iter().sum::<u64>() as f64 * tick;
@@ -122,13 +120,13 @@ mod tests {
         let after = Times { cores: 2, idle: 11.0, stolen: 1.5, own: 13.0 };
         let span = between(before, after, 10.0);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (8.0, 0.5, 10.5));
-        // Clocks that do not quite agree, or start again.
+        // Clocks that disagree slightly, or restart.
         let span = between(after, before, 0.1);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (0.0, 0.0, 0.2));
         assert_eq!(between(before, after, 1.0).others_s, 0.0);
     }
 
-    /// Others may be at work as well, so only what is certain is asked.
+    /// Other processes may be active, so only certain values are tested.
     #[test]
     #[cfg(target_os = "linux")]
     fn own_work_is_own() {

@@ -1,5 +1,4 @@
-//! Running experiments: every contender in a process of its own, its answers judged, its rows
-//! appended to the record.
+//! Runs experiments: subjects in processes of their own, judged answers, rows in the record.
 
 pub mod alloc;
 mod block;

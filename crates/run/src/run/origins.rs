@@ -1,5 +1,5 @@
-//! Notes where rows come from: the program behind each process, by the fingerprint of its file, and
-//! the load of the machine.
+//! Records the origin of rows: the program behind each process, by the SHA-256 of its file, and the
+//! load of the machine.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -17,11 +17,11 @@ use contactbench_record::record::role::Role;
 
 pub struct Origins {
     ledger: Writer,
-    /// Fingerprints of files, which are read once as long as they stay the same.
+    /// SHA-256 of files; a file is read again only if its stamp changes.
     known: HashMap<Stamp, Option<String>>,
 }
 
-/// A file as it is now: path, size, time of change, number.
+/// Path, size, time of change, and inode number of a file.
 type Stamp = (PathBuf, u64, Option<SystemTime>, u64);
 
 impl Origins {
@@ -29,7 +29,6 @@ impl Origins {
         Ok(Origins { ledger: Writer::append(folder)?, known: HashMap::new() })
     }
 
-    /// What the rows of this process are to say; it must be running still.
     pub fn process(
         &mut self,
         contender: &Contender,
@@ -40,7 +39,7 @@ impl Origins {
             [] => return Ok(None),
         };
         let mut files = vec![self.executed(running(client.process(), program))];
-        // A script stands behind the name of what reads it. Our own program reads none.
+        // An interpreter's arguments name its script. This program runs no scripts.
         let named = arguments.iter().map(PathBuf::from).filter(|_| contender.role == Role::Runner);
         for path in named.filter(|path| path.is_file()) {
             let name = name(&path);
@@ -69,8 +68,8 @@ impl Origins {
             let number = std::os::unix::fs::MetadataExt::ino(&it);
             #[cfg(not(unix))]
             let number = 0;
-            // On Linux the path of a running program is that of its process: the file is told by
-            // the rest.
+            // On Linux, the path is `/proc/PID/exe`, which differs between processes; the rest of
+            // the stamp identifies the file.
             let place = if path.starts_with("/proc") { PathBuf::from(&name) } else { path.clone() };
             (place, it.len(), it.modified().ok(), number)
         });
@@ -81,8 +80,8 @@ impl Origins {
     }
 }
 
-/// Name and place of the program of a process. On Linux that which it has become since it was
-/// started, and as it was then, should another have taken its place.
+/// Name and path of a process's program. On Linux, this is the program that it has become by
+/// `exec`, even if the file was replaced since.
 fn running(process: u32, program: &str) -> (String, PathBuf) {
     let link = PathBuf::from(format!("/proc/{process}/exe"));
     if let Ok(target) = std::fs::read_link(&link) {
@@ -102,7 +101,6 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// What `sha256sum` prints.
 pub fn fingerprint(path: &Path) -> io::Result<String> {
     let (mut file, mut sum) = (File::open(path)?, Sha256::new());
     let mut buffer = vec![0; 1 << 20];

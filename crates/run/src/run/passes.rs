@@ -1,9 +1,9 @@
-//! What is measured of one contender on one scene: its runner loads the scene, counts, measures the
-//! memory, and gives timed samples; every answer is judged before its row is written.
+//! The measurements of one subject on one scene: its runner loads the scene, counts, measures
+//! memory, and takes timed samples. Every answer is judged before its row is written.
 //!
-//! Each timed sample is of a process of its own. Where a process lies in memory is worth up to a
-//! fifth of its time in one case of ten, and stays as it is while the process lives: blocks within
-//! one process would repeat one draw of that, and call equal code different.
+//! Each timed sample has a new process. In one case of ten, the position of a process in memory
+//! changes its time by up to a fifth, for as long as the process lives. Blocks within one process
+//! would repeat the same position, and make equal code look different.
 
 use std::rc::Rc;
 
@@ -20,29 +20,25 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};
 
-/// Samples are at least this long, or the clock would be measured.
+/// Minimum length of a sample; shorter ones would measure the clock.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
 
-/// A contender that is in the race on a scene.
 pub(crate) struct Running {
     pub contender: Contender,
     pub arithmetic: Arithmetic,
-    /// What its first process said in its first line.
     pub hello: Hello,
     pub blank: Row,
-    /// The scene, and those before it.
     pub loads: Rc<[Trajectory]>,
-    /// How its copies are started, each with one thread; none if the ceiling is not asked for.
+    /// The command of its copies with one thread; `None` without a ceiling.
     pub copy: Option<Start>,
 }
 
 impl Running {
-    /// Where its process of this block works: with several threads wherever the system likes.
+    /// The processor of its process in this block; `None` with several threads.
     pub fn processor(&self, block: u32) -> Option<usize> {
         processors::in_block(block).filter(|_| self.contender.threads == 1)
     }
 
-    /// Returns whether the subject is timed alone.
     pub fn is_alone(&self) -> bool {
         self.contender.duet.is_none()
     }
@@ -53,7 +49,7 @@ impl Running {
 
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
-        // With a history the process has detected before.
+        // With a history, the process has detected before.
         row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);
@@ -69,9 +65,8 @@ impl Running {
     }
 }
 
-/// Gives a runner several scenes to load, one after the other, as hard cases with a history want
-/// it. They are other particles each time, and so trajectories of their own. What a detector makes
-/// of those before the last is not judged; only, they are to leave their traces.
+/// Loads several scenes one after the other, for hard cases with a history. Answers before the last
+/// scene are not judged; they only leave traces in buffers.
 pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), Failure> {
     let Some((last, history)) = loads.split_last() else { return Ok(()) };
     for trajectory in history {
@@ -84,8 +79,8 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// A runner in a process of its own, with the scene; on this processor, if one is given. Its reply
-/// to `hello` must be the same as before.
+/// Starts a runner in a new process and loads the scene; on `processor`, if given. Its hello must
+/// be `hello`.
 pub fn fresh(
     start: &Start,
     hello: Option<&Hello>,
@@ -93,8 +88,7 @@ pub fn fresh(
     processor: Option<usize>,
 ) -> Result<Client, Failure> {
     let start = &Start { processor, ..start.clone() };
-    // What started before and does not now gets a second chance: the system may be short of
-    // something for a moment.
+    // A second attempt, because the system may lack a resource for a moment.
     let mut client = Client::start(start).or_else(|_| Client::start(start))?;
     if hello.is_some_and(|hello| client.hello != *hello) {
         let reason = "the runner says another hello than when it was started first".into();
@@ -104,7 +98,6 @@ pub fn fresh(
     Ok(client)
 }
 
-/// Asks for a sample of at least so many nanoseconds.
 pub fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
     let request = Request::Sample { min_ns };
     match client.ask(&request)? {
@@ -122,7 +115,7 @@ fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
 }
 
 pub fn astray(request: &Request, reply: &Reply) -> Failure {
-    // The variant's name alone: what else there is holds paths that differ from run to run.
+    // Only the variant's name, because the rest contains paths that differ between runs.
     let word = |text: String| text.split([' ', '(']).next().unwrap_or_default().to_string();
     let reason = format!(
         "the runner answered {} with {}",
@@ -133,8 +126,8 @@ pub fn astray(request: &Request, reply: &Reply) -> Failure {
 }
 
 impl Stage<'_, '_> {
-    /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out;
-    /// its rows say why.
+    /// Starts a subject, loads the scene, counts, and measures memory. Returns `None` if the
+    /// subject is out; its rows state why.
     pub fn enter(
         &mut self,
         contender: Contender,
@@ -152,7 +145,7 @@ impl Stage<'_, '_> {
                 return Ok(None);
             }
         };
-        // An external runner has just said which arithmetic its rows bear.
+        // A runner reports its arithmetic only when it is started.
         blank.id.arithmetic = arithmetic.name().into();
         blank.process = self.log.origins.process(&contender, &client)?;
         if self.give_up(&blank)? || self.too_slow(&blank)? {
@@ -185,8 +178,8 @@ impl Stage<'_, '_> {
         Ok(Some(running))
     }
 
-    /// Judges a row's answer before the row is written; of a trajectory of several frames, the
-    /// answers to all of them.
+    /// Judges a row's answer before the row is written; for several frames, the answers to all of
+    /// them.
     pub fn judge(
         &mut self,
         row: &mut Row,
@@ -213,7 +206,7 @@ impl Stage<'_, '_> {
         row.errors = judged.errors;
         row.causes = judged.causes;
         if row.outcome == Outcome::Refused {
-            // No time without an answer that is known to be right.
+            // Without a known truth, times are not recorded.
             (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
         }
         if row.outcome == Outcome::Wrong {
@@ -227,7 +220,7 @@ impl Stage<'_, '_> {
         self.note_first("WRONG", row, &row.reason);
     }
 
-    /// Prints what happened to a detector, the first time that it happens to it in a run.
+    /// Prints an event of a detector, the first time in a run.
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
         let head = format!("{what}: {}", row.id.contender());
         if self.log.noted.insert(head.clone()) {
@@ -238,8 +231,8 @@ impl Stage<'_, '_> {
     }
 }
 
-/// Starts the runner of a contender. The arithmetic is the contender's, or the one that the runner
-/// says.
+/// Starts the runner of a subject. Returns its arithmetic: the subject's, or the one that the
+/// runner reports.
 fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
     let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
     if let Some(reason) = &contender.missing {

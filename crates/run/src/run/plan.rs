@@ -1,5 +1,4 @@
-//! What a run will do, and whether it can: what can be known without measuring is said before
-//! anything is measured.
+//! Checks before a run whether it can succeed.
 
 use std::path::{Path, PathBuf};
 
@@ -13,20 +12,18 @@ use contactbench_record::experiment::shard::Shard;
 use contactbench_scenes::generate;
 use contactbench_scenes::spec::Spec;
 
-/// Scenes are tried with at most so many particles: some milliseconds.
+/// Scenes are tested with at most this many particles, which takes some milliseconds.
 const TRIED: u64 = 1000;
 /// Rows have 1.0 to 1.7 kB in the reference runs.
 const ROW_BYTES: u64 = 2000;
 const REPORT_BYTES: u64 = 8 << 20;
 
-/// Settings that all scenes of a run share.
 pub(crate) struct Job {
     pub quick: bool,
-    /// The program to start as runner: this one.
+    /// This program, started as a runner.
     pub program: PathBuf,
-    /// Another build of this program, whose detectors are timed side by side with this one's.
     pub against: Option<PathBuf>,
-    /// What the rows call this machine.
+    /// The machine's label in rows.
     pub machine: String,
 }
 
@@ -58,7 +55,6 @@ pub(crate) fn place((experiment, spec): &Planned<'_>) -> String {
     format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
 }
 
-/// A scene of an experiment, for people.
 pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
     let swept = spec
@@ -71,8 +67,6 @@ pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
     format!("{}: {} {}D{n}{swept}", experiment.name, spec.name, spec.dim)
 }
 
-/// Parameters that leave the range of numbers mostly do so with few particles already; a file is
-/// there, or not.
 fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     if generate::table::find(&spec.name)?.own_n {
         let Some(path) = spec.params.get("path").and_then(|path| path.as_str()) else {
@@ -85,8 +79,8 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     few.frames(&few.given()?).map(drop)
 }
 
-/// Checks that files can be written into `folder` and into `temporary`, and that both have room:
-/// for the record of these scenes, of which `done` rows exist, and for the scenes.
+/// Checks that files can be written to `folder` and `temporary`, and that both have space for the
+/// rows (`done` exist) and for the scenes.
 pub(crate) fn room(
     job: &Job,
     scenes: &[Planned<'_>],
@@ -111,8 +105,7 @@ pub(crate) fn room(
         "the record and the report",
         "make room, or choose another folder with --out",
     )?;
-    // Coordinates and radii in f64, of each frame; and the pairs of an answer that is wrong, six
-    // per particle.
+    // Coordinates and radii in f64, for each frame; and six pairs per particle, for a wrong answer.
     let bytes = |(_, spec): &Planned<'_>| {
         let frames = spec.course.map_or(1, |course| course.frames);
         let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
@@ -127,7 +120,7 @@ pub(crate) fn room(
     )
 }
 
-/// The record is of these scenes: the files may have changed since, or what makes them.
+/// Fails if the scene differs from the record's, because its file or generator has changed.
 pub(crate) fn same_scene(now: &str, before: Option<&str>) -> anyhow::Result<()> {
     let before = before.unwrap_or(now);
     ensure!(

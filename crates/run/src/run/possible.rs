@@ -1,31 +1,32 @@
-//! What a reply can say. Numbers that nobody can have measured break the protocol, and what breaks
-//! it is decided here alone: for `run`, `recommend` and `check`.
+//! Detects impossible numbers in replies, for `run`, `recommend` and `check`. They break the
+//! protocol.
 
 use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 use contactbench_core::probe::Op;
 
-/// A sample is not longer than a runner is asked for where it has so many detections: one of them
-/// may take less than the clock can tell.
+/// A sample with this many detections may be shorter than requested, because one detection may be
+/// shorter than the clock's resolution.
 pub const MOST_CALLS: u64 = 1 << 20;
 
-/// No machine looks at more pairs than this in a nanosecond.
+/// No machine can test more pairs than this per nanosecond.
 const MOST_LISTED_PER_NS: u64 = 1000;
 
-/// What a reply is held to.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// Nanoseconds that the sample should last; 0 where the number of detections was found before.
+    /// Requested length of the sample, in nanoseconds; 0 if the number of detections is already
+    /// fixed.
     pub min_ns: u64,
     pub frames: usize,
     /// Nanoseconds from the request to the reply.
     pub waited_ns: u64,
-    /// Bytes of address space that the runner has, where the system holds it to them.
+    /// The runner's address space in bytes, if the system enforces it.
     pub memory_limit: Option<u64>,
-    /// Ordered pairs of particles in open space; none in a box, where images are pairs, too.
+    /// Number of ordered pairs of particles in open space; `None` in a box, where images are pairs,
+    /// too.
     pub most_listed: Option<u64>,
 }
 
-/// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
+/// Returns what is impossible in a reply, as a sentence without a full stop.
 pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
     match reply {
         Reply::Sample(of) => answers(&of.found, asked).and_then(|()| sample(of, asked)),
@@ -50,7 +51,6 @@ fn answers(found: &Found, asked: &Asked) -> Result<(), String> {
     frames.try_for_each(|(k, &contacts)| tracked(steps, k, contacts, asked))
 }
 
-/// What a tracker says of frame `k`, in which it found `contacts`.
 fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), String> {
     let built = steps.built.get(k);
     let listed = steps.listed.get(k).copied();
@@ -86,7 +86,7 @@ fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), 
     })
 }
 
-/// Contact tests are as many as contacts, in all frames together; 0 where they are not counted.
+/// There must be at least as many contact tests as contacts, over all frames; 0 means not counted.
 fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
     let tests = counts.get(Op::ContactTest.name()).copied();
     let each = found.steps.contacts.iter();
@@ -125,7 +125,6 @@ fn sample(sample: &Sample, asked: &Asked) -> Result<(), String> {
     })
 }
 
-/// Of a sample, whatever its frames.
 fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
     let &Sample { time_ns, calls, elapsed_ns, building_ns, first_ns, .. } = sample;
     let Asked { min_ns, waited_ns, .. } = *asked;
@@ -160,7 +159,7 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
             "it says elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
              ns: are these nanoseconds?"
         )
-    // Passes over several frames are few: each reads all of them.
+    // Passes over several frames are few, because each reads all files.
     } else if elapsed_ns < min_ns / 10 && calls < MOST_CALLS && asked.frames == 1 {
         format!(
             "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
@@ -171,7 +170,7 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
     })
 }
 
-/// Whether a frame was answered from what an earlier one left, or from more than its contacts.
+/// Whether some frame was answered from an earlier list, or tested more pairs than its contacts.
 fn keeps_a_list(steps: &Steps) -> bool {
     let longer = steps.listed.iter().zip(&steps.contacts).any(|(listed, found)| listed > found);
     longer || steps.built.contains(&false)
@@ -199,7 +198,7 @@ fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
     {
         return Err(format!("it says {name} {bytes}, and has {limit} bytes of address space"));
     }
-    // No allocator hands out more than one piece in a nanosecond.
+    // No allocator makes more than one allocation per nanosecond.
     let pieces = allocations.max(warm_allocations.unwrap_or(0));
     if pieces > asked.waited_ns {
         return Err(format!("it says {pieces} allocations within {} ns", asked.waited_ns));
@@ -238,9 +237,9 @@ mod tests {
         for (time_ns, calls, elapsed_ns, words) in [
             (2_000_000, 1, 2_000_000, ""),
             (2, 1_000_000, 2_300_000, ""),
-            // A detector that does nothing, repeated as often as may be asked.
+            // An empty detection, repeated as often as allowed.
             (1, MOST_CALLS, MOST_CALLS, ""),
-            // The number of detections is found once: some samples are shorter.
+            // The number of detections is fixed by the first sample, so later ones may be shorter.
             (400_000, 1, 400_000, ""),
             (0, 1, 0, "every detection takes time"),
             (0, MOST_CALLS, 1000, "every detection takes time"),
@@ -282,7 +281,7 @@ mod tests {
     fn every_frame_has_a_time_and_an_answer() {
         let asked = Asked { frames: 3, ..ASKED };
         let right = [1_000_000, 4_000_000, 1_000_001];
-        // Of three frames, of two passes.
+        // Three frames, two passes.
         let passes = |step_ns: &[u64], answered: usize| {
             let mut sample = sampled(2_000_000, 6, 12_000_000);
             sample.step_ns = step_ns.to_vec();
@@ -347,7 +346,7 @@ mod tests {
         for (bytes, found, words) in [
             (0, fair(), "a list takes memory"),
             (8, fair(), ""),
-            // Asks anew in every frame.
+            // It builds anew in every frame.
             (0, tracked(&[5; 3], &[true; 3], &[]), ""),
         ] {
             let memory =

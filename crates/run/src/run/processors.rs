@@ -1,23 +1,21 @@
-//! Which processor a process works on.
+//! Assigns processors to processes (Linux only; elsewhere the system chooses).
 //!
-//! Two processors of a machine are not equal: one may share its core with another program, or with
-//! another guest of the same host. On a virtual machine with two of them, equal code in two fresh
-//! processes scattered twice as much from sample to sample where the system chose. So what is
-//! compared in a block has one thread on the same processor, and the next block takes the next one,
-//! so that no result is of one processor alone. What has several threads goes where the system puts
-//! it. Linux only; elsewhere the system chooses.
+//! Processors of a machine differ: one may share its core with another program or another guest. On
+//! a virtual machine with two processors, equal code in new processes scattered twice as much if
+//! the system chose. So all single-threaded subjects of a block run on one processor, and the next
+//! block uses the next one, so that no result depends on one processor. Subjects with several
+//! threads run where the system puts them.
 
 use std::sync::LazyLock;
 
-/// Those that this program may use, in order; empty where that is not known.
+/// Processors that this program may use, in order; empty if unknown.
 static ALLOWED: LazyLock<Vec<usize>> = LazyLock::new(allowed);
 
-/// The one for everybody with one thread in this block.
 pub fn in_block(block: u32) -> Option<usize> {
     nth(block as usize)
 }
 
-/// One for each of `k` processes at work at the same time; none if there are fewer.
+/// A processor for each of `k` processes that run at the same time; `None` if there are too few.
 pub fn apart(k: usize) -> Vec<Option<usize>> {
     (0..k).map(|i| nth(i).filter(|_| k <= ALLOWED.len())).collect()
 }
@@ -38,8 +36,6 @@ fn allowed() -> Vec<usize> {
     Vec::new()
 }
 
-/// Keeps a process that has just been started, and what it will start, on a processor. If that
-/// cannot be done, it is where the system puts it.
 pub(super) fn keep(process: u32, processor: Option<usize>) {
     #[cfg(target_os = "linux")]
     keep_on(rustix::process::Pid::from_raw(process as i32), processor);
@@ -47,7 +43,6 @@ pub(super) fn keep(process: u32, processor: Option<usize>) {
     let _ = (process, processor);
 }
 
-/// The same for the thread that asks.
 pub(super) fn keep_this_thread(processor: Option<usize>) {
     #[cfg(target_os = "linux")]
     keep_on(None, processor);

@@ -1,6 +1,5 @@
-//! What harness and runner say to each other: one JSON object per line, over the runner's standard
-//! input and output. A runner in any language can join; docs/PROTOCOL.md is written for those who
-//! write one.
+//! Messages between harness and runner: one JSON object per line, over the runner's standard input
+//! and output. docs/PROTOCOL.md describes them for authors of runners.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,22 +18,20 @@ pub const VERSION: u32 = 4;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "request", rename_all = "lowercase")]
 pub enum Request {
-    /// Take a trajectory; forget the one before.
     Load(Trajectory),
-    /// Reset, then detect in one frame after the other: a pass. As many passes as last `min_ns`
-    /// nanoseconds, at least one. Say how long they took.
+    /// Times passes that last at least `min_ns` nanoseconds together. A pass is a reset and a
+    /// detection in each frame.
     Sample {
         min_ns: u64,
     },
-    /// Reset, and count operations in one pass.
     Count,
-    /// Measure the memory of one pass with fresh buffers.
+    /// Measures the memory of one pass with fresh buffers.
     Memory,
-    /// Reset, go through one pass, and write the pairs of a frame to a file: npy, `<u4`, shape
-    /// (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
+    /// Runs one pass, and writes the pairs of a frame as npy: `<u4`, shape (pairs, 2); in a box
+    /// `<i4`, shape (pairs, 2 + dim), with the image of the second particle.
     Pairs {
         path: PathBuf,
-        /// Which frame, from 0; the last where it is missing.
+        /// Number of the frame, from 0; by default the last.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         frame: Option<u64>,
     },
@@ -42,7 +39,6 @@ pub enum Request {
 }
 
 impl Request {
-    /// Returns the message, or an error if a path is not UTF-8.
     pub fn message(&self) -> Result<Value, String> {
         serde_json::to_value(self).map_err(|e| format!("cannot write the request as JSON: {e}"))
     }
@@ -53,7 +49,7 @@ impl Request {
 pub enum Reply {
     /// The first line, before any request.
     Hello(Box<Hello>),
-    /// The trajectory is there; a scene at rest is in memory.
+    /// The trajectory is accepted; a scene at rest is in memory.
     Loaded,
     Sample(Box<Sample>),
     Count(Box<Counted>),
@@ -61,7 +57,7 @@ pub enum Reply {
     Pairs {
         contacts: u64,
     },
-    /// The runner cannot do this (count or memory); everything else goes on.
+    /// The runner does not support this request (count, memory or pairs).
     Unsupported,
     /// The detector does not work on this trajectory.
     Refused {
@@ -78,7 +74,7 @@ pub enum Reply {
 }
 
 impl Reply {
-    /// Without what a terminal or a log would obey: its words reach records, reports and terminals.
+    /// Removes control characters, because texts of runners reach records, reports and terminals.
     pub fn cleaned(mut self) -> Reply {
         let clean = |text: &mut String| *text = line(text).into_owned();
         match &mut self {
@@ -102,61 +98,54 @@ pub struct Hello {
     /// Must be [`VERSION`].
     pub protocol: u32,
     pub detector: String,
-    /// The arithmetic in which its answers are right.
     #[serde(default = "exact")]
     pub arithmetic: String,
     /// Version of the runner or the library behind it; may be empty.
     #[serde(default)]
     pub version: String,
-    /// What else tells its program from others: compiler, libraries, instructions.
+    /// Other properties of the program: compiler, libraries, instruction sets.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub build: BTreeMap<String, String>,
-    /// It takes trajectories of one frame alone.
+    /// Whether it takes only trajectories of one frame.
     #[serde(default, skip_serializing_if = "is_false")]
     pub at_rest: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Nanoseconds per detection.
     pub time_ns: u64,
     pub calls: u64,
     /// Nanoseconds of all detections together.
     pub elapsed_ns: u64,
-    /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
+    /// Nanoseconds per detection, by frame; optional for one frame.
     #[serde(default)]
     pub step_ns: Vec<u64>,
-    /// Of `time_ns`, for building lists that are kept; may be missing.
+    /// The part of `time_ns` that builds lists; optional.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub building_ns: Option<u64>,
-    /// Nanoseconds of the detection before the clock starts; may be missing.
+    /// Nanoseconds of the detection before the timed ones; optional.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_ns: Option<u64>,
-    /// Pairs of the last detection.
     #[serde(flatten)]
     pub found: Found,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counted {
-    /// Operation name to count.
     pub counts: BTreeMap<String, u64>,
     #[serde(flatten)]
     pub found: Found,
 }
 
-/// Memory of a pass with fresh buffers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Most bytes held at one time, without the trajectory and the list of pairs.
+    /// Peak of bytes, without the trajectory and the list of pairs.
     pub peak_bytes: u64,
     /// Bytes held after the pass.
     pub live_bytes: u64,
     pub allocations: u64,
-    /// Allocations of a second pass.
     #[serde(default)]
     pub warm_allocations: Option<u64>,
-    /// Bytes by the declared formula.
     #[serde(default)]
     pub formula_bytes: Option<u64>,
     #[serde(flatten)]
@@ -172,7 +161,6 @@ pub struct Found {
     pub steps: Steps,
 }
 
-/// In one frame, which has no steps.
 impl From<Digest> for Found {
     fn from(digest: Digest) -> Found {
         Found { contacts: digest.contacts, digest: digest.hex(), steps: Steps::default() }
@@ -187,7 +175,6 @@ impl From<Steps> for Found {
 }
 
 impl Found {
-    /// The answer to each frame, or what is wrong with one.
     pub fn answers(&self) -> Result<Vec<Digest>, String> {
         let Found { contacts, digest: text, steps } = self;
         match steps.is_empty() {
@@ -198,12 +185,11 @@ impl Found {
         }
     }
 
-    /// The contacts of all frames together, and a digest of their digests, in order: a chain as
-    /// that of [`scene_hash`](contactbench_scenes::stats::scene_hash), over their sums. Those of
-    /// the last detection, where there is one frame.
+    /// Contacts of all frames, and a chained hash of the frames' digests, like
+    /// [`scene_hash`](contactbench_scenes::stats::scene_hash). For one frame, its own contacts and
+    /// digest.
     pub fn whole(&self) -> (u64, String) {
         let Found { contacts, digest: text, steps } = self;
-        // Of one frame it is its own.
         if steps.digests.len() < 2 {
             return (*contacts, text.clone());
         }
@@ -215,21 +201,20 @@ impl Found {
     }
 }
 
-/// What was found in each frame of a pass, and how: lists of as many values. All are empty where
-/// one frame is looked at without a tracker.
+/// Results by frame, in lists of equal length. All are empty for one frame without a tracker.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Steps {
     #[serde(default, rename = "step_contacts", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<u64>,
     #[serde(default, rename = "step_digests", skip_serializing_if = "Vec::is_empty")]
     pub digests: Vec<String>,
-    /// Was a list built that is kept? May be missing.
+    /// Whether a list was built; optional.
     #[serde(default, rename = "step_built", skip_serializing_if = "Vec::is_empty")]
     pub built: Vec<bool>,
-    /// Should it have been built before, perhaps? May be missing.
+    /// Whether the list may have been built too late; optional.
     #[serde(default, rename = "step_dangerous", skip_serializing_if = "Vec::is_empty")]
     pub dangerous: Vec<bool>,
-    /// Pairs looked at. May be missing.
+    /// Number of tested pairs; optional.
     #[serde(default, rename = "step_listed", skip_serializing_if = "Vec::is_empty")]
     pub listed: Vec<u64>,
 }
@@ -250,8 +235,8 @@ impl Steps {
         )
     }
 
-    /// How long a list is that has not one value for each of so many frames, and its name; optional
-    /// ones may be empty.
+    /// Returns the name and length of a list that does not have one value per frame; optional lists
+    /// may be empty.
     pub fn unlike(&self, frames: usize) -> Option<(&'static str, usize)> {
         let needed = [("step_contacts", self.contacts.len()), ("step_digests", self.digests.len())];
         let optional = [
@@ -263,7 +248,6 @@ impl Steps {
         needed.into_iter().chain(optional).find(|(_, len)| *len != frames)
     }
 
-    /// Are frames not told apart?
     pub fn is_empty(&self) -> bool {
         *self == Steps::default()
     }
@@ -277,8 +261,7 @@ fn exact() -> String {
     "exact".into()
 }
 
-/// The digest in a reply, which is `0x` and 16 lower-case hexadecimal digits; or what is wrong with
-/// it.
+/// Parses the digest in a reply: `0x` and 16 lower-case hexadecimal digits.
 pub fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
     let hexadecimal = |c: char| matches!(c, '0'..='9' | 'a'..='f');
     let digits = text

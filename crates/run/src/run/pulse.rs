@@ -1,10 +1,9 @@
-//! How fast the machine is right now: a fixed loop, bound by caches and memory, before and after
-//! each sample, on the sample's processor.
+//! Measures the current speed of the machine: a fixed loop bound by caches and memory, timed beside
+//! each sample on its processor.
 //!
-//! Machines have states: a clock that falls, a neighbour on the same memory, a host that is busy.
-//! They last for seconds, so that what is measured in one differs from what is measured in the
-//! other though nothing else does. The loop is the same each time; where it took long, the sample
-//! probably did ([`States`](contactbench_record::cells::state::States) says how long is too long).
+//! The speed of a machine changes for seconds at a time: a lower clock, a neighbour on the same
+//! memory, a busy host. If the loop takes long, the sample probably did too; see
+//! [`States`](contactbench_record::cells::state::States).
 
 use std::hint::black_box;
 use std::sync::LazyLock;
@@ -13,24 +12,24 @@ use std::time::Instant;
 use crate::run::processors;
 use contactbench_core::sink::splitmix64;
 
-/// More than the caches of one core hold, on most machines. Times of a debug build are not quoted,
-/// and there the loop would take longer than the sample.
+/// More than the caches of one core hold, on most machines. In a debug build, whose times are not
+/// used, the loop would take longer than the sample.
 const BYTES: usize = if cfg!(debug_assertions) { 64 << 10 } else { 8 << 20 };
 const WORDS: usize = BYTES / size_of::<u32>();
-/// Looks that wait for one another: about as long as reading everything once.
+/// Number of dependent reads, which take about as long as reading everything once.
 const HOPS: usize = 8192;
 
-/// Where to look next, after each place.
 static PLACES: LazyLock<Vec<u32>> =
     LazyLock::new(|| (0..WORDS as u64).map(|k| (splitmix64(k) % WORDS as u64) as u32).collect());
 
-/// Nanoseconds of the loop, on this processor if one is given; none if a thread cannot be started.
+/// Nanoseconds of the loop, on this processor if one is given; `None` if a thread cannot be
+/// started.
 pub fn pulse(processor: Option<usize>) -> Option<u64> {
     let places = &**PLACES;
     let beat = move || {
         processors::keep_this_thread(processor);
         let sum = || black_box(places).iter().fold(0u32, |sum, &place| sum.wrapping_add(place));
-        // Whatever the sample left in the caches, not that is to be timed.
+        // Untimed, so that the caches do not depend on the last sample.
         black_box(sum());
         let start = Instant::now();
         let all = sum();
@@ -50,7 +49,7 @@ pub fn pulse(processor: Option<usize>) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// No machine reads 8 MiB in ten microseconds: the compiler did not drop the loop.
+    /// No machine reads 8 MiB in ten microseconds, so the compiler did not remove the loop.
     #[test]
     fn the_loop_is_done() {
         let fastest = (0..5).filter_map(|_| pulse(processors::in_block(1))).min().unwrap();

@@ -1,4 +1,4 @@
-//! A run and its result folder: begun, or gone on with.
+//! A run and its result folder, new or resumed.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -21,19 +21,17 @@ use contactbench_record::record::{copies, folder, ledger, machines, provenance, 
 pub struct Asked {
     pub experiments: Vec<(Experiment, String)>,
     pub quick: bool,
-    /// The folder may hold rows of the same run.
+    /// Whether the folder may contain rows of the same run.
     pub resume: bool,
-    /// Another build of this program.
     pub against: Option<PathBuf>,
     pub shard: Option<Shard>,
 }
 
-/// What ended a run that can go on when it is mended.
+/// The error of a run that can be resumed after the cause is removed.
 #[derive(Debug, thiserror::Error)]
 #[error("{0:#}")]
 pub struct Stopped(pub anyhow::Error);
 
-/// The experiments of these names or files, with their texts.
 pub fn find(names: &[String]) -> anyhow::Result<Vec<(Experiment, String)>> {
     let found = names.iter().map(|name| builtin::find(name)).collect::<anyhow::Result<Vec<_>>>()?;
     for (k, (experiment, _)) in found.iter().enumerate() {
@@ -46,8 +44,8 @@ pub fn find(names: &[String]) -> anyhow::Result<Vec<(Experiment, String)>> {
     Ok(found)
 }
 
-/// Where the results go: never over earlier ones. Jobs of an array may begin in the same second.
-/// The last folder of the same name and shard if a run is to be resumed.
+/// The result folder. It never overwrites earlier results, even if jobs of an array start in the
+/// same second. To resume, the last folder with the same name and shard.
 pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<PathBuf> {
     let results = Path::new("results").join(name);
     let suffix = shard.map_or(String::new(), |shard| format!("-shard-{}", shard.file_name()));
@@ -69,11 +67,11 @@ pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<
     last.with_context(nothing)
 }
 
-/// Runs the experiments into `folder`. `note` gets sentences about what is found there. Returns
-/// the number of scenes: a shard may have none.
+/// Runs the experiments into `folder`. `note` receives sentences about existing rows. Returns the
+/// number of scenes; a shard may have none.
 ///
 /// # Errors
-/// What can be known to go wrong, before anything is measured; what went wrong later.
+/// Foreseeable errors, before anything is measured; later errors of the run.
 pub fn run(
     asked: &Asked,
     folder: &Path,
@@ -137,7 +135,6 @@ fn measure(
     Ok(())
 }
 
-/// Opens the record of a folder, from which `rows` rows were read.
 fn opened(folder: &Path, rows: usize) -> anyhow::Result<(Writer, Origins)> {
     let path = folder.join(row::FILE);
     let record = Writer::append(&path).with_context(|| {
@@ -153,7 +150,6 @@ fn opened(folder: &Path, rows: usize) -> anyhow::Result<(Writer, Origins)> {
     Ok((record, origins))
 }
 
-/// Writes the copies of the experiments and the provenance of the run.
 fn write_origin(
     asked: &Asked,
     folder: &Path,
@@ -167,7 +163,7 @@ fn write_origin(
     for (name, text) in &texts {
         write(&copy(folder, name), text.as_bytes())?;
     }
-    // The runs that go on with a record may be the first of their machine.
+    // A resumed run may be the first on its machine.
     let first = !folder.join(provenance::FILE).exists();
     let file = if first {
         provenance::FILE.into()
@@ -184,7 +180,6 @@ fn write_origin(
     write(&folder.join(file), provenance::text(&provenance)?.as_bytes())
 }
 
-/// Another build of this program, by an absolute path.
 fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
     let named = path.display();
     let program = std::fs::canonicalize(path).with_context(|| {
@@ -196,7 +191,6 @@ fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
     Ok(program)
 }
 
-/// Rows of two different experiments must not end in one record.
 fn same_experiment(
     folder: &Path,
     rows: &[Row],
@@ -218,7 +212,7 @@ fn same_experiment(
     Ok(())
 }
 
-/// A record is of all that its experiments plan, or of a quick run.
+/// Checks that a quick run does not continue a full one, or the reverse.
 fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
     let begun = provenance::of_folder(folder).and_then(|all| all["quick"].as_bool());
     let (begun, other) = match begun.filter(|&begun| begun != quick && !rows.is_empty()) {
@@ -232,10 +226,10 @@ fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
     )
 }
 
-/// The field of the provenance with the fingerprint of the other build.
+/// The field of the provenance with the SHA-256 of the other build.
 const BASE: &str = "against_sha256";
 
-/// Rows of one build, and of it beside another, must not end in one record; nor rows beside two.
+/// Checks that a record has rows of this build alone, or beside one other build.
 fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
     if rows.is_empty() {
         return Ok(());
@@ -259,12 +253,10 @@ fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<(
     }
 }
 
-/// Where the experiment of a record is kept, with its groups of detectors written out.
 fn copy(folder: &Path, name: &str) -> PathBuf {
     folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"))
 }
 
-/// The record that is to be gone on with.
 fn previous(
     path: &Path,
     resume: bool,
@@ -307,7 +299,6 @@ fn previous(
     Ok(record)
 }
 
-/// Writes a file as a whole: a killed run leaves none or all of it.
 fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let part = path.with_extension("part");
     std::fs::write(&part, bytes)

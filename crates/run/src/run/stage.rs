@@ -1,10 +1,10 @@
-//! One scene of one experiment: the scene is made, what is true is found, contenders are started,
-//! rows are written.
+//! One scene of one experiment: the scene is made, its truth found, subjects are started, and rows
+//! are written.
 //!
-//! Each contender's runner loads the scene, counts, and measures its memory; then blocks of timed
-//! samples, every contender once per block in a fresh random order and in a fresh process, and
-//! right after one with several threads its copies, if the experiment asks for them. Rows go to the
-//! record one by one. What the record holds already (of a killed run) is not measured again.
+//! Each runner loads the scene, counts, and measures memory. Then come blocks of timed samples:
+//! every subject once per block, in random order and in a new process. A subject with several
+//! threads is followed by its copies, if the experiment asks for them. Rows already in the record
+//! are not measured again.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -42,9 +42,8 @@ use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats;
 use contactbench_scenes::stats::Stats;
 
-/// Hears how far a run has come.
 pub trait Progress {
-    /// `done` of `total` scenes are complete; `next` is being worked on.
+    /// `done` of `total` scenes are complete; `next` is being measured.
     fn scene(&mut self, done: usize, total: usize, next: &str);
     fn note(&mut self, text: &str);
 }
@@ -58,15 +57,14 @@ pub(crate) struct Stage<'a, 'l> {
     pub log: &'a mut Log<'l>,
 }
 
-/// Where a run writes what it measures, and what it remembers from scene to scene.
+/// The outputs of a run, and what it remembers from scene to scene.
 pub(crate) struct Log<'a> {
     pub record: Writer,
     pub origins: Origins,
     pub progress: &'a mut dyn Progress,
     pub too_slow: TooSlow,
-    /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
     pub noted: BTreeSet<String>,
-    /// What timed rows say of their time.
+    /// The span of the rows that are being written.
     pub span: Option<String>,
 }
 
@@ -107,7 +105,7 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Says once what the scene's file leaves open, and what is doubtful about it.
+    /// Prints once what was assumed about the scene's file.
     fn note(&mut self, given: &Given) {
         let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
         let doubts = given.source.as_ref().map(|source| {
@@ -122,7 +120,6 @@ impl Stage<'_, '_> {
         }
     }
 
-    /// Starts the contenders one after the other; gives those that are to be timed.
     fn enter_all(
         &mut self,
         contenders: Vec<Contender>,
@@ -152,8 +149,8 @@ impl Stage<'_, '_> {
         Ok(running)
     }
 
-    /// Timed samples, until all blocks are done or their time is over; and what else the machine
-    /// did meanwhile.
+    /// Takes timed samples until all blocks are done or their time is over, and records the
+    /// machine's load.
     fn blocks(
         &mut self,
         running: Vec<Running>,
@@ -166,7 +163,7 @@ impl Stage<'_, '_> {
         self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
         if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
-            // What ended the blocks is told first.
+            // An error of the blocks takes precedence.
             let noted = self.log.origins.span(span);
             return result.and(noted);
         }
@@ -187,7 +184,7 @@ impl Stage<'_, '_> {
             {
                 break;
             }
-            // Another order in each block of each scene, the same whenever the scene is run.
+            // A different order in each block and scene, but the same in every run.
             let of_scene = describe(self.experiment, self.spec)
                 .bytes()
                 .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
@@ -208,7 +205,7 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Everything of the contenders on this scene is in the record; an error if the record is of
+    /// Whether the record has everything of the subjects on this scene; fails if the record is of
     /// another scene.
     fn is_complete(&self, contenders: &[Contender], given: &Given) -> anyhow::Result<bool> {
         let blank = |contender: &Contender| {
@@ -216,7 +213,7 @@ impl Stage<'_, '_> {
         };
         if let Some(one) = contenders.first() {
             let before = self.index.scene_hash(&blank(one));
-            // Only where the record has rows of it: fingerprints of large scenes take a while.
+            // Hashing a large scene is slow, so it is done only if the record has rows of it.
             if before.is_some() {
                 plan::same_scene(&stats::hash(given), before)?;
             }
@@ -224,11 +221,10 @@ impl Stage<'_, '_> {
         Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender))))
     }
 
-    /// Everything of this contender on this scene is in the record.
     fn complete(&self, contender: &Contender, blank: &Row) -> bool {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
-        // A budget may have ended the blocks early; an external runner says its arithmetic only
-        // when it is started.
+        // A budget may have ended the blocks early. The arithmetic of a runner is unknown before it
+        // is started.
         let enough = self.experiment.enough_blocks(self.job.quick);
         let ceiling =
             |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
@@ -243,8 +239,8 @@ impl Stage<'_, '_> {
                     && (1..=enough).all(|block| has(Pass::Time, block) && ceiling(block)))
     }
 
-    /// The rows of a case of the catalogue whose scene is not valid, as it should be. Any other
-    /// scene that cannot be made is an error.
+    /// Writes rows for a hard case whose scene is expected to be invalid. Any other invalid scene
+    /// is an error.
     fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
         let Some(invalid) = error
             .chain()
@@ -264,12 +260,12 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// True if the record says that this cell ended badly. Rows that the killed run still owed are
-    /// written now.
+    /// Whether the record states that this cell ended badly. Rows that a killed run did not write
+    /// are written now.
     pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
         for &pass in last.pass.owed() {
-            // It was this process that failed.
+            // The same process failed.
             let Row { outcome, ref reason, ref process, .. } = *last;
             let (reason, process) = (reason.clone(), process.clone());
             let row = Row { pass, outcome, reason, process, ..blank.clone() };
@@ -280,7 +276,7 @@ impl Stage<'_, '_> {
         Ok(true)
     }
 
-    /// True, with rows that say so, if the detector was too slow with fewer particles already.
+    /// Whether the detector was too slow with fewer particles; then rows state that.
     pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(n) = self.log.too_slow.at(blank) else { return Ok(false) };
         let reason = format!("not tried: over the time limit at N = {n} already");
@@ -288,8 +284,8 @@ impl Stage<'_, '_> {
         Ok(true)
     }
 
-    /// Writes a row, with the name of this machine; after a signal none, because a runner may have
-    /// been stopped in the midst of it.
+    /// Writes a row, with the name of this machine. After a signal nothing is written, because a
+    /// runner may have been interrupted.
     pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
         interrupt::check()?;
         let id = CellId { machine: Some(self.job.machine.clone()), ..row.id.clone() };

@@ -1,6 +1,5 @@
-//! What a runner loads: a trajectory, that is the same particles in frame after frame, each frame
-//! in a file, and the box in which they repeat, or one for each frame. A scene at rest is a
-//! trajectory of one frame.
+//! Trajectories for runners: the same particles in frame after frame, one file per frame, with a
+//! common box or one per frame. A scene at rest is a trajectory of one frame.
 
 use std::path::{Path, PathBuf};
 
@@ -13,35 +12,28 @@ use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_scenes::motion::Frames;
 
-/// The files of a trajectory. A runner opens one after the other: it never holds them all.
+/// The files of a trajectory. A runner reads them one at a time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
-    /// One NumPy npy file per frame, in order; a file may stand there more than once. Little-endian
-    /// f64, C order: `n` rows of `dim` coordinates, and the radius as one more column if `radius`
-    /// is null.
+    /// One npy file per frame, in order; a file may occur several times. Little-endian f64, C
+    /// order: `n` rows of `dim` coordinates, and the radius as one more column if `radius` is null.
     pub frames: Vec<PathBuf>,
     pub dim: u32,
-    /// Particles, the same in all frames.
     pub n: u64,
     /// The radius of all particles, or null.
     pub radius: Option<f64>,
-    /// The box in which they repeat in all frames; absent where boundaries are open, and where it
-    /// is not the same in all.
+    /// The periodic box of all frames; absent in open space, or if boxes differ.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub in_box: Option<BoxMessage>,
-    /// The box of each frame, if it is not the same in all frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boxes: Vec<BoxMessage>,
 }
 
-/// A box in a message: `dim` vectors of `dim` numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxMessage {
-    /// One per row.
     pub vectors: Vec<Vec<f64>>,
-    /// Along which of them the scene repeats.
+    /// Vectors along which the box is periodic.
     pub periodic: Vec<bool>,
-    /// The corner from which they start.
     pub origin: Vec<f64>,
 }
 
@@ -71,7 +63,6 @@ impl BoxMessage {
 }
 
 impl Trajectory {
-    /// Writes a scene at rest to a file, the only frame.
     pub fn write_at_rest(path: &Path, given: &Given) -> anyhow::Result<Trajectory> {
         let Given { scene, lattice, .. } = given;
         let radius = exchange::write_scene(path, scene)?;
@@ -85,7 +76,6 @@ impl Trajectory {
         })
     }
 
-    /// Writes scenes at rest to files in a folder, each as a trajectory of its own.
     pub fn write_all<'a>(
         folder: &Path,
         scenes: impl Iterator<Item = &'a Given>,
@@ -94,7 +84,6 @@ impl Trajectory {
         scenes.enumerate().map(|(k, given)| Trajectory::write_at_rest(&path(k), given)).collect()
     }
 
-    /// Writes the frames of a motion to files in a folder, one after the other.
     pub fn write_moving(
         folder: &Path,
         frames: &mut Frames,
@@ -110,10 +99,7 @@ impl Trajectory {
         all.context("a trajectory has at least one frame")
     }
 
-    /// Appends a frame of the same particles.
-    ///
-    /// # Errors
-    /// Some frames are in boxes, others not.
+    /// Appends a frame of the same particles. Fails if only one of the two has a box.
     pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) -> anyhow::Result<()> {
         let Some(all) = all else {
             *all = Some(next);
@@ -135,7 +121,6 @@ impl Trajectory {
         Ok(())
     }
 
-    /// One of its frames, as a scene at rest.
     pub fn at_rest(&self, k: usize) -> Trajectory {
         let Trajectory { dim, n, radius, .. } = *self;
         let frames = self.frames.get(k).cloned().into_iter().collect();
@@ -143,21 +128,17 @@ impl Trajectory {
         Trajectory { frames, dim, n, radius, in_box, boxes: Vec::new() }
     }
 
-    /// Removes its files, of which there may be many.
     pub fn remove(&self) {
-        // They are temporary: what cannot be removed now goes with its folder.
+        // Files that cannot be removed now are removed with the temporary folder.
         self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
     }
 
-    /// The dimensions of its box, if it has one: then contacts have images.
+    /// The dimension of its box, if it has one; contacts then have images.
     pub fn box_dim(&self) -> Option<usize> {
         (self.in_box.is_some() || !self.boxes.is_empty()).then_some(self.dim as usize)
     }
 
-    /// Reads the file of a frame.
-    ///
-    /// # Errors
-    /// What is wrong with it; boxes that are not as many as frames.
+    /// Reads the file of a frame; fails if the number of boxes is not that of frames.
     pub fn read_frame(&self, k: usize) -> anyhow::Result<Given> {
         let path = self.frames.get(k).with_context(|| {
             format!("there is no frame {k}; the trajectory has {}", self.frames.len())

@@ -74,7 +74,6 @@ struct Next {
     contact: f64,
 }
 
-/// A method of placing a particle.
 struct Way {
     place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
     beside: bool,

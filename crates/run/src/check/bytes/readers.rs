@@ -14,7 +14,6 @@ pub fn reader(name: &str) -> Option<u8> {
         .or_else(|| io::FORMATS.iter().position(|format| format.key == name).map(|k| k as u8))
 }
 
-/// Readers that are not particle formats.
 const BESIDE: [(u8, &str); 2] = [(14, "gzip"), (15, "pairs")];
 
 pub fn readers() -> impl Iterator<Item = String> {
@@ -24,7 +23,6 @@ pub fn readers() -> impl Iterator<Item = String> {
         .chain(BESIDE.map(|(_, name)| name.into()))
 }
 
-/// Like [`fuzz_reader`], with a given reader.
 pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
     let mut data = data.to_vec();
     if let Some(kind) = data.first_mut() {

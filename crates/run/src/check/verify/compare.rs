@@ -8,7 +8,6 @@ use contactbench_scenes::touching::{gap, nearest};
 /// Larger gaps, in mean radii, do not belong to a skin.
 pub(super) const FAR: f64 = 2.5;
 
-/// How the entries of a list are compared with the truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {
     /// As pairs: no pair touches through several images.
@@ -21,11 +20,9 @@ pub enum Taken {
     Once,
 }
 
-/// The truth and what else a list may contain.
 #[derive(Clone, Copy)]
 pub(super) struct Against<'a> {
     pub space: &'a Periodic<'a>,
-    /// Sorted.
     pub truth: &'a Contacts,
     /// All pairs within the skin; empty without one.
     pub near: &'a Contacts,
@@ -181,7 +178,6 @@ fn several(contacts: &Contacts) -> bool {
 #[derive(Clone, Copy)]
 enum Difference {
     Missed,
-    /// Listed but not true.
     Added,
     Repeated,
 }

@@ -4,7 +4,6 @@ use crate::check::verify::compare::FAR;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::particle;
 
-/// Minimum number of pairs across a box.
 const ENOUGH: usize = 3;
 
 /// The period along each axis; `None` along axes that no pair crosses.

@@ -26,10 +26,8 @@ pub enum Naming {
     Ids(HashMap<i64, u32>),
 }
 
-/// A kind of [`Naming`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Indices into the particle file, counted from this number.
     Base(i64),
     Ids,
 }
@@ -81,7 +79,6 @@ impl Naming {
     }
 }
 
-/// How the images of a list are interpreted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ImagesOf<'a> {
     /// Images of the second particle, as expected.
@@ -104,7 +101,6 @@ pub(super) struct Taking<'a> {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Listing {
-    /// Sorted, with repetitions.
     pub contacts: Contacts,
     pub has_images: bool,
     /// Pairs with a number that no particle has.
@@ -173,7 +169,6 @@ impl Listing {
         Ok(Listing { contacts: Contacts { plain: plain?, shifted: shifted? }, ..listing })
     }
 
-    /// Number of pairs that are wrong whatever the truth is.
     pub fn faults(&self) -> u64 {
         (self.unknown.len() + self.one_sided.len()) as u64
     }

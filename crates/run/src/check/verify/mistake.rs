@@ -12,7 +12,6 @@ pub struct Reading {
     pub mistakes: Vec<Mistake>,
     /// Number of different pairs in the list.
     pub listed: u64,
-    /// Number of pairs that still differ.
     pub wrong: u64,
 }
 
@@ -28,7 +27,6 @@ pub enum Mistake {
     ImagesLeftOut {
         zero: bool,
     },
-    /// The box of the file is periodic along these axes.
     Declared([bool; 3]),
     Rounded(Arithmetic),
     /// Pairs that touch in exactly one point are missing.
@@ -37,15 +35,11 @@ pub enum Mistake {
     Tangent,
     /// All pairs with at most this gap (a length) are listed.
     Skin(f64),
-    /// Radii are multiplied by this factor.
     Radii(f64),
     Open,
-    /// Contacts of particles with their own images are missing.
     WithoutOwn,
-    /// Only the nearest image of each pair is listed.
     Nearest,
     Along([bool; 3]),
-    /// The box has these edges and no tilt.
     Straight([f64; 3]),
     /// The particles have these periods; `None` along open axes.
     Periods([Option<f64>; 3]),
@@ -143,7 +137,6 @@ impl Reading {
         Reading { mistakes: Vec::new(), listed, wrong: 0 }
     }
 
-    /// Adds that the box of the file is used.
     pub(super) fn declared(mut self, axes: [bool; 3]) -> Reading {
         let of_list = |it: &&Mistake| matches!(it, Mistake::Numbers(_) | Mistake::BothSides);
         let at = self.mistakes.iter().take_while(of_list).count();
@@ -154,7 +147,6 @@ impl Reading {
         self
     }
 
-    /// Describes how the list would agree, and how well.
     pub fn sentence(&self) -> String {
         let with: Vec<String> = self.mistakes.iter().map(|mistake| mistake.words()).collect();
         let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");

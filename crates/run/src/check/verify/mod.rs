@@ -47,9 +47,7 @@ pub struct Allowed {
 pub struct Terms<'a> {
     pub arithmetic: Arithmetic,
     pub allowed: Allowed,
-    /// Maximum bytes of a list of pairs.
     pub memory_limit: u64,
-    /// Maximum number of pairs kept of each kind.
     pub kept: usize,
     /// Contacts left out of truth and list.
     pub without: Option<&'a Groups>,
@@ -68,10 +66,8 @@ pub struct Job<'a> {
 
 #[derive(Clone, Debug)]
 pub struct Verification {
-    /// The true contacts, sorted.
     pub truth: Contacts,
     pub errors: Errors,
-    /// Pairs of the list with a number that no particle has.
     pub unknown: Vec<Couple>,
     /// Contacts that are not listed, with their overlap in mean radii, the deepest first.
     pub missed: Vec<(ImagePair, f64)>,

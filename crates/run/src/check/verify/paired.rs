@@ -7,7 +7,6 @@ use anyhow::{bail, ensure};
 use contactbench_io::pairs::{List, Lists};
 use contactbench_io::{About, Frames, Particles};
 
-/// Number of steps that a message names.
 const NAMED: usize = 6;
 
 /// Frames with their lists, matched by time step if both files have steps, otherwise by number.
@@ -15,19 +14,14 @@ const NAMED: usize = 6;
 pub struct Paired<'a, 'b> {
     particles: Frames<'a>,
     lists: Lists<'b>,
-    /// Names of the particle file and of the list file.
     names: [&'a str; 2],
-    /// The next list; `None` at the end.
     next: Option<List>,
     begun: bool,
     by_step: bool,
-    /// Whether some list has no step.
     stepless: bool,
-    /// Whether some list has another number than its frame.
     renumbered: bool,
     /// The steps of the first particle frames, and of the last.
     steps: (Vec<i64>, Option<i64>),
-    /// Particle frames without a list.
     pub left_out: Vec<u64>,
     /// Number of frames without a row in the list, which have no contacts.
     pub without_rows: u64,
@@ -85,7 +79,6 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(())
     }
 
-    /// The list of a frame; `None` if the frame has none.
     fn list_of(&mut self, about: &About) -> anyhow::Result<Option<List>> {
         let [particles, lists] = self.names;
         let listed = self.next.as_ref().and_then(|list| list.step);
@@ -163,7 +156,6 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(step)
     }
 
-    /// The error for a list without particles.
     fn without_particles<T>(&self, list: &List) -> anyhow::Result<T> {
         let [particles, lists] = self.names;
         match list.step.filter(|_| self.by_step) {

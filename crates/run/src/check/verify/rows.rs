@@ -28,14 +28,12 @@ pub(super) enum Kind {
     Box,
 }
 
-/// The particles for which a mistake is tried, and their true contacts.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub space: &'a Periodic<'a>,
     pub truth: &'a Contacts,
 }
 
-/// The mistakes, in the order in which they are tried.
 pub(super) const ROWS: [Row; 13] = [
     Row { kind: Kind::Part, tries: open },
     Row { kind: Kind::Part, tries: without_own },

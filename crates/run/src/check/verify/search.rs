@@ -18,7 +18,6 @@ const FEW: usize = 100_000;
 
 pub(super) struct Search<'a> {
     pub job: &'a Job<'a>,
-    /// Whether a box may be guessed.
     pub may_guess: bool,
     /// The list, with the interpretation of numbers and images that differs least.
     pub listing: Listing,
@@ -29,7 +28,6 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Finds the best explanation. It must at least halve the number of differing pairs.
     pub fn best(
         job: &'a Job<'a>,
         truth: &Contacts,
@@ -166,7 +164,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries the same numbers without images.
     fn without_images(&mut self, at: At<'_>) -> anyhow::Result<()> {
         let numbers = self.of_list.iter().find_map(|mistake| match mistake {
             Mistake::Numbers(meaning) => Some(*meaning),
@@ -225,7 +222,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries a box with these vectors and axes; returns whether to try more.
     pub fn in_box(
         &self,
         at: At<'_>,

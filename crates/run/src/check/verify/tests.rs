@@ -56,7 +56,6 @@ fn in_box(
     ask(periodic, Listed { pairs, images }, &Naming::Base(0), &others, allowed)
 }
 
-/// Missed, spurious, duplicate and self pairs.
 fn counts(found: &Verification) -> [u64; 4] {
     let Errors { missed, spurious, duplicate, self_pairs, .. } = found.errors;
     [missed, spurious, duplicate, self_pairs]
@@ -185,7 +184,6 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
     let (pair, depth) = found.spurious[0];
     assert_eq!((pair.i, pair.j), (0, 2));
     assert!((depth + 2.0 * (2f64.sqrt() - 1.0)).abs() < 1e-15, "{depth}");
-    // In both directions.
     let twice = [[0, 1], [1, 0], [0, 1], [1, 0], [1, 2], [2, 1]];
     assert!(in_box(&row, &twice, None, BOTH).0.is_same());
     let (found, _) = in_box(&row, &twice[..5], None, BOTH);
@@ -221,7 +219,6 @@ fn particles_touch_their_own_images() {
 
 #[test]
 fn pairs_within_a_skin_may_be_there_through_each_image() {
-    // The gap is 0.5 on both sides.
     let row = discs(&[[0.0, 0.0], [1.5, 0.0]], 0.5, [3.0, 9.0]);
     let ask = |pairs: &[Couple], images, allowed| in_box(&row, pairs, images, allowed).0;
     let images: Vec<[i32; 3]> = vec![[0; 3], [-1, 0, 0]];
@@ -232,7 +229,6 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert!(ask(&[[0, 1]], None, skin(0.5)).is_same());
     assert!(ask(&[], None, skin(0.5)).is_same());
     assert_eq!(counts(&ask(&[[0, 1]], None, skin(0.4))), [0, 1, 0, 0]);
-    // A slightly larger gap is outside the skin.
     let far = discs(&[[0.0, 0.0], [1.5 + 1e-10, 0.0]], 0.5, [9.0, 9.0]);
     assert_eq!(counts(&in_box(&far, &[[0, 1]], None, skin(0.5)).0), [0, 1, 0, 0]);
     // They touch through one image, and have a gap of 0.75 through another.
@@ -253,7 +249,6 @@ fn a_skin_is_recognised_together_with_another_box() {
     let cube = Lattice::along_axes([6.0; 3], [true; 3]).unwrap();
     let boxed = Periodic::new(pack.clone(), cube).unwrap();
     let skin = |of: &[Mistake]| matches!(of[0], Mistake::Skin(skin) if 0.05 < skin && skin <= 0.2);
-    // The list ignores the box.
     let list = apart(&pack, 1.2, f64::INFINITY);
     let Reading { mistakes, wrong, .. } = in_box(&boxed, &list, None, GIVEN).1.unwrap();
     assert!(skin(&mistakes) && mistakes[1..] == [Mistake::Open] && wrong == 0, "{mistakes:?}");

@@ -1,4 +1,4 @@
-//! A trajectory for runners that take scenes at rest: frame after frame, as one whole answer.
+//! Sends a trajectory frame by frame to runners that take one frame at a time.
 
 use std::collections::BTreeMap;
 
@@ -8,9 +8,8 @@ use crate::run::protocol::{Counted, Memory, Reply, Request, Sample, Steps};
 use crate::run::trajectory::Trajectory;
 use contactbench_record::record::row::Outcome;
 
-/// The answer to a request about a trajectory of several frames, of which the runner gets one at a
-/// time. Each frame is a scene at rest that has just been loaded: nothing is kept from the frame
-/// before.
+/// Requests every frame, and combines the replies to one. Each frame is loaded on its own, so the
+/// runner keeps nothing from the frame before.
 pub(super) fn ask(
     client: &mut Client,
     trajectory: &Trajectory,
@@ -67,7 +66,7 @@ struct Whole {
 }
 
 impl Whole {
-    /// Takes the answer to one more frame; one that belongs to another request is given back.
+    /// Adds the reply for one frame; returns a reply of another kind.
     fn take(&mut self, reply: Reply) -> Result<(), Reply> {
         let found = match reply {
             Reply::Sample(sample) => {
@@ -104,7 +103,8 @@ impl Whole {
             Request::Count => Reply::Count(Counted { counts, found }.into()),
             Request::Memory => Reply::Memory(Memory { found, ..memory }.into()),
             _ => {
-                // One pass: of each frame the mean of its detections, of which each has its number.
+                // Combined, this is one pass: each frame's mean counts as one detection, whatever
+                // its number of calls.
                 let elapsed_ns = step_ns.iter().fold(0u64, |all, ns| all.saturating_add(*ns));
                 let calls = step_ns.len().max(1) as u64;
                 let time_ns = (elapsed_ns + calls / 2) / calls;

@@ -1,5 +1,5 @@
-//! The harness's end of a conversation with a runner: a process, requests with a time limit, a
-//! memory limit, and a reason for every failure.
+//! The harness's side of a runner: its process, requests with limits on time and memory, and a
+//! reason for every failure.
 
 use std::io::Write;
 use std::path::Path;
@@ -20,11 +20,9 @@ use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::text;
 
-/// How to start a runner, and what it may take.
 #[derive(Clone, Debug)]
 pub struct Start {
     pub command: Vec<String>,
-    /// What to do if it is not there.
     pub install: String,
     pub time_limit: Duration,
     /// Address space in bytes.
@@ -33,62 +31,57 @@ pub struct Start {
 }
 
 impl Start {
-    /// A command without a remedy, wherever the system puts it.
+    /// A command without a remedy, on any processor.
     pub fn of(command: &[String], time_limit: Duration, memory_limit: u64) -> Start {
         let (command, install) = (command.to_vec(), String::new());
         Start { command, install, time_limit, memory_limit, processor: None }
     }
 
-    /// What to do if the program is not there, to be put after the reason.
     fn hint(&self) -> String {
         if self.install.is_empty() { String::new() } else { format!("; {}", self.install) }
     }
 }
 
-/// A request that failed: how, and why in one sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// Not `ok`.
+    /// Never `ok`.
     pub outcome: Outcome,
     pub reason: String,
 }
 
-/// A runner at work. Dropping it ends the process.
+/// A running runner. Dropping it ends the process.
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<Line>,
     errors: Arc<Mutex<String>>,
-    /// For one request.
     pub time_limit: Duration,
     memory_limit: u64,
     samples: u32,
-    /// Frames of the trajectory loaded last.
     frames: usize,
-    /// The most pairs that its answer can be from, if that is known.
+    /// Number of ordered pairs of particles, if the scene is open.
     most_listed: Option<u64>,
-    /// That trajectory, where the runner gets its frames one by one.
+    /// The loaded trajectory, if the runner takes one frame at a time.
     by_frame: Option<Trajectory>,
     waited: Duration,
     pub hello: Hello,
 }
 
-/// How the reason begins where a line is no reply.
 pub const NO_REPLY: &str = "the runner's answer is not a reply";
 
-/// So often a wait looks whether it was interrupted.
+/// Interval at which a waiting client checks for signals.
 const LOOK: Duration = Duration::from_millis(100);
-/// So long a runner may take to leave when it is told to, and when it is sent SIGTERM: what has
-/// started processes elsewhere needs the time to end them.
+/// Time for a runner to leave after `quit`, and after SIGTERM. Runners that started other processes
+/// need it to end them.
 const TO_LEAVE: Duration = Duration::from_millis(100);
 #[cfg(unix)]
 const TO_CLEAN_UP: Duration = Duration::from_millis(500);
 
 impl Client {
-    /// Starts a runner and waits for its first line. Whatever goes wrong, it is unavailable.
+    /// Starts a runner and reads its hello. Any failure has the outcome `unavailable`.
     pub fn start(start: &Start) -> Result<Client, Failure> {
         let mut runner = Client::spawn(start)?;
-        // Starting is not detecting: an interpreter may take a while to load its libraries.
+        // An interpreter may load its libraries slowly.
         match runner.greet(start.time_limit.max(Duration::from_secs(30))) {
             Ok(()) => Ok(runner),
             Err(Failure { reason, outcome: Outcome::Unavailable | Outcome::Wrong }) => {
@@ -101,7 +94,7 @@ impl Client {
         }
     }
 
-    /// Starts a process, which is to say hello: see [`Client::greet`].
+    /// Starts a process; its hello is read by [`Client::greet`].
     pub fn spawn(start: &Start) -> Result<Client, Failure> {
         let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
         let [program, arguments @ ..] = &start.command[..] else {
@@ -109,7 +102,7 @@ impl Client {
         };
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // When the harness ends, runners see the end of their input.
+        // When the harness ends, the pipe closes and runners see the end of their input.
         let mut child = family::start(&mut command)
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
         family::limit_memory(&child, start.memory_limit);
@@ -133,8 +126,7 @@ impl Client {
         })
     }
 
-    /// Waits for the first line. One that is not hello, or hello in a version that is not spoken
-    /// here, is `wrong`.
+    /// Reads the first line. Its failure is `wrong` unless it is a hello with the right version.
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match self.receive(limit)? {
@@ -155,13 +147,12 @@ impl Client {
         self.child.id()
     }
 
-    /// The end of what the runner has said on its standard error so far.
     pub fn errors(&self) -> String {
         self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Sends a request and waits for the answer. After a failure other than a refusal the runner is
-    /// of no more use. One that takes scenes at rest alone is given a trajectory frame by frame.
+    /// Sends a request and reads the reply. After a failure other than a refusal, the runner is
+    /// unusable. A runner that takes one frame at a time gets a trajectory frame by frame.
     pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
         if let Request::Load(trajectory) = request {
             let several = self.hello.at_rest && trajectory.frames.len() > 1;
@@ -190,7 +181,7 @@ impl Client {
             return Err(Failure { outcome: Outcome::Crashed, reason });
         }
         match reply {
-            // Where the system holds nobody to the limit, the answer is.
+            // If the system does not enforce the limit, this does.
             Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
                 let (taken, limit) = (memory.peak_bytes, self.memory_limit);
                 let reason = format!("it took {taken} bytes, and may take {limit}");
@@ -202,11 +193,9 @@ impl Client {
         }
     }
 
-    /// What cannot be in the reply that has just come to this request.
     pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
         let min_ns = match request {
-            // The number of detections is found at the first sample, and kept: others may be
-            // shorter.
+            // Only the first sample must reach min_ns, because it fixes the number of detections.
             Request::Sample { min_ns } if self.samples == 1 => *min_ns,
             _ => 0,
         };
@@ -217,7 +206,6 @@ impl Client {
         possible::check(reply, &asked).err()
     }
 
-    /// Sends a message and waits for the answer, whatever it says.
     pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
         match message["request"].as_str() {
             Some("load") => {
@@ -244,16 +232,15 @@ impl Client {
         reply
     }
 
-    /// The contacts of a frame, or of the last, by way of a file; in a box of so many dimensions,
-    /// if there is one. `Err` says why they cannot be had.
+    /// The contacts of a frame (by default the last), exchanged by a file. `box_dim` is the
+    /// dimension of the box, if there is one.
     pub fn pairs(
         &mut self,
         path: &Path,
         box_dim: Option<usize>,
         frame: Option<u64>,
     ) -> Result<Contacts, String> {
-        // What another runner wrote there is not this one's answer; mostly there is nothing to
-        // remove.
+        // A file of another runner must not be taken for the answer.
         let _ = std::fs::remove_file(path);
         self.ask(&Request::Pairs { path: path.to_path_buf(), frame })
             .map_err(|failure| failure.reason)?;
@@ -300,8 +287,8 @@ impl Client {
         }
     }
 
-    /// Waits for a line, with a look at the signals now and then. The failure of an interrupted
-    /// wait is never written: see [`interrupt::check`].
+    /// Waits for a line, and checks for signals. The failure of an interrupted wait is never
+    /// recorded; see [`interrupt::check`].
     fn wait(&mut self, limit: Duration) -> Result<Line, RecvTimeoutError> {
         let started = Instant::now();
         loop {
@@ -313,19 +300,18 @@ impl Client {
         }
     }
 
-    /// The runner is gone: why?
     fn post_mortem(&mut self) -> Failure {
         self.input = None;
-        // It closed its output, so it is ending or ended; one that lingers for a second is ended
-        // here. At least one pause lets its last words arrive.
+        // It closed its output, so it has ended or will soon; after a second it is killed. The
+        // pause lets its last words arrive.
         std::thread::sleep(Duration::from_millis(20));
         let ended = self.ends_within(Duration::from_secs(1));
         let silent = || "it closed its output without answering".into();
         let status = ended.map_or_else(silent, |status| status.to_string());
         self.kill();
         let errors = self.errors();
-        // The words of Rust's allocation failure, ours, C++'s and Python's. A backtrace may follow
-        // them.
+        // Messages of failed allocations in Rust, this program, C++ and Python. A backtrace may
+        // follow them.
         let starved = |line: &&str| {
             ["memory allocation of", "could not be allocated", "bad_alloc", "MemoryError"]
                 .iter()
@@ -340,7 +326,6 @@ impl Client {
         Failure { outcome, reason: format!("{status}{words}") }
     }
 
-    /// Waits until the process has ended, but not longer than `limit`.
     fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
         let started = Instant::now();
         loop {
@@ -352,7 +337,7 @@ impl Client {
         }
     }
 
-    /// Ends the process, and what it has started: SIGTERM, some time, SIGKILL.
+    /// Ends the process and its children: SIGTERM, a pause, SIGKILL.
     fn kill(&mut self) {
         #[cfg(unix)]
         if family::reap(&mut self.child).is_none() {

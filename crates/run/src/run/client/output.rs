@@ -1,21 +1,19 @@
-//! What a runner says: lines on its standard output, of which no more than one is read ahead, and
-//! the end of its standard error. A flood of either fills no memory.
+//! Reads a runner's standard output, at most one line ahead, and the end of its standard error. So
+//! neither can fill the memory.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A line; or why it is none.
 pub(super) type Line = Result<String, String>;
 
-/// A line from a runner is not longer than this.
+/// In bytes.
 const LONGEST_LINE: u64 = 1 << 20;
-/// At most this much of what a runner says on its standard error is kept: the end, where the reason
-/// for its death stands.
+/// Bytes of standard error that are kept: the end, which has the reason for a crash.
 const KEPT: usize = 1 << 16;
 
-/// The lines of a runner, one ahead: one that says more than it is asked waits.
+/// The lines of a runner. One line is read ahead; a runner that writes more must wait.
 pub(super) fn lines(output: Option<ChildStdout>) -> Receiver<Line> {
     let (sender, lines) = sync_channel(1);
     std::thread::spawn(move || {
@@ -28,7 +26,7 @@ pub(super) fn lines(output: Option<ChildStdout>) -> Receiver<Line> {
                 return;
             }
             let line = line(bytes);
-            // What follows a line that is none begins anywhere.
+            // After an invalid line, the next start of a line is unknown.
             let last = line.is_err();
             if sender.send(line).is_err() || last {
                 return;
@@ -48,13 +46,11 @@ fn line(bytes: Vec<u8>) -> Line {
     })
 }
 
-/// The beginning of a line, for people.
 pub(super) fn shown(line: &[u8]) -> String {
     let text = String::from_utf8_lossy(&line[..line.len().min(320)]);
     text.trim_end().chars().take(80).collect()
 }
 
-/// The end of what a runner says on its standard error.
 pub(super) fn errors(output: Option<ChildStderr>) -> Arc<Mutex<String>> {
     let errors = Arc::new(Mutex::new(String::new()));
     let kept = errors.clone();

@@ -19,7 +19,7 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
     let trap = format!("trap 'echo cleaned > \"{}\"; exit' TERM; {DEAF}", mark.display());
     drop(shell(&trap));
     assert_eq!(std::fs::read_to_string(&mark).unwrap(), "cleaned\n");
-    // Nor is it waited for without end.
+    // SIGKILL follows if SIGTERM has no effect.
     let stubborn = shell(&format!("trap '' TERM; {DEAF}"));
     let id = stubborn.child.id() as i32;
     let started = Instant::now();
@@ -64,7 +64,7 @@ fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     }
     assert!(runner.ask(&pairs(Some(3))).unwrap_err().reason.contains("trajectory has 3"));
     assert_eq!(runner.ask(&Request::Memory), Ok(Reply::Unsupported));
-    // A scene at rest is loaded as it is.
+    // A trajectory of one frame is loaded as a whole.
     assert_eq!(runner.ask(&Request::Load(rest)), Ok(Reply::Loaded));
     let Ok(Reply::Sample(sample)) = runner.ask(&Request::Sample { min_ns: 1 }) else {
         panic!("no sample")

@@ -1,4 +1,4 @@
-//! One frame, in open space or in a box: its true contacts, and how an answer differs from them.
+//! One frame: its true contacts, and how an answer differs from them.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -15,21 +15,20 @@ use contactbench_io::Given;
 
 pub(super) struct Frame<'a> {
     pub given: Cow<'a, Given>,
-    /// The scene in its box, if it has one.
     boxed: Option<Rc<Loaded<'static>>>,
     memory_limit: u64,
     known: HashMap<Arithmetic, Result<Truths, Nothing>>,
 }
 
-/// What is true in one arithmetic. Arithmetics that store the scene alike share.
+/// The truth in one arithmetic. Arithmetics that store the scene alike share it.
 #[derive(Clone)]
 pub(super) struct Truths {
-    /// As the arithmetic stores it; in a box as given.
+    /// As the arithmetic stores it; in a box, as given.
     pub stored: Rc<Loaded<'static>>,
     /// By the arithmetic's own contact test.
     pub own: Rc<Truth>,
-    /// By exact decisions on particles and images as they are stored; `None` where they cannot be
-    /// found in a box.
+    /// By exact decisions on the stored particles and images; `None` if they cannot be found in a
+    /// box.
     exact: Option<Rc<Truth>>,
 }
 
@@ -53,9 +52,8 @@ impl From<periodic::Truth> for Truth {
 
 #[derive(Clone, Default)]
 pub(super) struct Differs {
-    /// In the arithmetic.
     pub own: Errors,
-    /// Against exact decisions on the scene as given; `None` if these are not known.
+    /// Compared with exact decisions on the given scene; `None` if these are unknown.
     pub errors: Option<Errors>,
     pub causes: Option<Causes>,
 }
@@ -75,10 +73,7 @@ impl Differs {
 }
 
 impl<'a> Frame<'a> {
-    /// Knows nothing yet. A list of contacts may take `memory_limit` bytes.
-    ///
-    /// # Errors
-    /// A box that does not suit the scene.
+    /// A list of contacts may use `memory_limit` bytes. Fails if the box does not fit the scene.
     pub fn new(given: Cow<'a, Given>, memory_limit: u64) -> anyhow::Result<Frame<'a>> {
         let boxed = given.periodic()?.map(|periodic| Rc::new(Loaded::InBox(periodic)));
         Ok(Frame { given, boxed, memory_limit, known: HashMap::new() })
@@ -120,7 +115,7 @@ impl<'a> Frame<'a> {
         let stored = match (&self.boxed, arithmetic) {
             (Some(boxed), _) => boxed.clone(),
             (None, Arithmetic::Textbook) => return self.known(Arithmetic::F64),
-            // It stores the scene as exact arithmetic does.
+            // f64 stores the scene like exact arithmetic.
             (None, Arithmetic::F64) => self.known(Arithmetic::Exact)?.stored,
             (None, _) => {
                 let stored = self.given.scene.stored(arithmetic).map_err(NoTruth::from)?;
@@ -147,7 +142,7 @@ impl<'a> Frame<'a> {
             Loaded::InBox(periodic) => {
                 let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
                 let exact = match arithmetic {
-                    // It stores no images.
+                    // Exact arithmetic does not store images.
                     Arithmetic::Exact => Some(own.clone()),
                     _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
@@ -171,7 +166,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Most answers are right: their contacts need not be compared.
+/// Most answers have the right digest, and need no comparison.
 fn compare(reported: &Contacts, truth: &Truth, scene: &Loaded<'_>) -> Errors {
     if reported.digest() == truth.digest {
         return Errors::default();

@@ -1,5 +1,5 @@
-//! The judge: whether an answer is right, lossy or wrong, and why, is decided here and nowhere
-//! else. A scene at rest is a trajectory of one frame.
+//! The judge: decides whether an answer is right, lossy or wrong, and why. No other code decides
+//! this. A scene at rest is a trajectory of one frame.
 
 mod frame;
 
@@ -24,21 +24,19 @@ use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_scenes::touching::in_any_box;
 
-/// Judges the answers about one trajectory. What is true is found when it is first needed.
+/// Judges the answers for one trajectory. The truth is computed when it is first needed.
 pub struct Judge<'a> {
-    /// The files of the frames; `None` for a scene at rest, which stays.
+    /// The files of the frames; `None` for a scene at rest, which stays in memory.
     trajectory: Option<Trajectory>,
     memory_limit: u64,
-    /// The frame that was loaded last, with its number.
     frame: Option<(usize, Frame<'a>)>,
     right: Known<Rc<[Right]>>,
-    /// Answers judged before, by who gave them: timed samples repeat the same answer.
+    /// Verdicts on earlier answers, because timed samples repeat the same answer.
     seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Tracked)>,
 }
 
 type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
 
-/// Caches a result, unless it is a defect.
 fn kept<T: Clone>(
     known: &mut Known<T>,
     arithmetic: Arithmetic,
@@ -53,25 +51,23 @@ fn kept<T: Clone>(
     found
 }
 
-/// The right answer in a frame, in an arithmetic.
 #[derive(Clone)]
 struct Right {
     digest: Digest,
     differs: Differs,
 }
 
-/// Why nothing is known of a scene in an arithmetic.
+/// Why the truth of a scene is unknown in an arithmetic.
 #[derive(Clone)]
 pub struct Nothing {
     pub reason: String,
-    /// No detector can answer: the contacts of the scene are too many, or its box makes no sense.
+    /// Whether no detector can answer: too many contacts, or an invalid box.
     pub hopeless: bool,
 }
 
 enum Unjudged {
-    /// Nothing is known that it could be held to.
     Nothing(Nothing),
-    /// A defect of this program, or a file that cannot be read.
+    /// A defect of this program, or an unreadable file.
     Defect(anyhow::Error),
 }
 
@@ -93,7 +89,6 @@ impl From<anyhow::Error> for Unjudged {
 }
 
 impl Unjudged {
-    /// Why nothing is known. A defect is an error.
     fn nothing(self) -> anyhow::Result<Nothing> {
         match self {
             Unjudged::Nothing(nothing) => Ok(nothing),
@@ -105,7 +100,6 @@ impl Unjudged {
 #[derive(Default)]
 pub struct Count {
     pub first: u64,
-    /// In the frame that has the most.
     pub most: u64,
 }
 
@@ -120,18 +114,17 @@ pub(crate) struct Said<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracked {
     pub builds: Builds,
-    /// Contacts that were missed in frames in which they existed.
     pub late: Late,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Judged {
-    /// `ok`, `lossy` or `wrong`; `refused` where no truth is known.
+    /// `ok`, `lossy` or `wrong`; `refused` if the truth is unknown.
     pub outcome: Outcome,
     pub reason: String,
-    /// Against exact decisions on the scene as given. `None` where the pairs are not known.
+    /// Compared with exact decisions on the given scene; `None` if the pairs are unknown.
     pub errors: Option<Errors>,
-    /// The same by cause; in a box, particles and images are what is stored.
+    /// By cause. In a box, the stored scene consists of particles and images.
     pub causes: Option<Causes>,
 }
 
@@ -140,7 +133,6 @@ impl Judged {
         (Judged { outcome, reason, errors: None, causes: None }, Tracked::default())
     }
 
-    /// The digest is wrong, and the pairs could not be read.
     fn unseen(why: &str) -> (Judged, Tracked) {
         let reason = format!("the pairs differ from the truth, and could not be read: {why}");
         Judged::without_pairs(Outcome::Wrong, reason)
@@ -161,8 +153,8 @@ impl Judged {
     }
 }
 
-/// What errors against the truth in an arithmetic are worth: `ok`; `lossy`, if contacts are missing
-/// and nothing else is wrong, where the arithmetic allows it; or `wrong`.
+/// The outcome for these errors: `ok`; `lossy`, if contacts are missing, nothing else is wrong and
+/// the arithmetic allows it; or `wrong`.
 pub fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
     if errors.wrong() == 0 {
         Outcome::Ok
@@ -174,17 +166,15 @@ pub fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
 }
 
 impl<'a> Judge<'a> {
-    /// Builds a judge of a scene at rest. A list of contacts may take `memory_limit` bytes.
-    ///
-    /// # Errors
-    /// A box that does not suit the scene.
+    /// Judges a scene at rest. A list of contacts may use `memory_limit` bytes. Fails if the box
+    /// does not fit the scene.
     pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
         let frame = Frame::new(Cow::Borrowed(given), memory_limit)?;
         Ok(Judge { frame: Some((0, frame)), ..Judge::of(None, memory_limit) })
     }
 
-    /// A judge of all frames of a trajectory, and what the motion is like, if the truth is known in
-    /// all of them.
+    /// Judges all frames of a trajectory. Also returns statistics of the motion, if the truth is
+    /// known in all frames.
     pub fn moving(
         trajectory: Trajectory,
         memory_limit: u64,
@@ -222,7 +212,7 @@ impl<'a> Judge<'a> {
             Ok(answers) => answers,
             Err(why) => return Ok(Judged::without_pairs(Outcome::Wrong, why)),
         };
-        // When lists were built is part of what is said.
+        // The builds are a part of the answer.
         let steps = &said.found.steps;
         let flags = steps.built.iter().chain(&steps.dangerous).map(|&flag| u64::from(flag));
         let sums = answers.iter().flat_map(|answer| [answer.contacts, answer.sum]);
@@ -241,7 +231,6 @@ impl<'a> Judge<'a> {
         Ok(judged)
     }
 
-    /// Holds the answers to all frames to the truth.
     fn hold(
         &mut self,
         said: Said<'_>,
@@ -333,7 +322,7 @@ impl<'a> Judge<'a> {
         if let Some(trajectory) = &self.trajectory
             && self.frame.as_ref().is_none_or(|(last, _)| *last != k)
         {
-            // One is held at a time.
+            // Only one frame is in memory at a time.
             self.frame = None;
             let given = Cow::Owned(trajectory.read_frame(k)?);
             self.frame = Some((k, Frame::new(given, self.memory_limit)?));
@@ -355,7 +344,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Returns the contacts in ascending order; the list may take `limit` bytes.
+/// Returns the contacts in ascending order; the list may use `limit` bytes.
 fn sorted(contacts: &Contacts, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
     Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
 }
@@ -369,7 +358,7 @@ fn late(
     reported: Option<Vec<ImagePair>>,
 ) -> Result<(), Unjudged> {
     if let Loaded::InBox(periodic) = &*known.stored {
-        // In frames that were passed over nothing was missed: no name goes through them.
+        // Skipped frames have no missed contacts, so no name must be tracked through them.
         names.next(periodic);
     }
     let truth = sorted(&known.own.contacts, known, u64::MAX)?;

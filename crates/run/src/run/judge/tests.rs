@@ -2,19 +2,18 @@ use super::*;
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::{Lattice, Radii, Scene};
 
-/// Four unit discs in a row, of which neighbours touch.
+/// Four unit discs in a row; neighbours touch.
 fn row() -> Scene<'static, f64, 2> {
     let centres = [0.0, 2.0, 4.0, 6.0].map(|x| nalgebra::Point::from([x, 0.0]));
     Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap()
 }
 
-/// In a box of 8 along x.
 fn boxed(scene: Scene<'static, f64, 2>) -> Given {
     let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
     Given::in_box(scene.into(), edges).unwrap()
 }
 
-/// Pairs, and the contact of the first with the last through the face.
+/// Pairs, and the contact of the first with the last disc through the face.
 fn contacts(plain: &[[u32; 2]], through: Option<i32>) -> Contacts {
     let shifted = through.map(|image| ImagePair::new(0, 3, [image, 0, 0])).into_iter().collect();
     Contacts { plain: plain.to_vec(), shifted }
@@ -85,8 +84,8 @@ fn what_nobody_knows_cannot_be_checked() {
 
 #[test]
 fn errors_in_a_box_have_their_causes() {
-    // Through a face, by 2^-30 too far: along x that is lost where coordinates are stored in
-    // f32, across it where the test rounds squares in f64.
+    // A gap of 2^-30 through a face. Along x, storing coordinates in f32 loses it; along y,
+    // rounding squares in f64 does.
     let causes = |x: f64, y: f64, arithmetic| {
         let centres = [[x, y], [7.5, 4.0]].map(nalgebra::Point::from).to_vec();
         let given = boxed(Scene::new(centres, Radii::Uniform(0.5)).unwrap());

@@ -1,4 +1,4 @@
-//! Measurements of a runner: times, operations, memory.
+//! The measurements of a runner: times, operations, memory.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,7 +11,7 @@ use contactbench_core::probe::Tally;
 use contactbench_core::searcher::Searcher;
 use contactbench_core::track::Step;
 
-/// Passes over several frames, at most: each reads all of them from their files.
+/// Maximum number of passes over several frames, because each reads all files.
 const MOST_PASSES: u64 = 64;
 
 #[derive(Default)]
@@ -25,7 +25,7 @@ struct Times {
 }
 
 impl Server {
-    /// Returns what a pass found, without steps for a detector on a scene at rest.
+    /// Returns the result of a pass, without steps for a detector on a scene at rest.
     fn found(&self, steps: Steps) -> Found {
         let found = Found::from(steps);
         if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
@@ -75,15 +75,13 @@ impl Server {
         Ok(Times { building: Some(building), ..times })
     }
 
-    /// Times detections in a scene at rest; the first sample, of at least `min_ns` nanoseconds,
-    /// fixes their number.
     fn detections(&mut self, min_ns: u64) -> Answer<Times> {
         let (passes, elapsed_ns) = match self.calls {
             Some(calls) => (calls, self.repeat(calls)?),
             None => loop {
                 let calls = self.calibrate(min_ns)?;
                 let elapsed_ns = self.repeat(calls)?;
-                // Found out beside a busy neighbour, it may be too few.
+                // If a neighbour disturbed the calibration, the number may be too small.
                 if elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS {
                     self.calls = Some(calls);
                     break (calls, elapsed_ns);
@@ -95,7 +93,6 @@ impl Server {
         Ok(Times { ns: vec![elapsed_ns], passes, building: None, steps })
     }
 
-    /// How many detections make a sample of `min_ns`.
     fn calibrate(&mut self, min_ns: u64) -> Answer<u64> {
         let mut calls = 1;
         loop {
@@ -103,7 +100,8 @@ impl Server {
             if elapsed >= min_ns || calls >= MOST_CALLS {
                 return Ok(calls);
             }
-            // Ten times as many at once: the first guesses are mostly the cost of the clock.
+            // At most a factor of ten per step, because the first times are mostly overhead of the
+            // clock.
             let wanted = u128::from(min_ns) * u128::from(calls) * 9 / 8;
             let wanted = wanted.div_ceil(u128::from(elapsed.max(1))) as u64;
             calls = wanted.clamp(calls + 1, (calls * 10).min(MOST_CALLS));
@@ -131,12 +129,12 @@ impl Server {
         Ok(Reply::Count(Counted { counts, found: self.found(steps) }.into()))
     }
 
-    /// Two passes with fresh buffers, and as many threads as are timed. The list of pairs goes
-    /// where there is room for it already, and is not measured.
+    /// Measures two passes with fresh buffers, and as many threads as are timed. The list of pairs
+    /// has its memory already, which is not counted.
     pub(super) fn memory(&mut self) -> Answer {
-        // Makes that room.
+        // This pass reserves that memory.
         self.pass(None, |_, _, _| ())?;
-        // The buffers at hand must not count against the limit of those that are measured.
+        // Existing buffers must not count against the limit.
         self.searcher = Searcher::new(self.spec.detector(), self.options);
         self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
         let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
@@ -157,7 +155,7 @@ impl Server {
             usage.push(meter.end());
         }
         let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
-        // A library declares no formula.
+        // Libraries have no formula.
         let ours = self.spec.detector().entry.is_ours();
         let memory = Memory {
             peak_bytes: cold.peak_bytes,

@@ -1,11 +1,10 @@
-//! The runner's end of a conversation: one detector in a process of its own, which answers the
-//! requests of [`crate::run::protocol`] on standard input. A detector that crashes, hangs or eats
-//! memory costs its own rows and nothing else.
+//! The runner's side of the protocol: one detector in a process of its own, which answers requests
+//! on standard input. A detector that crashes, hangs or uses too much memory only loses its own
+//! rows.
 //!
 //! A pass of a trajectory searches each frame in turn; reading a frame from its file is not timed.
-//! A scene at rest, a trajectory of one frame, stays in memory: a pass of a detector is then one
-//! detection, and a reset has nothing to drop, because the detectors of the table keep buffers, and
-//! nothing that was computed from coordinates.
+//! A scene at rest stays in memory. A pass of a detector is then one detection, and a reset does
+//! nothing, because detectors keep only buffers.
 
 mod measure;
 
@@ -29,7 +28,6 @@ use contactbench_io::exchange;
 use contactbench_record::record::built::build;
 use contactbench_record::record::provenance;
 
-/// A detector or a tracker, its trajectory and its buffers.
 pub struct Server {
     name: String,
     spec: TrackerSpec,
@@ -39,18 +37,15 @@ pub struct Server {
     searcher: Searcher,
     /// Used instead of `searcher`, if this is a tracker or the trajectory has several frames.
     tracker: Option<Box<dyn Tracker>>,
-    /// Empty if no trajectory is loaded.
     frames: Trajectory,
-    /// The frame that was read last, and its number.
     frame: Option<(usize, Loaded<'static>)>,
     contacts: Contacts,
-    /// Detections of a sample of a scene at rest, once they are known.
+    /// Number of detections per sample of a scene at rest, once fixed.
     calls: Option<u64>,
-    /// The frame after the last one whose pairs were written; the next pairs go on from there.
+    /// The frame after the last one whose pairs were written; the next pairs continue from there.
     next: Option<usize>,
 }
 
-/// Either an answer or the reason why there is none.
 type Answer<T = Reply> = Result<T, Reply>;
 
 struct Seen {
@@ -59,10 +54,7 @@ struct Seen {
 }
 
 impl Server {
-    /// A server without a scene: of a detector or of a tracker.
-    ///
-    /// # Errors
-    /// The text is neither a detector nor a tracker.
+    /// A server without a scene. Fails if the text is not a detector or tracker.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
         let spec = track::parse(text)?;
         Ok(Server {
@@ -80,7 +72,6 @@ impl Server {
         })
     }
 
-    /// Answers requests until `quit` or the end of the input.
     pub fn serve(&mut self, input: impl BufRead, mut output: impl Write) -> std::io::Result<()> {
         let mut say = |reply: &Reply| -> std::io::Result<()> {
             serde_json::to_writer(&mut output, reply)?;
@@ -106,7 +97,7 @@ impl Server {
         Ok(())
     }
 
-    /// What is compiled into this program, and which of its instructions the detector uses.
+    /// Properties of this build, and the instruction set that the detector uses.
     fn build(&self) -> BTreeMap<String, String> {
         let sources = match provenance::dirty() {
             Some(true) => "changed",
@@ -148,7 +139,7 @@ impl Server {
         }
         let tracked = trajectory.frames.len() > 1 || detectors::is_tracker(&self.name);
         self.tracker = tracked.then(|| self.spec.make(self.options));
-        // What is wrong with all frames, or not there, is said at once.
+        // Missing files are reported before the first pass.
         let frame = self.read(&trajectory, 0)?;
         for path in &trajectory.frames {
             std::fs::metadata(path)
@@ -167,7 +158,6 @@ impl Server {
         })
     }
 
-    /// Finds the contacts of the loaded frame; replaces what is in `contacts`.
     fn step(&mut self, k: usize, tally: Option<&mut Tally>) -> Answer<Seen> {
         let Server { tracker, searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else {
@@ -195,17 +185,15 @@ impl Server {
         }
     }
 
-    /// Reads a frame, unless it is loaded already.
     fn fetch(&mut self, k: usize) -> Answer<()> {
         if self.frame.as_ref().is_none_or(|(last, _)| *last != k) {
-            // One frame is held at a time.
+            // Only one frame is in memory at a time.
             self.frame = None;
             self.frame = Some((k, self.read(&self.frames, k)?));
         }
         Ok(())
     }
 
-    /// Finds the contacts of all frames, after a reset.
     fn pass(
         &mut self,
         mut tally: Option<&mut Tally>,
@@ -230,8 +218,8 @@ impl Server {
         self.next = None;
     }
 
-    /// Writes the pairs of a frame, by default the last; pairs in a box are sorted. Frames that are
-    /// requested in order belong to one pass.
+    /// Writes the pairs of a frame, by default the last; pairs in a box are sorted. Frames
+    /// requested in ascending order share one pass.
     fn write(&mut self, path: &Path, frame: Option<u64>) -> Answer {
         let count = self.frames.frames.len();
         let wanted = frame.unwrap_or(count as u64 - 1);
