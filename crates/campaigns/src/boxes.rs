@@ -98,8 +98,8 @@ struct Row<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
     /// In open space: the offset from the origin, in diameters. In boxes: the number of box vectors
-    /// by which the image that names a particle may lie away; 0 allows the adjacent ones. With 0,
-    /// coordinates use all bits of an f64.
+    /// by which the image that names a particle may lie away; 0 allows the adjacent ones. If it is
+    /// 0, coordinates use all bits of an f64.
     away: f64,
 }
 

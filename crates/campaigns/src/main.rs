@@ -29,7 +29,7 @@ use contactbench_core::contact::Test;
 
 #[derive(Parser)]
 struct Arguments {
-    /// Campaigns to run: predicate, detectors, boxes, courses, couples (default: all)
+    /// Names of the campaigns to run (default: all five)
     parts: Vec<String>,
     /// Decisions in each campaign; a tenth for `couples`
     #[arg(long, default_value_t = 1_000_000)]

@@ -59,10 +59,10 @@ fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -
     i != j && near && (reach * reach > 0.0 || a == b)
 }
 
-/// Returns whether the mean number of contacts may be `each` or more. It tests so many random pairs
-/// that six would touch if the mean were `each`. Fewer than three of them then touch once in 16
-/// times, and once in 2,000 if the mean is twice as large; the list then ends at its limit. Returns
-/// true if too many pairs would be needed or there are few particles.
+/// Returns whether the mean number of contacts may be `each` or more. It tests enough random pairs
+/// that six of them would touch if the mean were `each`. Fewer than three of them then touch once
+/// in 16 times, and once in 2,000 if the mean is twice as large; the list then ends at its limit.
+/// Returns true if too many pairs would be needed or there are few particles.
 fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;

@@ -87,13 +87,13 @@ impl Kernel for Turn<'_> {
 
 #[derive(Default)]
 struct Room {
-    /// Where the pairs of each first index begin, and later end.
+    /// Starts, and later ends, of the pairs of each first index.
     places: Vec<u32>,
     seconds: Vec<u32>,
 }
 
 impl Room {
-    /// Allocates the buffers; returns false if there is no memory.
+    /// Allocates the buffers; returns false if memory runs out.
     fn is_made(&mut self) -> bool {
         let sizes = [(&mut self.places, 1 << COUNTED), (&mut self.seconds, TOGETHER)];
         sizes.into_iter().all(|(list, size)| {

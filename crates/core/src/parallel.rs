@@ -1,8 +1,7 @@
 //! Work shared by several threads.
 //!
 //! All work passes through one function that is not generic, so that rayon's part is compiled once,
-//! not for every detector and kind of bodies. A dynamic call is paid once per share, never per
-//! particle.
+//! not for every detector. A dynamic call is paid once per share, never per particle.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

@@ -1,9 +1,9 @@
 //! Operation counters that compile to nothing unless a probe counts.
 //!
-//! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
+//! A detector reports its elementary operations to a [`Probe`]. For [`Silent`] every report
 //! compiles to nothing; `crates/campaigns/src/bin/silent_probe.rs` checks that the number of
-//! instructions equals that of a hand-written twin. With [`Tally`] the counts are exact and the
-//! same on every machine. All detectors use the same operations, so that counts are comparable.
+//! instructions equals that of a hand-written twin. The counts of [`Tally`] are exact and the same
+//! on every machine. All detectors use the same operations, so that counts are comparable.
 
 pub use contactbench_terms::op::Op;
 

@@ -164,15 +164,15 @@ impl Refusal {
     }
 }
 
-/// Reserves space in a list for `more` elements. Fails with [`Refusal::Exhausted`] if there is no
-/// memory.
+/// Reserves space in a list for `more` elements. Fails with [`Refusal::Exhausted`] if memory runs
+/// out.
 pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
-/// Works as [`reserve`], but panics if there is no memory, for detectors, whose arrays are within
-/// the limit. A program can catch this panic (see [`no_memory`]); an abort of the process cannot be
+/// Works as [`reserve`], but panics if memory runs out, for detectors, whose arrays are within the
+/// limit. A program can catch this panic (see [`no_memory`]); an abort of the process cannot be
 /// caught.
 pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     if let Err(Refusal::Exhausted { bytes }) = reserve(list, more) {
@@ -190,7 +190,7 @@ pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
     Some(Refusal::Exhausted { bytes })
 }
 
-/// With more images per particle than this, boxes are much smaller than the particles.
+/// If there are more images per particle than this, the box is much smaller than the particles.
 const MANY: f64 = 100.0;
 
 fn count(each: f64) -> String {

@@ -62,7 +62,7 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
     let made = rows(folder, &[packed, "--ranks", "1,3"]);
     assert_eq!(made.iter().map(|row| number(row, "ranks")).collect::<Vec<_>>(), [1, 3]);
     assert_eq!((number(&made[0], "sent"), number(&made[1], "partners_most")), (0, 1));
-    // With one rank and one step, ratios equal those of the times.
+    // For one rank and one step, ratios equal those of the times.
     let real = |name: &str| made[0][name].as_f64().unwrap();
     for (ratio, time) in [("alone_over_step", "step_ms"), ("alone_over_search", "search_ms")] {
         let median = made[0][ratio]["median"].as_f64().unwrap();
@@ -140,7 +140,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     }
 }
 
-/// With real processes, if the program was built with `mpi` and there is an `mpirun`.
+/// Real processes, if the program was built with `mpi` and there is an `mpirun`.
 #[cfg(feature = "mpi")]
 #[test]
 fn mpi_processes_find_the_contacts_of_threads() {

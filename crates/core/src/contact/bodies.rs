@@ -15,7 +15,7 @@ use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
 pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     /// Returns the number of particles.
     fn len(&self) -> usize;
-    /// Returns whether there are no particles.
+    /// Returns whether the number of particles is 0.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -26,7 +26,7 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     /// Returns an upper bound for the true distance between the centres of any two particles that
     /// `touch` accepts.
     fn reach(&self) -> f64;
-    /// Returns the same bound for two particles with radii of at most `a` and `b`. With textbook
+    /// Returns the same bound for two particles with radii of at most `a` and `b`. For textbook
     /// margins it is a + b, whatever the test accepts.
     fn class_reach(&self, a: f64, b: f64) -> f64 {
         match self.margin() {
@@ -288,7 +288,7 @@ pub struct Imaged<'a, const D: usize> {
     pub decided: Decided<'a>,
 }
 
-/// How it is decided whether two bodies of a periodic scene touch.
+/// How contacts of a periodic scene are decided.
 #[derive(Clone, Copy)]
 pub enum Decided<'a> {
     /// By a test of the stored positions.
@@ -299,7 +299,7 @@ pub enum Decided<'a> {
 }
 
 impl<'a, const D: usize> Imaged<'a, D> {
-    /// Returns the bodies as detectors need them. Fails with [`Refusal::Overflow`] as
+    /// Returns particles and images as detectors need them. Fails with [`Refusal::Overflow`] as
     /// [`with_bodies`].
     pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);

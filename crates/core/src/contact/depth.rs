@@ -2,7 +2,7 @@
 //! overlap.
 //!
 //! The depth is (ra + rb - |a - b|) / ((ra + rb) / 2). Evaluated in this form it loses all digits
-//! near tangency. With s = ra + rb and d = |a - b| the code computes 2(s² - d²) / (s(s + d))
+//! near tangency. Let s = ra + rb and d = |a - b|. The code computes 2(s² - d²) / (s(s + d))
 //! instead. Its only difference is that of the squares, and those are exact integers (see
 //! [`exact`]).
 //!

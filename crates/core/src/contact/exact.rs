@@ -2,7 +2,7 @@
 //!
 //! A binary floating-point number is an integer times a power of two. All numbers of one test are
 //! scaled by one common power of two. Their differences, sums and squares are then integers, and
-//! nothing is rounded: there is no underflow, no overflow and no special case for subnormals. The
+//! nothing is rounded: underflow and overflow cannot occur, and subnormals need no special case. The
 //! *short* form takes the differences `a[k] - b[k]` and the sum ra + rb in units of 2^-62 of the
 //! sum. If all of them are integers below 2^62, their squares fit in 128 bits; this holds for
 //! nearly every pair near tangency. Other pairs are decided like a contact with an image of shift
@@ -191,7 +191,7 @@ pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let shifted = u128::from(mantissa) << (shift % 64);
     let mut words = [0; W];
     words[shift / 64] = shifted as u64;
-    // The largest double ends at bit 2098, in word 32. If there is no word above, the upper half is
+    // The largest double ends at bit 2098, in word 32. If the array ends there, the upper half is
     // zero.
     if let Some(word) = words.get_mut(shift / 64 + 1) {
         *word = (shifted >> 64) as u64;

@@ -161,15 +161,15 @@ pub struct Asked<'a> {
     /// absolute. A relative part of at least 8u, 1% of the absolute part, or no slack at all,
     /// covers the roundings of code that computes with the slack (see [`super::slack`]).
     pub slack: Slack,
-    /// Number of the first image. Two bodies from this number on are reported apart without a test,
-    /// because no caller uses pairs of two images.
+    /// Number of the first image. Two images are reported apart without a test, because callers do
+    /// not use such pairs.
     pub owners: u32,
-    /// Returns whether two bodies touch. It is called for pairs that the positions do not decide,
-    /// and must not contradict the slack.
+    /// Returns whether two particles or images touch. It is called for pairs that the positions do
+    /// not decide, and must not contradict the slack.
     pub decide: Decide<'a>,
 }
 
-/// A callback that decides, from the numbers of two bodies, whether they touch.
+/// A callback that decides, from the numbers of two particles or images, whether they touch.
 pub type Decide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
 
 impl Asked<'_> {

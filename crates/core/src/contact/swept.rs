@@ -1,8 +1,8 @@
 //! Contacts between two frames, decided exactly for particles that move at constant velocity.
 //!
 //! Let p and q be the differences of the centres at the beginning and at the end of a step, and R
-//! the sum of the radii. At time t in [0, 1] the difference is p + t(q - p). With a = |q - p|², b =
-//! p·(q - p), c = |p|² - R², the square of the distance less R² is a t² + 2b t + c. So the
+//! the sum of the radii. At time t in [0, 1] the difference is p + t(q - p). Let a = |q - p|², b =
+//! p·(q - p) and c = |p|² - R². The square of the distance less R² is a t² + 2b t + c. So the
 //! particles touch within the step if and only if one of these holds:
 //!
 //! * c <= 0: they touch at the beginning.

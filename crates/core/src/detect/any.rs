@@ -68,7 +68,7 @@ pub trait AnyDetector: Send {
     }
 }
 
-/// What a detector should return.
+/// The result that a detector should return.
 pub enum Task<'a, 'p> {
     /// A list of pairs, without counters: what is timed.
     List(&'a mut PairList<'p>),

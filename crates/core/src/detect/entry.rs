@@ -90,7 +90,7 @@ pub type Params = BTreeMap<String, String>;
 pub struct Entry {
     /// Name in records, experiments and on the command line.
     pub name: &'static str,
-    /// What the entry is for.
+    /// Purpose of the entry.
     pub role: Role,
     /// Group that names it in experiments.
     pub group: Group,

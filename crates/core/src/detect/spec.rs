@@ -107,7 +107,7 @@ pub enum SpecError {
     /// A library that this program was built without.
     #[error("{reason}")]
     NotBuilt {
-        /// What is missing and how to get it.
+        /// The missing library and how to get it.
         reason: String,
     },
     /// The text has another form, or a parameter or value is unknown.

@@ -2,9 +2,9 @@
 //! apart.
 //!
 //! The book uses cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact
-//! arithmetic two particles that touch are then at most one cell apart per axis. With rounding they
-//! can be two cells apart, and a textbook filter loses the contact. Example: three discs of radius
-//! 1/2 at x = 0, 1 - 2^-53 and 2.
+//! arithmetic two particles that touch are then at most one cell apart per axis. After rounding
+//! they can be two cells apart, and a textbook filter loses the contact. Example: three discs of
+//! radius 1/2 at x = 0, 1 - 2^-53 and 2.
 //!
 //! **The margin.** The code computes q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s =
 //! fl((1 - 2^-18) / reach). Let u = 2^-53, and Q the largest q; scenes with Q >= 2^31 are refused.
@@ -54,7 +54,7 @@ impl<const D: usize> Cells<D> {
 
     /// Creates the grid of a size class in a box with radii of at most `largest`. The edge is the
     /// reach of two such particles, or `least` if that is more. If such cells could not be
-    /// numbered, they are wider, up to the reach of all bodies.
+    /// numbered, they are wider, up to the reach of all particles.
     pub fn of_class<T: Real, B: Bodies<T, D>>(
         bodies: &B,
         (low, high): ([f64; D], [f64; D]),

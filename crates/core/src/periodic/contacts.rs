@@ -44,7 +44,7 @@ impl Contacts {
         self.plain.len() as u64 + self.shifted.len() as u64
     }
 
-    /// Returns whether there are no contacts.
+    /// Returns whether both lists are empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -60,8 +60,8 @@ impl Contacts {
     /// the number of particles of the scene, for the message.
     ///
     /// # Errors
-    /// Returns [`Refusal::Pairs`] if the list would be longer, and [`Refusal::Exhausted`] if there
-    /// is no memory.
+    /// Returns [`Refusal::Pairs`] if the list would be longer, and [`Refusal::Exhausted`] if memory
+    /// runs out.
     pub fn sorted(&self, particles: usize, limit: u64) -> Result<Vec<ImagePair>, Refusal> {
         let (found, mut pairs) = (self.len(), Vec::new());
         if found > limit / IMAGE_PAIR_BYTES {

@@ -1,11 +1,12 @@
 //! Boxes smaller than the reach: an estimate of the number of contacts, and a search that skips
 //! pairs of two images.
 //!
-//! A detector that gets all bodies also finds pairs of two images, which are dropped. In a box
-//! smaller than the reach a particle has many images, and such pairs grow with the square of their
-//! number. Each particle is then compared with all bodies instead: n·B tests for n particles and B
-//! bodies. This is linear in the size of the result, since most bodies touch in such a box. The
-//! choice depends on the scene only, and the contacts are the same.
+//! A detector that gets all particles and images also finds pairs of two images, which are dropped.
+//! In a box smaller than the reach a particle has many images, and such pairs grow with the square
+//! of their number. Each particle is then compared with all particles and images instead: n·B tests
+//! for n particles, where B includes images. This is linear in the size of the result, since most
+//! of these pairs touch in such a box. The choice depends on the scene only, and the contacts are
+//! the same.
 
 use super::IMAGE_PAIR_BYTES;
 use super::made::Made;
@@ -17,7 +18,7 @@ use crate::refusal::Refusal;
 use crate::scene::{Real, array};
 use crate::sink::{Sink, splitmix64};
 
-/// With fewer images the estimate would cost more than it saves.
+/// For fewer images the estimate would cost more than it saves.
 const FEW: u64 = 1024;
 /// A box at least as large as the reach has fewer images per particle.
 const EACH: u64 = 16;
@@ -54,8 +55,8 @@ pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(
     Err(Refusal::Crowd { particles: n, each: 2.0 * touching * scale / n as f64, limit })
 }
 
-/// Returns whether testing each particle against all bodies costs less than the pairs of two images
-/// that a detector would find, estimated from a sample.
+/// Returns whether testing each particle against all particles and images costs less than the pairs
+/// of two images that a detector would find, estimated from a sample.
 pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
     if !is_small(made) {
         return false;
@@ -68,7 +69,7 @@ pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
 }
 
 impl<const D: usize> Made<'_, D> {
-    /// Returns whether two bodies touch in rounded arithmetic, for estimates.
+    /// Returns whether two particles or images touch in rounded arithmetic, for estimates.
     fn overlap(&self, a: u64, b: u64) -> bool {
         let at = |body: u64| match (body as usize).checked_sub(self.owners.len()) {
             Some(image) => array(&self.centres[image]),
@@ -81,8 +82,8 @@ impl<const D: usize> Made<'_, D> {
     }
 }
 
-/// Tests each of the first `owners` bodies against all bodies after it and passes contacts to
-/// `sink`.
+/// Tests each particle (numbers below `owners`) against all particles and images after it and
+/// passes contacts to `sink`.
 pub(super) fn search(
     searched: &Searched<'_>,
     owners: u32,

@@ -59,9 +59,8 @@ impl Finder {
 
     /// Returns the bytes that images take by the formula for the scene of the last call, 0 if it
     /// was refused. The formula counts `16 + 8D` per image and `8D + 8` per particle near the lower
-    /// faces of the box; `8D + 13` per particle if some are outside the box; 8 per body if
-    /// particles have individual radii; and the copy of all bodies if the arithmetic does not store
-    /// f64.
+    /// faces of the box; `8D + 13` per particle if some are outside the box; 8 per particle and
+    /// image for individual radii; and the copy of both if the arithmetic does not store f64.
     pub fn formula_bytes(&self) -> u64 {
         self.bytes
     }
@@ -76,8 +75,8 @@ impl Finder {
         self.found
     }
 
-    /// Works as [`Finder::list`]. With a tally it also counts all operations, including the images
-    /// made.
+    /// Works as [`Finder::list`]. If there is a tally, it also counts all operations, including the
+    /// images made.
     pub fn find(
         &mut self,
         periodic: &Periodic<'_>,
@@ -160,7 +159,7 @@ impl Search<'_> {
     }
 }
 
-/// Sorts contacts of bodies into contacts of two particles and contacts with an image.
+/// Sorts what a detector finds into contacts of two particles and contacts with an image.
 struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,

@@ -20,7 +20,7 @@
 //! more images than the shortest ([`Lattice::reduced`]), as in a box tilted by many box lengths, H
 //! are the shortest, integer multiples of the given ones. They are rounded, so wherever a product
 //! with them appears above, the effect of their errors (`off_by`) is added to rab. T and the
-//! integers that bring particles into the box refer to these vectors. Names of bodies and all
+//! integers that bring particles into the box refer to these vectors. Names of images and all
 //! decisions refer to the given vectors ([`Frame::given`]). Given vectors that are nearly as good
 //! are kept, so that particles in the box are in the frame and need not be moved.
 //!

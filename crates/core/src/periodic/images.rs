@@ -1,13 +1,14 @@
-//! Turns a periodic scene into an open scene with images as additional bodies, for any detector.
+//! Turns a periodic scene into an open scene with images as additional particles, for any detector.
 //!
 //! **Half of the images.** Every particle j (an *owner*) is brought approximately into the box by
-//! integers Wj; let pj = xj + Wj·H be its true position. Bodies are the owners and the images pj +
-//! T·H with T lexicographically positive that are near enough to some owner. Particle i touches the
-//! image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. T and -T are the same contact
-//! from both sides, and one of them is lexicographically positive unless T = 0. So every contact is
-//! found once, between two owners or between an owner and an image; pairs of two images are
-//! dropped. Any Wj are correct: they determine the number of images, not what touches. So if no two
-//! fractions differ by much more than 1, all Wj are 0, and owners are the given scene, not a copy.
+//! integers Wj; let pj = xj + Wj·H be its true position. The open scene consists of the owners and
+//! the images pj + T·H with T lexicographically positive that are near enough to some owner.
+//! Particle i touches the image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. T and -T
+//! are the same contact from both sides, and one of them is lexicographically positive unless T =
+//! 0. So every contact is found once, between two owners or between an owner and an image; pairs of
+//! two images are dropped. Any Wj are correct: they determine the number of images, not what
+//! touches. So if no two fractions differ by much more than 1, all Wj are 0, and owners are the
+//! given scene, not a copy.
 
 use nalgebra::Point;
 
@@ -170,7 +171,7 @@ impl<const D: usize> Images<D> {
         let near = Near::new(frame, &found, given_most, wraps, reach)?;
         budget.reach = near.largest_reach;
         if near.most >= super::frame::MOST {
-            // So many images cannot even be numbered.
+            // These images could not even be numbered.
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
@@ -217,7 +218,7 @@ impl<const D: usize> Images<D> {
         Ok(())
     }
 
-    /// Makes the images and returns the corners of all bodies.
+    /// Makes the images and returns the corners of all particles and images.
     fn fill(
         &mut self,
         given: &Scene<'_, f64, D>,
@@ -228,7 +229,7 @@ impl<const D: usize> Images<D> {
             let room = self.images.capacity().min(self.centres.capacity());
             let (made, corners) = self.fill_as_far_as(room, given, near);
             budget.holds(made)?;
-            // Exact: at most the number of bodies.
+            // Exact, because it is below 2^32.
             let made = made as usize;
             if made <= room {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
@@ -243,7 +244,7 @@ impl<const D: usize> Images<D> {
         self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
     }
 
-    /// Returns the number of images, and the corners of all bodies if all images fit.
+    /// Returns the number of images, and the corners of all particles and images if all images fit.
     fn fill_as_far_as(
         &mut self,
         room: usize,

@@ -1,4 +1,4 @@
-//! Bodies made from a periodic scene, and the contact that a pair of them stands for.
+//! Particles and images of a periodic scene, and the contact that a pair of them stands for.
 
 use nalgebra::Point;
 
@@ -16,8 +16,7 @@ pub(super) struct Body {
     pub image: [i32; 3],
 }
 
-/// The bodies of an open scene with the contacts of a periodic one: the particles in order, then
-/// their images.
+/// An open scene with the contacts of a periodic one: the particles in order, then their images.
 pub struct Made<'a, const D: usize> {
     pub(super) given: &'a Scene<'a, f64, D>,
     pub(super) frame: Frame<D>,
@@ -50,7 +49,7 @@ impl<'a, const D: usize> Made<'a, D> {
         self.bytes
     }
 
-    /// Returns how far the positions of bodies can mislead, as a slack of the exact test.
+    /// Returns the errors of the positions, as a slack of the exact test.
     pub fn slack(&self) -> Slack {
         self.slack
     }
@@ -60,7 +59,7 @@ impl<'a, const D: usize> Made<'a, D> {
         self.wraps.is_empty()
     }
 
-    /// Returns whether both bodies are particles moved by the same small numbers, so that their
+    /// Returns whether `a` and `b` are particles moved by the same small numbers, so that their
     /// contact has no shift. False means unknown.
     #[inline(always)]
     pub fn are_together(&self, a: u32, b: u32) -> bool {
@@ -75,7 +74,7 @@ impl<'a, const D: usize> Made<'a, D> {
         ImagePair::new(a.min(b), owner, image)
     }
 
-    /// Returns the contact of two bodies, or `None` for two images.
+    /// Returns the contact that a pair of particles or images stands for, or `None` for two images.
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
         let owners = self.particles();
         if a >= owners && b >= owners {
@@ -85,7 +84,7 @@ impl<'a, const D: usize> Made<'a, D> {
         Some(ImagePair::new(i, j, image))
     }
 
-    /// Returns whether two bodies touch, in exact arithmetic for the given numbers.
+    /// Returns whether two particles or images touch, in exact arithmetic for the given numbers.
     pub fn touch(&self, a: u32, b: u32) -> bool {
         let ([i, j], image) = self.shift(a, b);
         touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors })
@@ -112,7 +111,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
-    /// Returns the bodies as detectors need them.
+    /// Returns particles and images as detectors need them.
     pub fn imaged<'b>(&'b self, decided: Decided<'b>) -> Imaged<'b, D> {
         Imaged {
             owners: self.owners,
@@ -124,7 +123,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
-    /// Returns the positions of all bodies.
+    /// Returns the positions of the particles, then of the images.
     pub fn places(&self) -> impl ExactSizeIterator<Item = &[f64; D]> + Clone {
         let (owners, n) = (self.owners, self.owners.len());
         (0..n + self.centres.len()).map(move |body| match body.checked_sub(n) {
@@ -133,7 +132,7 @@ impl<'a, const D: usize> Made<'a, D> {
         })
     }
 
-    /// Returns the radii of all bodies.
+    /// Returns the radii of the particles, then of the images.
     pub fn radii(&self) -> &Radii<'a, f64> {
         &self.radii
     }
@@ -143,7 +142,8 @@ impl<'a, const D: usize> Made<'a, D> {
         self.largest_radius
     }
 
-    /// Copies all bodies to an open scene. Fails with [`Refusal::Exhausted`] if there is no memory.
+    /// Copies particles and images to an open scene. Fails with [`Refusal::Exhausted`] if memory
+    /// runs out.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
         let mut centres = Vec::new();

@@ -13,7 +13,7 @@
 //!   ([`images`]). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
 //!   timed. Boxes may be smaller than the reach, skewed, tilted by many box lengths, and open along
 //!   some vectors; particles may lie far outside. In boxes smaller than the reach each particle is
-//!   compared with all bodies instead (`crowded.rs`).
+//!   compared with all particles and images instead (`crowded.rs`).
 //! * **The truth** comes from all pairs and all their images ([`truth()`]).
 //!
 //! **Rounded arithmetic** decides from the coordinates of images, like a simulation code that

@@ -27,15 +27,15 @@
 //! 4R, and 2^-44 of it is negligible against 16v. Pairs beyond R are not accepted, so results do
 //! not depend on which images are made.
 //!
-//! **What detectors use** in exact arithmetic are rounded positions: every body is within E of its
-//! true position, with E now for the largest T. Distances of rounded and true positions differ by
-//! at most 2E. So pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
-//! s is the sum of the radii: a [`Slack`] of 2E. The code uses 2E(1 + 1/16), and a relative part of
-//! 8u for the roundings of code that uses the slack: at most four of them, in s and in the bound
-//! itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near) four). Pairs
-//! between the two bounds are decided from the given numbers. For points, whose reach would be too
-//! small for a grid, the slack is about the distance between neighbours. If no image exists, the
-//! slack is none.
+//! **Rounded positions.** Detectors use rounded positions in exact arithmetic: every particle and
+//! image is within E of its true position, with E now for the largest T. Distances of rounded and
+//! true positions differ by at most 2E. So pairs at most s - 2E apart touch, and pairs more than s
+//! + 2E apart do not, where s is the sum of the radii: a [`Slack`] of 2E. The code uses 2E(1 +
+//! 1/16), and a relative part of 8u for the roundings of code that uses the slack: at most four of
+//! them, in s and in the bound itself (`half` in the copies of detectors has three,
+//! [`Near`](crate::filter::Near) four). Pairs between the two bounds are decided from the given
+//! numbers. For points, whose reach would be too small for a grid, the slack is about the distance
+//! between neighbours. If no image exists, the slack is none.
 
 use nalgebra::Point;
 
@@ -167,8 +167,8 @@ pub(super) fn survey<const D: usize>(
     list: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
     if frame.is_along_axes() {
-        // Some more are listed because the quotient is rounded, and none along an open axis. What
-        // underflow could lose is less than 2^-40, which a valid bound has to spare (`Near::new`).
+        // Some more are listed because the quotient is rounded, and none along an open axis.
+        // Underflow loses less than 2^-40, which a valid bound has to spare (`Near::new`).
         let below: [f64; D] = std::array::from_fn(|k| {
             let below = below[k] / frame.scale(k);
             if frame.periodic[k] { below + (GROW - 1.0) * below.abs() } else { f64::NEG_INFINITY }
@@ -280,7 +280,7 @@ pub(super) struct Near<'a, const D: usize> {
     pub most: f64,
     /// Particles without a fraction below these have no images.
     pub below: [f64; 3],
-    /// E for all bodies.
+    /// E for all particles and images.
     off: f64,
 }
 
@@ -382,7 +382,8 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// Returns the slack of the exact test, for the positions of all bodies between these corners.
+    /// Returns the slack of the exact test, for the positions of all particles and images between
+    /// these corners.
     pub fn slack(&self, corners: Option<Corners<D>>, bodies: usize) -> Slack {
         let mut absolute = 2.125 * self.off;
         if let (Some((low, high)), true) =

@@ -1,4 +1,4 @@
-//! The bodies of a periodic scene in storages other than f64.
+//! Particles and images of a periodic scene in storages other than f64.
 
 use nalgebra::Point;
 
@@ -26,7 +26,7 @@ impl<T: Real, const D: usize> Default for Copied<T, D> {
 }
 
 impl<const D: usize> Copies<D> {
-    /// Returns the bodies as the arithmetic stores them, or `None` if that is f64.
+    /// Returns particles and images as the arithmetic stores them, or `None` if that is f64.
     ///
     /// # Errors
     /// Returns [`Refusal::Stored`] if they do not fit, [`Refusal::Exhausted`] if there is no

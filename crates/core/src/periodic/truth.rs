@@ -14,8 +14,8 @@
 //! [`crate::oracle`].
 //!
 //! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
-//! of the open scene of all bodies that detectors get ([`super::images`]), as stored.
-//! [`truth_as_stored`] decides the same stored bodies exactly.
+//! of the open scene of particles and images that detectors get ([`super::images`]), as stored.
+//! [`truth_as_stored`] decides the same stored scene exactly.
 
 use super::contacts::List;
 use super::crowded;
@@ -123,7 +123,7 @@ where
     Ok(tested(scene, &frame, None, limit)?)
 }
 
-/// Tests the bodies that detectors get, as stored.
+/// Tests the open scene that detectors get, as stored.
 fn bodies<const D: usize>(
     periodic: &Periodic<'_>,
     scene: &Scene<'_, f64, D>,

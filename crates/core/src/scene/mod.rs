@@ -173,7 +173,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         self.centres.len()
     }
 
-    /// Returns whether there are no particles.
+    /// Returns whether the scene has no particles.
     pub fn is_empty(&self) -> bool {
         self.centres.is_empty()
     }

@@ -12,7 +12,7 @@ pub(super) fn room(particles: usize) -> usize {
 }
 
 /// Calls `put` with each particle's place, such that particles of a cell are adjacent. There are at
-/// most as many cells as particles. Fails if there is no memory.
+/// most as many cells as particles. Fails if memory runs out.
 pub(super) fn places<const D: usize>(
     points: impl ExactSizeIterator<Item = [f64; D]>,
     (low, high): Corners<D>,

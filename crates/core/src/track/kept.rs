@@ -35,7 +35,7 @@ pub(super) struct Kept<const D: usize> {
     listed: Room,
     /// Half of the skin of the list.
     half: f64,
-    /// What rounding may add to the reach of the contact test; the list allows for it.
+    /// Largest amount that rounding adds to the reach of the contact test; the list allows for it.
     rounding: f64,
     /// Frames since the list was built, or `None` without a list.
     age: Option<u32>,
@@ -76,7 +76,7 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Updates the particles to this frame. Returns the age of the list in frames and the
-    /// displacements, or `None` if there is no list, or it belongs to other particles, to another
+    /// displacements, or `None` if the list is missing, or belongs to other particles, to another
     /// kind of box, or to a test that rounds less.
     pub fn follow<T: Real>(
         &mut self,
@@ -304,7 +304,7 @@ const SPOT: u64 = size_of::<Spot>() as u64;
 /// A list that is to be built.
 pub(super) struct Wanted<'a> {
     pub half: f64,
-    /// What rounding may add to the reach of the contact test.
+    /// Largest amount that rounding adds to the reach of the contact test.
     pub rounding: f64,
     pub rule: Rule,
     pub lattice: Option<&'a Lattice>,

@@ -68,8 +68,8 @@ pub trait Tracker: Send {
     ///
     /// Any scene may follow: if the number of particles or a radius changes, the list is rebuilt.
     /// The box may change in each frame, particles may be given by any of their images, and frames
-    /// in boxes and in open space may alternate. With a `tally` every operation is counted, which
-    /// takes time.
+    /// in boxes and in open space may alternate. If there is a `tally`, every operation is counted,
+    /// which takes time.
     ///
     /// # Errors
     /// Returns the refusals of the detector and of [`Finder::list`](crate::periodic::Finder::list),
@@ -105,7 +105,7 @@ pub trait Tracker: Send {
     fn formula_bytes(&self) -> u64;
 }
 
-/// What a tracker did in one frame.
+/// Actions of a tracker in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// Whether the tracker called its detector.

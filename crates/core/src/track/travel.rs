@@ -16,6 +16,7 @@ pub(super) fn at_most(square: f64) -> f64 {
     (square * (1.0 + BAND) + FLOOR).sqrt().next_up()
 }
 
+/// Returns an upper bound of the distance of two points in up to three dimensions.
 pub fn way<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     at_most(square(a, b))
 }

@@ -56,8 +56,7 @@ impl Spot {
 /// Vectors of [`LANES`] floats in one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest bit.
 pub trait Wide: Copy + Send + Sync {
-    /// Whether sixteen lanes take so many instructions that single numbers are faster if only a few
-    /// lanes are needed.
+    /// Whether single numbers are faster than sixteen lanes if only a few lanes are needed.
     const NARROW: bool = false;
     /// A vector of floats.
     type Floats: Copy;

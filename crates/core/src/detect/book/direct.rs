@@ -54,7 +54,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Direct {
 }
 
 impl Direct {
-    /// Out of line and with a copy of the bodies: a reference would be dereferenced for each pair.
+    /// Out of line and with `bodies` by value: a reference would be dereferenced for each pair.
     #[inline(never)]
     fn by_threads<T: Real, const D: usize, B: Bodies<T, D>, S: Sink>(
         &mut self,

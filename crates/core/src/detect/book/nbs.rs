@@ -10,7 +10,7 @@
 //!    cell.
 //! 4. A loop over the row's particles finds each of its cells once and checks it against itself and
 //!    the contact mask: the cell to the left and the three cells below.
-//! 5. All lists are emptied by walking over *particles*. There is no loop over cells.
+//! 5. All lists are emptied by walking over *particles*. The code has no loop over cells.
 //!
 //! In 3D every particle is first put on the z-list of its layer. The particles of a layer and of
 //! the layer below are put on two sets of y-lists, one list per row. A row's particles go on

@@ -16,9 +16,9 @@
 //!    this layer and of the two beside it. Rows are divided into cells in the same way. Each A of a
 //!    cell is checked against the F of the three lists left, here and right, which hold those of
 //!    3^D cells.
-//! 4. Lists are emptied by walking over particles. There is no loop over cells: a giant covers more
-//!    cells of the smaller particles than there are particles. `hgrid` does search the cells of the
-//!    smaller ones, with fewer tests.
+//! 4. Lists are emptied by walking over particles. The code has no loop over cells: a giant covers
+//!    more cells of the smaller particles than there are particles. `hgrid` does search the cells
+//!    of the smaller ones, with fewer tests.
 //!
 //! * Cost: proportional to N for each class. For each class above its own an F is pushed at most 4
 //!   times in 2D and 13 times in 3D.

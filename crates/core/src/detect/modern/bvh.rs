@@ -93,7 +93,7 @@ impl<const D: usize> Bvh<D> {
     }
 }
 
-/// A separate function, compiled once for all kinds of bodies.
+/// A separate function, so that it is compiled only once.
 fn sort(keys: &mut [(u64, u32)], probe: &mut impl Probe) {
     keys.sort_unstable_by(|a, b| {
         probe.count(Op::KeyCompare);

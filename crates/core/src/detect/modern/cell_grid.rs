@@ -34,7 +34,7 @@ use crate::sink::Sink;
 /// The cell grid, in `D` dimensions.
 pub struct CellGrid<const D: usize> {
     options: Options,
-    /// Where the records of each cell begin, and where the last one ends.
+    /// Starts of the records of each cell, and the end of the last one.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
     /// Bytes of the contacts that threads have collected.

@@ -6,8 +6,8 @@
 //! each pair, and leaves nearly tangent pairs to [`Bodies::touch`].
 //!
 //! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
-//! |e| <= 2^-24, |t| <= 2^-150. With s' the sum of two of them, s <= s'(1 + 2^-23) + 2^-148 and s
-//! >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so s(1 + relative) +
+//! |e| <= 2^-24, |t| <= 2^-150. The sum s' of two stored radii has s <= s'(1 + 2^-23) + 2^-148 and
+//! s >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so s(1 + relative) +
 //! absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise below: the
 //! widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is decided here.
 //! Radii below 2^-126 lose digits, so little is decided.
@@ -151,7 +151,7 @@ fn half(radius: f64, slack: Slack) -> f64 {
 }
 
 /// The contact test [`Bodies::touch`] behind a reference. It is called for nearly tangent pairs
-/// only, so that the search among records is compiled once for all kinds of bodies.
+/// only, so that the search among records is compiled only once.
 pub type Touch<'a, P> = &'a (dyn Fn(u32, u32, &mut P) -> bool + Sync);
 
 /// Decides contacts of records.

@@ -34,7 +34,7 @@ use crate::sink::Sink;
 /// The hash grid, in `D` dimensions.
 pub struct HashGrid<const D: usize> {
     options: Options,
-    /// Where the records of each bucket begin, and where the last one ends.
+    /// Starts of the records of each bucket, and the end of the last one.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
 }

@@ -10,7 +10,7 @@
 //!   in a dense packing this number hardly depends on N.
 //! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, with L buckets: the smallest power of two
 //!   of at least N/16.
-//! * There are no cells: far-away particles, coincident particles and very different sizes cost
+//! * The tree has no cells: far-away particles, coincident particles and very different sizes cost
 //!   nothing extra. Refuses scenes over the memory limit.
 //! * Deviations from the sources: the axis is the longest of the space between the cuts, not of the
 //!   particles' own box, which would need another pass; the median is shifted so that the tree is

@@ -1,7 +1,7 @@
 //! Neighbouring rows of cells, and a hash of cells.
 
-/// Steps along y and z to the neighbouring rows that come after a row. Of two neighbouring rows,
-/// one comes after the other.
+/// Steps along y and z to the neighbouring rows that come after a row. One of two neighbouring rows
+/// comes after the other.
 pub const ROWS: [[i32; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
 
 /// Returns the rows after a row in `D` dimensions; in 2D there is one.

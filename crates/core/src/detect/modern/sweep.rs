@@ -8,7 +8,7 @@
 //!
 //! * Cost: N log N key comparisons for N particles, and one comparison on the second axis for every
 //!   pair that overlaps on the first: N^(2 - 1/D) in a box of equal particles, too many in 3D for
-//!   large N. There are no cells: far-away particles cost nothing, a giant only its own
+//!   large N. The sweep has no cells: far-away particles cost nothing, a giant only its own
 //!   comparisons.
 //! * Memory: `32N` bytes in 2D, `40N` in 3D.
 //! * Refuses scenes over the memory limit.

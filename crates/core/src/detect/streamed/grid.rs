@@ -1,9 +1,9 @@
 //! The grid of a scene, and coordinates as integer steps in it.
 //!
 //! Let h be the edge of a cell, s = 1/h and F the number of fraction bits. A coordinate x is stored
-//! as the integer q nearest to Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31 cells per
-//! axis, Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by 2^F is
-//! exact); rounding to an integer adds 1/2. So |q - Q| < 1.01, and the difference of two
+//! as the integer q nearest to Q = (x - xmin) s 2^F. Let u = 2^-53, and let an axis have fewer than
+//! 2^31 cells. Then Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by
+//! 2^F is exact); rounding to an integer adds 1/2. So |q - Q| < 1.01, and the difference of two
 //! coordinates is within [`STEPS_OFF`] of the true one.
 //!
 //! * **Cells.** Two particles that touch have |Qj - Qi| <= reach s 2^F. The code chooses s <= (1 -
@@ -35,8 +35,8 @@ pub(super) const SPARSE_FRACTION: u32 = 16;
 const FEWEST: u32 = 12;
 /// Error bound for a difference of two coordinates, in steps.
 pub(super) const STEPS_OFF: f64 = 2.1;
-/// Measured optimum: more cells cost more than longer ranges of candidates. With 2.5, crowded
-/// scenes lose more time than loose ones gain.
+/// Measured optimum: more cells cost more than longer ranges of candidates. A value of 2.5 costs
+/// crowded scenes more time than it saves loose ones.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
 /// Most particles per column of a flat grid, in 2D and 3D: one or two vectors of candidates per
 /// range (measured).
@@ -67,11 +67,11 @@ pub(super) struct Grid<const D: usize> {
 /// How the neighbours of a particle are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// With an array over all cells of a grid.
+    /// By an array over all cells of a grid.
     Dense,
-    /// With an array over the columns of a grid: the second axis is not divided.
+    /// By an array over the columns of a grid: the second axis is not divided.
     Flat,
-    /// With the occupied cells only.
+    /// By the occupied cells only.
     Sparse,
 }
 

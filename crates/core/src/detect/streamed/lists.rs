@@ -106,7 +106,7 @@ impl Blocks {
             // One block that is never full.
             return Blocks { block: u32::BITS - 1, blocks: 1, records: n + 1 };
         }
-        // With eight blocks per list on average, a sixteenth of the space is wasted.
+        // Eight blocks per list on average waste a sixteenth of the space.
         let block = (n / lists.max(1) / 8).next_power_of_two().clamp(16, 1024).trailing_zeros();
         let blocks = (n >> block) + lists;
         Blocks { block, blocks, records: blocks << block }

@@ -130,7 +130,7 @@ impl<const D: usize> Streamed<D> {
     }
 
     /// Sets the form for all scenes. Cells or columns are still not used if there are too many of
-    /// them. With size classes, columns become cells.
+    /// them. If there are size classes, columns become cells.
     pub fn in_form(self, form: Form) -> Streamed<D> {
         Streamed { form: Some(form), ..self }
     }

@@ -31,7 +31,7 @@ impl<W: Wide> Limits<W> {
 }
 
 /// Returns masks of the `valid` ones among sixteen particles that may touch, and that certainly
-/// touch. With individual radii, `limits` are replaced by those for each pair.
+/// touch. For individual radii, `limits` are replaced by those for each pair.
 #[inline(always)]
 pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     w: W,

@@ -84,7 +84,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         let blocks = || {
             list.into_iter().flat_map(|list| lists.iter().flat_map(move |lists| lists.blocks(list)))
         };
-        // If there is no list, only the first layer is read.
+        // If `list` is `None`, only the first layer is read.
         let cells_used = if list.is_some() { plan.cells() } else { plan.layer + 1 };
         let begin = &mut begin[..cells_used + 2];
         begin.fill(0);

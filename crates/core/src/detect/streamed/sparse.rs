@@ -1,5 +1,5 @@
 //! The sparse form, for scenes whose particles crowd in a small part of a large domain. Particles
-//! are sorted by layer, row and cell; there is no array over cells.
+//! are sorted by layer, row and cell; no array over cells exists.
 //!
 //! Particles are sorted once. Each layer is then swept against itself and the next one as in the
 //! dense form, but cursors that advance through the sorted layers find the ranges of each occupied

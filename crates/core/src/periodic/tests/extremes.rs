@@ -25,7 +25,7 @@ fn impossible_boxes_are_refused() {
     assert!(said.to_string().contains("is the box in another unit than the radii?"), "{said}");
     let said = truth(&radii_in_another_unit.periodic(), Arithmetic::Exact, LIMIT).err();
     assert!(said.is_some_and(|said| said.to_string().contains("another unit")));
-    // So many images that they cannot be numbered.
+    // More images than can be numbered.
     let said = refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX);
     assert!(
         matches!(said, Refusal::Images { images, .. } if (1e37..1e39).contains(&images)),

@@ -54,7 +54,7 @@ pub enum LatticeError {
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
-    /// Open space: a box that repeats along none of its vectors.
+    /// Open space: a box without periodic vectors.
     pub const OPEN: Lattice = Lattice {
         vectors: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         periodic: [false; 3],

@@ -6,10 +6,10 @@
 //! up to three dimensions no basis of the lattice is shorter, and its shortest vector is the
 //! shortest of the lattice (Nguyen and Stehlé 2009, doi:10.1145/1597036.1597050, section 3).
 //!
-//! **What is exact.** The integers are exact sums of such steps, so the vectors span the same
-//! lattice, whatever was rounded. Lengths are those of vectors recomputed from the integers and the
-//! given vectors ([`shifted`]), so they have full precision. Rounding may only leave a vector that
-//! could be shorter by a few ulps.
+//! **Exactness.** The integers are exact sums of such steps, so the vectors span the same lattice,
+//! whatever was rounded. Lengths are those of vectors recomputed from the integers and the given
+//! vectors ([`shifted`]), so they have full precision. Rounding may only leave a vector that could
+//! be shorter by a few ulps.
 
 use super::{Lattice, dot, norm};
 

@@ -133,7 +133,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
 struct Strip<const D: usize> {
     /// The first cell.
     first: [u32; D],
-    /// Where the records of each cell begin, and where the last one ends.
+    /// Starts of the records of each cell, and the end of the last one.
     starts: [u32; STRIP as usize + 1],
 }
 
@@ -199,7 +199,7 @@ impl<const D: usize> HGrid<D> {
             let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
             for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
                 strip.first = Level::strip(cells, bodies.position(id), probe);
-                // Holds the slot until the strips are sorted; there are no records yet.
+                // Holds the slot until the strips are sorted, because records come later.
                 strip.starts[0] = slot;
             }
             strips.sort_unstable_by(|a, b| {

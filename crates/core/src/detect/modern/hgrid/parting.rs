@@ -4,14 +4,14 @@ use std::fmt;
 
 use super::levels::MOST_LEVELS;
 
-/// Where the borders between levels are.
+/// Position of the borders between levels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
     /// The largest radius divided by a ratio, again and again; `None` puts all sizes in one level.
     Ratio(Option<f64>),
     /// At the given radii.
     Borders(Borders),
-    /// Where a model of the work is least.
+    /// At the radii for which a model of the work is least.
     Optimal,
 }
 

@@ -110,7 +110,7 @@ fn counted_work_is_as_modelled() {
             for (fraction, exponent) in
                 [0.1, 0.8].into_iter().flat_map(|f| [-2.0, -3.0, -4.0].map(|e| (f, e)))
             {
-                // With few large particles, much depends on their positions.
+                // If there are few large particles, much depends on their positions.
                 let scene = |seed| filled::<D>(power(3000, size, exponent), fraction, seed);
                 let scenes = [1, 2, 3, 4].map(scene);
                 for parting in &partings {
