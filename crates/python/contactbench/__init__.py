@@ -1,4 +1,4 @@
-"""Which discs (2D) and spheres (3D) touch?
+"""Find the discs (2D) or spheres (3D) that touch.
 
 >>> import numpy as np
 >>> import contactbench
@@ -7,13 +7,12 @@
 >>> pairs.tolist()
 [[0, 1]]
 
-Two particles touch when |xi - xj| <= ri + rj, decided exactly for the numbers given. All lengths are
-in one unit, that of the coordinates. What cannot be answered is an exception with one sentence:
-`ValueError` for what is wrong with the input, `Refused` (a `ValueError`) where a detector cannot
-answer, `MemoryError` for what would take too much memory.
+Two particles touch if |xi - xj| <= ri + rj, decided exactly for the given numbers. All lengths
+have the unit of the coordinates. Calls raise `ValueError` for invalid input, `Refused` (a
+`ValueError`) if a detector cannot answer, and `MemoryError` if an answer needs too much memory.
 
-Arrays are read where they are, without a copy, if they are contiguous and of float64; the
-interpreter's lock is released meanwhile, so no other thread may write to them until a call returns.
+Contiguous arrays of float64 are read without a copy. The interpreter's lock is released meanwhile,
+so no other thread may write to them until a call returns.
 """
 
 from ._boxes import Box

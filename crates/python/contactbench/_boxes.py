@@ -1,4 +1,4 @@
-"""Periodic boxes, and what callers give as numbers."""
+"""Periodic boxes, and checks of arguments."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from ._contactbench import Doubles, Edges
 
-#: Integers up to this magnitude are numbers of float64.
+#: Integers up to this magnitude are exact in float64.
 _EXACT = 2**53
 
 
@@ -24,14 +24,14 @@ class Box:
     Parameters
     ----------
     edges : array_like, shape (D,) or (D, D)
-        Lengths along the axes; or D vectors, one per row, of any direction. Discs may have a third
-        length, or a third vector, of zeros.
+        Lengths along the axes, or D vectors of any direction, one per row. In 2D a third length or
+        vector of zeros is allowed.
     periodic : bool, str, or sequence of D bool
-        Along which vectors the box is periodic: all or none; the axes as on the command line
-        (``"xy"``, ``"true"``, ``"none"``, ``"false"``); or one bool (or 0 or 1) for each vector, as
-        in ``atoms.pbc``. The other vectors decide nothing. None, and other text, is a ValueError.
+        The periodic vectors: a bool for all; axes as on the command line (``"xy"``, ``"true"``,
+        ``"none"``, ``"false"``); or one bool (or 0 or 1) per vector, as in ``atoms.pbc``. The other
+        vectors do not affect contacts.
     origin : array_like, shape (D,), optional
-        The corner from which the vectors start. It decides no exact contact.
+        The corner from which the vectors start. It does not affect exact contacts.
 
     Examples
     --------
@@ -69,7 +69,7 @@ BoxLike: TypeAlias = "Box | npt.ArrayLike"
 
 
 def numbers(value: object, name: str) -> Doubles:
-    """An array of float64 that has the numbers given, to the last bit; else a ValueError."""
+    """Convert to float64 without rounding; raise a ValueError if that is impossible."""
     if value is None:
         raise ValueError(f"{name} is None; give numbers")
     if np.ma.is_masked(value):
@@ -96,7 +96,7 @@ def numbers(value: object, name: str) -> Doubles:
 
 
 def count(value: SupportsIndex, name: str, least: int = 0, most: int = 2**63 - 1) -> int:
-    """A whole number within bounds; else a ValueError."""
+    """Check that a whole number is within bounds."""
     number = operator.index(value)
     if not least <= number <= most:
         raise ValueError(f"{name} is {number}; give a whole number from {least} to {most}")
@@ -104,12 +104,12 @@ def count(value: SupportsIndex, name: str, least: int = 0, most: int = 2**63 - 1
 
 
 def limit(value: SupportsIndex | None) -> int | None:
-    """A limit in bytes, or None."""
+    """Check a limit in bytes, or None."""
     return None if value is None else count(value, "memory_limit")
 
 
 def _flags(periodic: object, dim: int) -> list[bool]:
-    """Along which of the vectors a box is periodic."""
+    """Return for each vector whether the box is periodic along it."""
     words = "give a bool, one for each vector, or the axes, as in 'xy', or 'true' or 'none'"
     if isinstance(periodic, str):
         axes = {"true": "xyz"[:dim], "none": "", "false": ""}.get(periodic, periodic or "?")
@@ -129,7 +129,7 @@ def _flags(periodic: object, dim: int) -> list[bool]:
 
 
 def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
-    """A box as three vectors, flags, and a corner; for `dim` dimensions."""
+    """Return a box in `dim` dimensions as three vectors, flags, and a corner."""
     if box is None:
         return None
     box = box if isinstance(box, Box) else Box(box)
@@ -163,7 +163,7 @@ def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
 def arrays(
     x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
 ) -> tuple[Doubles, Doubles, Edges | None]:
-    """What native functions take; copies only what is not contiguous, aligned and of this type."""
+    """Return the arguments of native functions; copies arrays only if necessary."""
     centres, radii = numbers(x, "x"), numbers(r, "r")
     if centres.size == 0 and centres.ndim < 2:
         edges = box.edges if isinstance(box, Box) else box
@@ -174,7 +174,7 @@ def arrays(
 
 
 def whole(pairs: object, name: str, width: int, kind: type = np.int64) -> npt.NDArray[Any]:
-    """Rows of `width` whole numbers."""
+    """Convert to rows of `width` whole numbers."""
     rows = list(pairs) if isinstance(pairs, (set, frozenset)) else pairs
     if np.ma.is_masked(rows):
         raise ValueError(f"{name} has masked numbers; leave their rows out")

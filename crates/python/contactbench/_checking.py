@@ -1,4 +1,4 @@
-"""Detectors in Python on small hard scenes."""
+"""Checks detectors written in Python on small hard scenes."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class Failure:
     Attributes
     ----------
     x : ndarray of float64, shape (N, D)
-        Centres of the smallest scene that was found on which it is still wrong.
+        Centres of the smallest failing scene found.
     r : ndarray of float64, shape (N,)
-        Its radii.
+        Radii of that scene.
     wrong : str
-        In which way it is wrong there; if it is right there (what it answers depends on what it was
-        asked before), in which way it was at first.
+        The error on that scene. If the detector is right there (its answers depend on earlier
+        calls), the error on the first failing scene.
     found_on : str
-        The scene on which it was noticed.
+        Name of the first failing scene.
     found : str
-        In which way it was wrong there.
+        The error on the first failing scene.
     given : tuple of ndarray
-        Centres and radii of that scene.
+        Centres and radii of the first failing scene.
     """
 
     x: npt.NDArray[np.float64]
@@ -51,22 +51,22 @@ class Failure:
 
 @dataclass(frozen=True)
 class Check:
-    """What `check` found. It is true if answers were compared and none was wrong.
+    """The outcome of `check`. It is true if answers were compared and none was wrong.
 
     Attributes
     ----------
     failures : list of Failure
-        The first scene on which the detector is wrong, or none: a check ends there.
+        At most one: the check ends at the first failing scene.
     verdict : str
-        ``right``, ``wrong``, or ``nothing`` where no answer was compared.
+        ``right``, ``wrong``, or ``nothing`` if no answer was compared.
     cases : int
-        Answers compared with the truth.
+        Number of answers compared with the truth.
     scenes : dict
-        Scenes by where they are from.
+        Number of scenes by origin.
     refused : dict
-        Scenes that were not asked about, or refused, by reason.
+        Number of scenes that were skipped or refused, by reason.
     cut : bool
-        The time was over before all hard cases had been asked about.
+        Whether the time was over before all hard cases were tried.
     """
 
     failures: list[Failure]
@@ -84,7 +84,7 @@ class Check:
             return "\n".join(map(str, self.failures))
         if self.verdict == "nothing":
             return f"nothing was compared: {sum(self.refused.values())} scenes were refused"
-        return f"right in {self.cases} cases" + (", and not all were asked" if self.cut else "")
+        return f"right in {self.cases} cases" + ("; not all were tried" if self.cut else "")
 
 
 def check(
@@ -93,29 +93,29 @@ def check(
     seconds: float = 6.0,
     name: str | None = None,
 ) -> Check:
-    """Holds a function that finds contacts to the truth, on the small scenes of ``contactbench
-    check``: every generator, the catalogue of hard cases, scenes that were once got wrong, random
-    bytes. Where it is wrong, the scene is made as small and simple as it can be.
+    """Compare a function that finds contacts with the truth, on the small scenes of ``contactbench
+    check``: every generator, the hard cases, scenes that once failed, and random bytes. A failing
+    scene is made as small and simple as possible.
 
     Parameters
     ----------
     detector : callable
-        ``detector(x, r)`` takes centres (N, D) and N radii, and gives pairs: an array of whole
+        ``detector(x, r)`` takes centres (N, D) and N radii, and returns pairs: an array of whole
         numbers (M, 2), or a set or list of pairs, in any order, each once. A `NotImplementedError`,
         `Refused` or `MemoryError` refuses the scene; any other exception is a failure. A detector
-        that refuses every scene does not pass. Scenes in boxes are left out. A call that never
-        returns is not noticed.
+        that refuses every scene does not pass. Scenes are in open space. There is no time limit for
+        a call.
     arithmetic : str
-        How contacts are to be decided: by the exact sign, or, of a detector that rounds, by one of
-        the rounded tests of `contacts`.
+        How contacts must be decided: exactly or, for a detector that rounds, by one of the rounded
+        tests of `contacts`.
     seconds : float
-        No scene is begun after this time, once every generator has been asked for.
+        No scene begins after this time, but every generator is tried.
     name : str, optional
-        What it is called in messages; by default the function's name.
+        The detector's name in messages; by default the function's name.
 
     Examples
     --------
-    A detector that leaves out pairs that touch in one point:
+    A detector that misses pairs that touch in one point:
 
     >>> import contactbench
     >>> import numpy as np
@@ -128,7 +128,7 @@ def check(
     2
     """
     if not callable(detector):
-        raise ValueError("detector is no function; give one that takes x and r")
+        raise ValueError("detector is not a function; give one that takes x and r")
     name = name or str(getattr(detector, "__name__", "detector"))
 
     def asked(x: npt.NDArray[np.float64], r: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:

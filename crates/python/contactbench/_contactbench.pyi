@@ -1,4 +1,4 @@
-"""Native functions of the package, which checks and completes what they are given."""
+"""Native functions. The package checks and completes their arguments."""
 
 from collections.abc import Callable
 from pathlib import Path

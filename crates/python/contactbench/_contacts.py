@@ -1,4 +1,4 @@
-"""Contacts of one scene, or of many."""
+"""Contacts of scenes and of moving particles."""
 
 from __future__ import annotations
 
@@ -57,52 +57,52 @@ def contacts(
     arithmetic: str = "exact",
     threads: int = 1,
 ) -> tuple[Pairs, Images | None]:
-    """The pairs of particles that touch or overlap: |xi - xj| <= ri + rj.
+    """Find the pairs of particles that touch or overlap: |xi - xj| <= ri + rj.
 
     Parameters
     ----------
     x : array_like, shape (N, 2) or (N, 3)
-        Centres of discs or spheres. Read in place if it is contiguous and of float64.
+        Centres of discs or spheres. Contiguous arrays of float64 are not copied.
     r : float or array_like, shape (N,)
-        One radius for all, or one for each, in the unit of `x`.
+        One radius for all particles, or one for each, in the unit of `x`.
     box : array_like, shape (D,) or (D, D), or Box, optional
-        Lengths of the box, or its D vectors as rows, along all of which the scene repeats; a `Box`
-        where it is open along some. Particles may be outside of it. Without a box, space is open.
+        A periodic box: its lengths, or its D vectors as rows. Use a `Box` if it is periodic along
+        some vectors only. Particles may lie outside the box. Without a box, space is open.
     detector : str
-        One of `DETECTORS`, with parameters as in ``"streamed-nbs:level=avx2"``; ``"auto"`` is the one
-        that ``contactbench detect`` takes, `streamed-nbs`. Only time and memory depend on it.
+        One of `DETECTORS`, with parameters as in ``"streamed-nbs:level=avx2"``; ``"auto"`` is
+        `streamed-nbs`, the default of ``contactbench detect``. Only time and memory depend on it.
     arithmetic : {"exact", "f64", "f32", "f32-cell", "textbook"}
-        How contacts are decided: by the exact sign for the numbers given, or rounded.
+        How contacts are decided: exactly for the given numbers, or by a rounded test.
     threads : int
-        For the detectors that can use several: `streamed-nbs` (from 30,000 particles on),
-        `cell-grid` and `direct`.
+        Number of threads. Only `streamed-nbs` (from 30,000 particles on), `cell-grid` and `direct`
+        can use several.
 
     Returns
     -------
     pairs : ndarray of uint32, shape (M, 2)
-        Rows of `x`, the smaller first; each pair once, in no particular order. In a box a pair stands
-        there once for each image that touches, and a particle may touch its own.
+        Rows of `x`, the smaller first; each pair once, in no particular order. In a box, a pair
+        occurs once for each image that touches, and a particle may touch its own images.
     images : ndarray of int32, shape (M, D), or None
-        Particle i touches the image of j at ``x[j] + images[k] @ vectors``; 0 where the box is open.
-        None without a box. These are the shifts ``S`` of ASE and matscipy: the distance vector is
-        ``x[j] - x[i] + S @ cell``. A list there has each pair from both sides; with a cutoff of
-        2 r it is this one (``cutoff`` is a distance between centres, r = cutoff / 2), but for pairs
-        at exactly the cutoff, which touch here (<=). Images are numbered below 2^29: a particle
-        farther from its box is a `ValueError`.
+        Particle i touches the image of j at ``x[j] + images[k] @ vectors``; 0 along open
+        directions. None without a box. These are the shifts ``S`` of ASE and matscipy: the distance
+        vector is ``x[j] - x[i] + S @ cell``. Their lists contain each pair from both sides. For one radius r
+        and ``cutoff`` = 2 r (a distance between centres), the pairs are the same, except pairs at
+        exactly the cutoff, which touch here. Images must be below 2^29 in magnitude; particles
+        farther from their box raise a `ValueError`.
 
     Raises
     ------
     ValueError
-        Shapes that do not fit, numbers that are not finite or that float64 would round, masked
-        numbers, negative radii, a box that encloses nothing, an unknown detector.
+        Shapes do not fit; a number is not finite, masked, or would be rounded by float64; a radius
+        is negative; the box has no volume; or the detector is unknown.
     Refused
-        The detector cannot answer for this scene; a `ValueError`, too.
+        The detector cannot answer for this scene. A `ValueError`.
     KeyboardInterrupt
         Ctrl-C ends the call at once.
     MemoryError
-        Arrays or pairs would take more than 16 KiB for each particle (at least 256 MiB, at most 4
-        GiB or a quarter of the machine's memory). Radii in another unit than the centres are the
-        usual reason. A `Detector` takes a limit of its own.
+        Arrays or pairs would need more than 16 KiB per particle (at least 256 MiB, at most 4 GiB or
+        a quarter of the machine's memory). The usual reason is radii in another unit than the
+        centres. A `Detector` accepts another limit.
 
     Examples
     --------
@@ -118,20 +118,20 @@ def contacts(
 
 
 class Detector:
-    """A detector that keeps its buffers: a call for a scene like the one before allocates its answer
-    and nothing else.
+    """A detector that keeps its buffers: a call for a scene like the one before allocates only its
+    answer.
 
-    It may be used by several threads; one waits for the other. It can be pickled and copied, with
-    buffers of its own. A process forked while it works, or after it has started threads, must make
-    its own: a RuntimeError says so.
+    Several threads may use it; each waits for the others. Copies and unpickled detectors have their
+    own buffers. A process that was forked during a call, or after the detector started threads,
+    must create a new one; the old one raises a RuntimeError.
 
     Parameters
     ----------
     detector, arithmetic, threads
         As in `contacts`.
     memory_limit : int, optional
-        Bytes for its arrays, and as many for the pairs; without it 4 GiB, or a quarter of the
-        machine's memory if that is less.
+        Limit in bytes for the arrays, and again for the pairs. By default 4 GiB, or a quarter of
+        the machine's memory if that is less.
 
     Examples
     --------
@@ -156,12 +156,12 @@ class Detector:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy, or what is unpickled, has buffers of its own."""
+        """Copies and unpickled detectors have their own buffers."""
         return type(self), (self.name, self.arithmetic, self.threads, self.memory_limit)
 
     @property
     def name(self) -> str:
-        """The detector, with the parameters that are not its defaults."""
+        """The detector, with parameters that differ from its defaults."""
         return self._native.name
 
     @property
@@ -171,12 +171,12 @@ class Detector:
 
     @property
     def threads(self) -> int:
-        """Threads that it may use."""
+        """Number of threads."""
         return self._native.threads
 
     @property
     def memory_limit(self) -> int:
-        """Bytes for its arrays, and as many for pairs."""
+        """Limit in bytes for the arrays, and again for the pairs."""
         return self._native.memory_limit
 
     @overload
@@ -194,19 +194,19 @@ class Detector:
     def contacts(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
     ) -> tuple[Pairs, Images | None]:
-        """The pairs that touch; see the function `contacts`."""
+        """Find the pairs that touch; see the function `contacts`."""
         return self._native.contacts(*arrays(x, r, box))
 
     def count(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
     ) -> dict[str, int]:
-        """How often each elementary operation happens, which is the same on every machine.
+        """Count the elementary operations of a detection, which are the same on every machine.
 
         Returns
         -------
         dict of str to int
-            By the name that it has in records (``contactbench.load``), such as ``"contact_test"``;
-            without operations that do not happen.
+            Number of each operation by its name in records (``contactbench.load``), such as
+            ``"contact_test"``. Operations that do not occur are absent.
         """
         return self._native.count(*arrays(x, r, box))
 
@@ -215,30 +215,31 @@ class Detector:
 
 
 class Verlet:
-    """The contacts of particles that move, frame after frame, by a list of pairs that are nearly in
-    touch, which is built again only when some have moved too far (a Verlet list).
+    """A tracker of moving particles. It keeps a list of near pairs (a Verlet list), and rebuilds it
+    only if particles have moved too far.
 
-    Answers are those of `contacts` in every frame, if the rule is safe. The number of particles, the
-    radii and the box may change from frame to frame; the list is then built again where it must be.
+    If the rule is safe, every frame has the contacts that `contacts` finds. The number of
+    particles, the radii and the box may change between frames; the list is then rebuilt if
+    necessary.
 
     Parameters
     ----------
     detector : str
-        Builds the list; as in `contacts`.
+        The detector that builds the list; as in `contacts`.
     skin : float or "auto"
-        Pairs whose surfaces are up to `skin` diameters of the largest particle apart are listed.
-        ``"auto"`` finds the skin that makes steps cheap, while they go on.
+        The largest gap between listed particles, in diameters of the largest particle. ``"auto"``
+        adjusts the skin during the steps, to make them fast.
     rule : str
-        When the list is built again. Safe are ``"top-two"``: when the two particles that have gone
-        farthest have together gone the skin; ``"half-skin"``: when one has gone half of it;
-        ``"summed"``: when the longest ways of all frames add up to half of it. Not safe are
-        ``"every-K"``, and ``"lammps-DELAY-EVERY-yes"`` as in LAMMPS's `neigh_modify`.
+        The condition for a rebuild. Safe rules: ``"top-two"``, the two largest displacements add up
+        to the skin; ``"half-skin"``, one displacement reaches half of it; ``"summed"``, the largest
+        displacements of all frames add up to half of it. Unsafe rules: ``"every-K"``, and
+        ``"lammps-DELAY-EVERY-yes"`` as in LAMMPS's `neigh_modify`.
     arithmetic, threads, memory_limit
-        As in `Detector`. In a box a list decides in exact arithmetic alone.
+        As in `Detector`. A list in a box supports only exact arithmetic.
 
     Examples
     --------
-    Two discs that come nearer; the list serves all frames:
+    Two discs approach each other; one list serves all frames:
 
     >>> import contactbench
     >>> verlet = contactbench.Verlet(skin=0.4)
@@ -264,32 +265,32 @@ class Verlet:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy, or what is unpickled, has no list: its next frame is the first."""
+        """Copies and unpickled trackers have no list: their next frame is the first."""
         return type(self), self._asked
 
     @property
     def name(self) -> str:
-        """The list, as ``contactbench track`` writes it."""
+        """The tracker, as ``contactbench track`` writes it."""
         return self._native.name
 
     @property
     def steps(self) -> int:
-        """Frames so far."""
+        """Number of frames so far."""
         return self._native.done[0]
 
     @property
     def builds(self) -> int:
-        """Frames in which the list was built, so far."""
+        """Number of frames so far in which the list was built."""
         return self._native.done[1]
 
     @property
     def dangerous(self) -> int:
-        """Builds that LAMMPS would call dangerous, so far."""
+        """Number of builds so far that LAMMPS would call dangerous."""
         return self._native.done[2]
 
     @property
     def listed(self) -> int:
-        """Pairs looked at in the last frame."""
+        """Number of listed pairs in the last frame."""
         return self._native.done[3]
 
     @property
@@ -312,11 +313,11 @@ class Verlet:
     def contacts(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
     ) -> tuple[Pairs, Images | None]:
-        """The pairs that touch in the next frame; see the function `contacts`."""
+        """Find the pairs that touch in the next frame; see the function `contacts`."""
         return self._native.contacts(*arrays(x, r, box))
 
     def forget(self) -> None:
-        """Takes the next frame as the first."""
+        """Make the next frame count as the first."""
         self._native.forget()
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Which detector for a scene."""
+"""Recommends a detector for a scene."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy.typing as npt
 from . import _contactbench as native
 from ._boxes import BoxLike, arrays, count, limit
 
-#: Loads the native module alone, which takes a hundredth of the time of the package with NumPy, and
-#: serves; the first argument is its file.
+#: Loads only the native module, in a hundredth of the time of the package with NumPy, and serves as
+#: a runner. The first argument is the module's file.
 _RUNNER = """
 import signal, sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -32,14 +32,14 @@ class Recommendation:
     Attributes
     ----------
     use : str or None
-        The detector to use, for `contacts`; None if none gave a right answer in time.
+        The detector to pass to `contacts`; None if none gave a right answer in time.
     because : str or None
-        Why, with times and memory per particle.
+        The reason, with times and memory per particle.
     cannot_tell_apart : list of str
-        Detectors that are neither slower nor faster for sure.
+        Detectors whose difference from the fastest is undecided.
     detectors : list of dict
-        All who were asked, with ``detector``, ``outcome``, ``reason``, ``ns_per_particle`` (median
-        and 95% interval), ``ratio_to_fastest``, ``bytes_per_particle``, ...
+        All detectors measured, with ``detector``, ``outcome``, ``reason``, ``ns_per_particle``
+        (median and 95% interval), ``ratio_to_fastest``, ``bytes_per_particle``, ...
     """
 
     use: str | None
@@ -60,25 +60,25 @@ def recommend(
     seconds: float = 10.0,
     memory_limit: int | None = None,
 ) -> Recommendation:
-    """Measures all detectors on this scene, and says which one to use; as the command
-    ``contactbench recommend``.
+    """Measure all detectors on this scene and recommend one, like the command ``contactbench
+    recommend``.
 
-    Every answer is held to the truth. Times are taken in processes of their own, in blocks in random
-    order, and compared by intervals; detectors that are far behind drop out early.
+    Every answer is compared with the exact truth. Detectors are timed in separate processes, in
+    blocks in random order, and compared by intervals. Detectors that are far slower drop out early.
 
     Parameters
     ----------
     x, r, box, arithmetic, threads
         As in `contacts`.
     seconds : float
-        The measurements take about so long, besides finding the truth.
+        Time for the measurements, about. Computing the truth takes extra time.
     memory_limit : int, optional
-        Bytes for a detector's arrays; as in `contacts` if none is given.
+        Limit in bytes for a detector's arrays. The default is that of `contacts`.
 
     Raises
     ------
     ValueError, MemoryError
-        As `contacts`; a scene without particles.
+        As `contacts`, and for a scene without particles.
     """
     program = [sys.executable, "-I", "-S", "-c", _RUNNER, str(native.__file__)]
     text = native.recommend(

@@ -1,4 +1,4 @@
-"""Records of experiments as frames; scenes of generators."""
+"""Records as data frames, and generated scenes."""
 
 from __future__ import annotations
 
@@ -24,37 +24,36 @@ _PANDAS = {"text": "string", "whole": "Int64", "number": "Float64", "flag": "boo
 def load(
     folder: str | os.PathLike[str], library: str | None = None
 ) -> pandas.DataFrame | polars.DataFrame:
-    """The record of a result folder, one row for each measurement.
+    """Load the record of a result folder, one row per measurement.
 
-    Columns are those of docs/RECORD.md: what was measured, on what, with what (parameters of scenes
-    and detectors have columns of their own, ``-`` written ``_``), and the numbers under the names
-    that expressions and `summary.csv` have for them. Absent values are missing values. The record is
-    held to what docs/RECORD.md promises before it is read.
+    docs/RECORD.md describes the columns: subject, scene, their parameters (one column each, ``-``
+    written ``_``), and the numbers, which have the names of expressions and `summary.csv`. Absent
+    values are missing values. A record that violates docs/RECORD.md is refused.
 
     Parameters
     ----------
     folder : path
         A result folder, or the `samples.jsonl` (or `samples.jsonl.gz`) in one.
     library : {"pandas", "polars"}, optional
-        By default pandas if it is installed, else polars.
+        The default is pandas if it is installed, else polars.
 
     Returns
     -------
     pandas.DataFrame or polars.DataFrame
-        With nullable types. A frame of pandas has the provenance in ``attrs["provenance"]``; of
-        polars, whose frames have no such place, `provenance` gives it.
+        Columns have nullable types. A pandas frame has the provenance in ``attrs["provenance"]``;
+        for polars use `provenance`.
 
     Raises
     ------
     ValueError
-        A folder without a record, or whose record is damaged, with every fault by its line.
+        The folder has no record, or a damaged one; every fault is listed with its line.
     ImportError
         Neither pandas nor polars is installed.
 
     Warns
     -----
     UserWarning
-        A last line that a killed run left half written is left out.
+        A killed run left an incomplete last line, which is skipped.
     """
     names = [library] if library else ["pandas", "polars"]
     unknown = set(names) - {"pandas", "polars"}
@@ -83,7 +82,7 @@ def load(
 
 
 def provenance(folder: str | os.PathLike[str]) -> list[dict[str, Any]]:
-    """Where the record of a result folder is from: command, revision, compiler, machine, load.
+    """Return the provenance of a result folder: command, revision, compiler, machine, load.
 
     Parameters
     ----------
@@ -93,7 +92,7 @@ def provenance(folder: str | os.PathLike[str]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        What provenance.json says, and those of resumed runs and of merged parts.
+        The contents of provenance.json, and those of resumed runs and of merged parts.
     """
     return [json.loads(text) for text in native.load(os.fspath(folder))[2]]
 
@@ -101,12 +100,12 @@ def provenance(folder: str | os.PathLike[str]) -> list[dict[str, Any]]:
 def scene(
     text: str,
 ) -> tuple[npt.NDArray[np.float64], float | npt.NDArray[np.float64], Box | None]:
-    """A scene of one of the generators, as ``contactbench list scenes`` names them.
+    """Make a scene with one of the generators of ``contactbench list scenes``.
 
     Parameters
     ----------
     text : str
-        A generator with parameters, as in ``"packed:dim=3,n=1000,seed=1"``; or a hard case, as in
+        A generator with parameters, as in ``"packed:dim=3,n=1000,seed=1"``, or a hard case, as in
         ``"hard:case=..."``.
 
     Returns
@@ -114,7 +113,7 @@ def scene(
     x : ndarray of float64, shape (N, D)
     r : float or ndarray of float64, shape (N,)
     box : Box or None
-        The same for the same text on every machine.
+        The box, if the scene is periodic. Equal texts make equal scenes on every machine.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Lists of pairs of other codes, held to the truth."""
+"""Compares pair lists of other codes with the truth."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ._boxes import BoxLike, arrays, count, limit, whole
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs that are wrong, the worst first.
+    """Wrong pairs, the worst first.
 
     Attributes
     ----------
     pairs : ndarray of uint32, shape (K, 2)
         Rows of `x`, the smaller first.
     images : ndarray of int32, shape (K, D), or None
-        In a box, the image of the second; as in `contacts`.
+        In a box, the image of the second particle, as in `contacts`.
     depth : ndarray of float64, shape (K,)
-        The overlap in mean radii of the two; negative where they are apart.
+        Overlap in mean radii of the two particles; negative if they are apart.
     """
 
     pairs: npt.NDArray[np.uint32]
@@ -36,34 +36,34 @@ class Pairs:
 
 @dataclass(frozen=True)
 class Verification:
-    """A list of pairs against the truth. It is true where they are the same.
+    """A list of pairs compared with the truth. It is true if both are equal.
 
     Attributes
     ----------
     same : bool
-        No pair is missed, spurious, repeated, of a particle with itself, unknown or one-sided.
+        Whether no pair is missed, spurious, repeated, of a particle with itself, unknown or
+        one-sided.
     contacts : int
-        Pairs that touch.
+        Number of pairs that touch.
     listed : int
-        Pairs of the list.
+        Number of pairs in the list.
     errors : dict
-        ``missed``, ``spurious``, ``duplicate`` and ``self_pairs``: numbers of pairs;
-        ``deepest_miss`` and ``widest_false``: the largest overlap missed and the widest gap listed,
-        in mean radii.
+        Numbers of pairs: ``missed``, ``spurious``, ``duplicate`` and ``self_pairs``. In mean radii:
+        ``deepest_miss``, the largest missed overlap, and ``widest_false``, the largest listed gap.
     missed, spurious : Pairs
-        Pairs that touch and are not listed, and the other way round, `most` of them.
+        Touching pairs that are not listed, and listed pairs that do not touch; at most `most`.
     unknown : ndarray of int64, shape (K, 2)
-        Pairs of the list that name no particle.
+        Listed pairs with a number that no particle has.
     one_sided : ndarray of int64, shape (K, 2)
-        With ``both_sides``: pairs that stand there once.
+        Pairs that are listed once although ``both_sides`` was given.
     within_skin : int
-        Listed pairs that do not touch and are within the skin.
+        Number of listed pairs with a gap of at most the skin.
     hint : str or None
-        How the list may be meant, so that it agrees: numbers from 1, diameters for radii, ...
+        A reading of the list that would agree: numbers from 1, diameters for radii, ...
     causes : dict or None
-        Where `arithmetic` rounds: the errors against the exact truth by cause, as dictionaries like
+        If `arithmetic` rounds, the errors against the exact truth by cause, each a dictionary like
         `errors`. ``representation``: storing the scene in the arithmetic's numbers; ``predicate``:
-        its contact test; ``search``: the list, against all pairs that this test accepts.
+        its contact test; ``search``: the list, compared with all pairs that this test accepts.
     """
 
     same: bool
@@ -106,34 +106,34 @@ def verify(
     threads: int = 1,
     memory_limit: int | None = None,
 ) -> Verification:
-    """Holds a list of pairs to the truth, which is found by testing all pairs, or, of many particles,
-    by detectors that agree.
+    """Compare a list of pairs with the truth. The truth comes from testing all pairs or, for many
+    particles, from detectors that agree.
 
     Parameters
     ----------
     x, r, box
         The scene, as in `contacts`.
     pairs : array_like of int, shape (M, 2), or set of pairs
-        In any order of pairs and in pairs.
+        The pairs, and the particles of each pair, may have any order.
     images : array_like of int, shape (M, D), optional
-        In a box, the image of the second particle, as `contacts` gives it. Without them, pairs are
-        compared.
+        In a box, the image of the second particle, as returned by `contacts`. Without images, only
+        the pairs are compared.
     arithmetic : str
-        How contacts are decided. The default is the exact sign for the numbers given; with the
-        arithmetic of the code that made the list, errors are against what that should find, and
-        `Verification.causes` says what rounding costs.
+        How contacts are decided; by default exactly. If you give the arithmetic of the code that
+        made the list, errors are relative to its test, and `Verification.causes` shows the cost of
+        rounding.
     base : int
-        The number that the list has for the first row of `x`.
+        The number of the first row of `x` in the list.
     both_sides : bool
-        The list has each pair twice, as i,j and as j,i.
+        Whether the list has each pair twice, as i,j and as j,i.
     skin : float
-        Pairs that are apart by no more than this length may be listed.
+        Pairs with a gap of at most this length may be listed.
     most : int
-        Keep so many missed and spurious pairs.
+        Number of missed and of spurious pairs to keep.
     threads : int
-        For finding the truth.
+        Number of threads for the truth.
     memory_limit : int, optional
-        Bytes for a list of pairs; as in `contacts` if none is given.
+        Limit in bytes for a list of pairs. The default is that of `contacts`.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def verify(
     shifts = None
     if images is not None:
         if edges is None:
-            raise ValueError("images are given, and no box: give box, or leave them out")
+            raise ValueError("images are given without a box: give box, or leave them out")
         shifts = whole(images, "images", centres.shape[1], np.int32)
         if len(shifts) != len(listed):
             raise ValueError(f"{len(listed)} pairs but {len(shifts)} images; give one for each")

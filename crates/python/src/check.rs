@@ -1,4 +1,4 @@
-//! Functions of Python on the battery of small scenes.
+//! Checks functions of Python on small hard scenes.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,9 +16,8 @@ use pyo3::types::PyDict;
 use crate::failure::{Failure, Refused, work};
 use crate::given::{arithmetic, made};
 
-/// Asks `function(x, r)`, which gives an array of whole numbers (M, 2), about every open scene of
-/// the battery. What is found is a dictionary, whose keys are the fields of the class of the
-/// package.
+/// Calls `function(x, r)`, which returns an array of whole numbers (M, 2), for every scene in open
+/// space. Returns a dictionary with the fields of the Python class `Check`.
 #[pyfunction]
 pub fn check<'py>(
     py: Python<'py>,
@@ -39,7 +38,7 @@ pub fn check<'py>(
     let ask = move |scene: &AnyScene<'static>| {
         let answered = Python::attach(|py| answer(py, &function, scene));
         let mut stop = stop.lock().unwrap_or_else(PoisonError::into_inner);
-        // Once stopped it is not asked again.
+        // Do not call the function again.
         anyhow::ensure!(stop.is_none(), "stopped");
         answered.map_err(|error| {
             *stop = Some(error);
@@ -47,7 +46,7 @@ pub fn check<'py>(
         })
     };
     let contenders = [Contender::Function { name, ask: Arc::new(ask) }];
-    // On the caller's thread: there the function can be interrupted.
+    // The function runs on the caller's thread, where Ctrl-C can interrupt it.
     let report = work(py, || {
         let report = battery(&contenders, &[arithmetic], &limits);
         match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -72,7 +71,7 @@ pub fn check<'py>(
     Ok(out)
 }
 
-/// What the function says; an error if it is to stop.
+/// Calls the function once; fails if the check must stop.
 fn answer(py: Python<'_>, function: &Py<PyAny>, scene: &AnyScene<'static>) -> PyResult<Answer> {
     py.check_signals()?;
     let (x, r, _) = made(py, scene)?;

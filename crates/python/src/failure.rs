@@ -1,4 +1,4 @@
-//! What goes wrong here, as an exception there.
+//! Conversion of errors to Python exceptions, and work that Ctrl-C can interrupt.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -21,26 +21,25 @@ pyo3::create_exception!(
      the detector or the arithmetic can hold."
 );
 
-/// Why there is no answer, in one sentence.
+/// The reason why a call fails, in one sentence.
 pub enum Failure {
-    /// What was given: a `ValueError`.
+    /// Invalid input: `ValueError`.
     Value(String),
-    /// A detector cannot answer: `Refused`.
+    /// The detector refuses: `Refused`.
     Refused(String),
-    /// There is, or may be used, too little memory: a `MemoryError`.
+    /// Memory is exhausted, or its limit is too small: `MemoryError`.
     Memory(String),
-    /// An exception of the caller's own code.
+    /// An exception of the caller's code.
     Raised(PyErr),
-    /// Another thread has written to an array: a `RuntimeError`.
+    /// Another thread has written to an array: `RuntimeError`.
     Changed,
-    /// What a process may not use that was forked: a `RuntimeError`.
+    /// The object belongs to the process that this one was forked from: `RuntimeError`.
     Forked,
-    /// A defect of this package: a `RuntimeError`.
+    /// A defect of this package: `RuntimeError`.
     Defect(String),
 }
 
 impl Failure {
-    /// Of what was given.
     pub fn value(what: impl ToString) -> Failure {
         Failure::Value(what.to_string())
     }
@@ -76,7 +75,7 @@ impl From<LoadError> for Failure {
     }
 }
 
-/// Of the program around the core, whose errors are of many kinds.
+/// Finds the kind of an error from crates that use `anyhow`.
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Failure {
         let what = format!("{error:#}");
@@ -126,10 +125,10 @@ impl From<Failure> for PyErr {
     }
 }
 
-/// Where the last panic was, for the exception; nothing is printed.
+/// Place of the last panic, for the exception.
 static PANICKED: Mutex<String> = Mutex::new(String::new());
 
-/// Keeps panics from being printed: they become exceptions.
+/// Silences panics, because they become exceptions.
 pub fn quiet() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or(String::new(), |place| format!(" ({place})"));
@@ -137,7 +136,7 @@ pub fn quiet() {
     }));
 }
 
-/// What detectors panic with if arrays change while they are read.
+/// The panic of detectors whose arrays change while they read them.
 const CHANGED: &str = "changed during a detection";
 
 fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
@@ -158,12 +157,11 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
     })
 }
 
-/// A flag that ends abandoned work.
 #[derive(Clone, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Ends the thread's work if its caller has gone; called between pieces of long work.
+    /// Ends the work if the caller has gone. Long work calls it between pieces.
     pub fn look(&self) {
         if self.0.load(Relaxed) {
             std::panic::resume_unwind(Box::new("stopped"));
@@ -171,11 +169,10 @@ impl Stop {
     }
 }
 
-/// How often signals are looked for.
+/// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Does short work that needs no Python, without the interpreter's lock. A panic becomes an
-/// exception.
+/// Runs short work without the interpreter's lock, and converts panics to exceptions.
 pub fn work<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<R, Failure> + Send,
@@ -183,10 +180,9 @@ pub fn work<R: Send>(
     Ok(py.detach(|| caught(work))?)
 }
 
-/// Does work, of which some may be `long`, without the interpreter's lock. Where signals arrive, in
-/// the main thread, the work has a thread of its own, and this one looks for signals: an exception
-/// of theirs ends the call at once. The work's thread then ends by itself, and what it has is
-/// dropped there.
+/// Runs work without the interpreter's lock. In the main thread, `long` work gets another thread,
+/// while this one checks for signals: Ctrl-C ends the call at once. The other thread then ends by
+/// itself and drops its result.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
     long: bool,
@@ -199,11 +195,11 @@ pub fn patient<R: Send + 'static>(
     let (sender, receiver) = mpsc::sync_channel(1);
     let its = stop.clone();
     let begun = std::thread::Builder::new().name("contactbench".into()).spawn(move || {
-        // Nobody may be waiting any more.
+        // The caller may have gone.
         let _ = sender.send(caught(|| work(&its)));
     });
     begun.map_err(|error| Failure::Memory(format!("a thread could not be started: {error}")))?;
-    // The channel is used by this thread alone; only a `Sync` one may be used without the lock.
+    // Only this thread uses the channel, but without the lock it must be `Sync`.
     let receiver = Mutex::new(receiver);
     loop {
         let waited = py
@@ -223,10 +219,9 @@ pub fn patient<R: Send + 'static>(
     }
 }
 
-/// Python handles signals in the main thread alone.
 #[cfg(target_os = "linux")]
 fn is_main_thread() -> bool {
-    // SAFETY: both calls only give a number.
+    // SAFETY: both calls only return a number.
     unsafe { libc::getpid() == libc::gettid() }
 }
 
@@ -235,8 +230,8 @@ fn is_main_thread() -> bool {
     true
 }
 
-/// The same, where the truth is looked for, by so many threads: a pool that lasts no longer, so
-/// that a process that forks meets none of them.
+/// Runs work with a pool of its own, so that a process forked later does not miss the pool's
+/// threads.
 pub fn by_threads<R: Send>(
     threads: usize,
     work: impl FnOnce() -> Result<R, Failure> + Send,
@@ -244,7 +239,6 @@ pub fn by_threads<R: Send>(
     pool(threads)?.install(work)
 }
 
-/// Threads.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     if threads == 0 || threads > 1024 {
         return Err(Failure::value(format!("threads is {threads}; give a number from 1 to 1024")));

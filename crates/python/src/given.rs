@@ -1,4 +1,4 @@
-//! Scenes of arrays, and arrays of contacts.
+//! Scenes from NumPy arrays, and arrays of contacts.
 
 use std::borrow::Cow;
 
@@ -15,10 +15,10 @@ use pyo3::prelude::*;
 
 use crate::failure::Failure;
 
-/// Vectors, along which of them the scene repeats, and the corner.
+/// Vectors, periodic flags and corner of a box.
 pub type Edges = ([[f64; 3]; 3], [bool; 3], [f64; 3]);
 
-/// Arrays of doubles, as they are in memory. Nobody may write to them meanwhile.
+/// Borrowed arrays. No thread may write to them meanwhile.
 #[derive(Clone, Copy)]
 pub struct Arrays<'a> {
     x: &'a [f64],
@@ -28,7 +28,7 @@ pub struct Arrays<'a> {
 }
 
 impl<'a> Arrays<'a> {
-    /// Centres (N, 2) or (N, 3), and radii: a number, or N.
+    /// Takes centres (N, 2) or (N, 3), and one radius or N.
     pub fn new(
         x: &'a PyReadonlyArrayDyn<'_, f64>,
         r: &'a PyReadonlyArrayDyn<'_, f64>,
@@ -54,12 +54,11 @@ impl<'a> Arrays<'a> {
         Ok(Arrays { x, dim, r: r.as_slice().map_err(apart)?, edges })
     }
 
-    /// How many particles there are.
     pub fn len(&self) -> usize {
         self.x.len() / self.dim
     }
 
-    /// The scene: the same memory.
+    /// Returns the scene without a copy.
     pub fn scene(&self) -> Result<AnyScene<'a>, Failure> {
         let radii = match *self.r {
             [r] => Radii::Uniform(r),
@@ -71,26 +70,24 @@ impl<'a> Arrays<'a> {
         })
     }
 
-    /// A copy that lasts.
+    /// Returns a copy of the scene.
     pub fn owned(&self) -> Result<AnyScene<'static>, Failure> {
         Ok(self.scene()?.stored(Storage::F64)?)
     }
 
-    /// The box.
     pub fn lattice(&self) -> Result<Option<Lattice>, Failure> {
         let of = |(vectors, periodic, origin)| Lattice::new(vectors, periodic, origin);
         Ok(self.edges.map(of).transpose()?)
     }
 }
 
-/// Arrays that are kept from being freed, for work that may outlast its call.
+/// Arrays with references that keep them alive, for work that may outlast its call.
 pub struct Held {
     arrays: Arrays<'static>,
     _kept: [Py<PyArrayDyn<f64>>; 2],
 }
 
 impl Held {
-    /// As [`Arrays::new`].
     pub fn new(
         x: &PyReadonlyArrayDyn<'_, f64>,
         r: &PyReadonlyArrayDyn<'_, f64>,
@@ -98,33 +95,31 @@ impl Held {
     ) -> Result<Held, Failure> {
         let Arrays { x: centres, dim, r: radii, edges } = Arrays::new(x, r, edges)?;
         let kept = [x, r].map(|array| (**array).clone().unbind());
-        // SAFETY: the memory belongs to the two arrays, of which a reference is kept beside: they
-        // are not freed, and NumPy does not resize an array that has other references. The slices
-        // are given out for no longer than this lives.
+        // SAFETY: the memory belongs to two arrays, and this value holds a reference to each. So
+        // they are not freed, and NumPy does not resize arrays with other references. The slices do
+        // not outlive this value.
         let arrays = unsafe { Arrays { x: longer(centres), dim, r: longer(radii), edges } };
         Ok(Held { arrays, _kept: kept })
     }
 
-    /// Whether a detection may take long enough to be interrupted: whichever detector it is, of few
-    /// particles in open space it takes some milliseconds.
+    /// Returns whether a detection may take so long that Ctrl-C should interrupt it. Few particles
+    /// in open space take some milliseconds with any detector.
     pub fn are_many(&self) -> bool {
         self.arrays.edges.is_some() || self.arrays.len() > 2000
     }
 
-    /// The arrays.
     pub fn arrays(&self) -> Arrays<'_> {
         self.arrays
     }
 }
 
 /// # Safety
-/// The memory is there for as long as the slice is used.
+/// The memory must exist for as long as the slice is used.
 pub unsafe fn longer<T>(numbers: &[T]) -> &'static [T] {
-    // SAFETY: the caller's promise.
+    // SAFETY: promised by the caller.
     unsafe { std::slice::from_raw_parts(numbers.as_ptr(), numbers.len()) }
 }
 
-/// An arithmetic by its name.
 pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {
     name.parse().map_err(Failure::value)
 }
@@ -132,7 +127,7 @@ pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {
 type Pairs = Py<PyArray2<u32>>;
 type Images = Py<PyArray2<i32>>;
 
-/// The pairs (M, 2), the smaller number first, and in a box the images (M, D).
+/// Returns the pairs (M, 2), the smaller number first, and in a box the images (M, D).
 pub fn answer(
     py: Python<'_>,
     contacts: Contacts,
@@ -155,7 +150,7 @@ pub fn answer(
     Ok((rows(py, pairs.into_flattened(), 2)?, images))
 }
 
-/// Numbers as rows of an array, which takes their memory.
+/// Turns numbers into rows of an array, without a copy.
 pub fn rows<T: numpy::Element>(
     py: Python<'_>,
     numbers: Vec<T>,
@@ -165,10 +160,9 @@ pub fn rows<T: numpy::Element>(
     Ok(numbers.into_pyarray(py).reshape([len, width])?.unbind())
 }
 
-/// A scene as arrays: centres (N, D), N radii, and the radius of all, if there is one.
+/// A scene as arrays: centres (N, D), N radii, and the common radius, if there is one.
 pub type Made = (Py<PyArray2<f64>>, Py<PyArray1<f64>>, Option<f64>);
 
-/// The arrays of a scene.
 pub fn made(py: Python<'_>, scene: &AnyScene<'_>) -> PyResult<Made> {
     let dim = scene.dim();
     let uniform = scene.uniform().then(|| scene.largest_radius());

@@ -1,5 +1,5 @@
-//! The native half of the package `contactbench` for Python: arrays in, arrays out. What its users
-//! see, and its documentation, is in `contactbench/__init__.py`.
+//! The native half of the Python package `contactbench`. `contactbench/__init__.py` documents the
+//! public half.
 #![allow(clippy::type_complexity)]
 
 mod check;
@@ -13,11 +13,11 @@ mod verify;
 
 use pages::Pages;
 
-/// Runners measure memory, and calls take much of it at once.
+/// Counts memory, as runners must, and uses large pages, because calls allocate much at once.
 #[global_allocator]
 static ALLOCATOR: Pages = Pages;
 
-/// Native functions; see the package `contactbench`.
+/// Native functions of the package `contactbench`.
 #[pyo3::pymodule]
 mod _contactbench {
     #[pymodule_export]

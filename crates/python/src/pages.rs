@@ -1,18 +1,17 @@
 //! Large pages for large arrays.
 //!
-//! A system that hands out memory in pages of 4 KiB does so at the first touch of each: 6,649 times
-//! for the answer of a million packed spheres, which took about a quarter of such a call. numpy
-//! asks for large pages from 4 MiB on; so does this. Where the system has none, or gives none to
-//! those who ask, nothing changes.
+//! If pages have 4 KiB, the system clears each at its first use: 6,649 times for the contacts
+//! of a million packed spheres, a quarter of the call. NumPy requests large pages from 4 MiB on,
+//! and so does this allocator. If the system has none, nothing changes.
 
 use std::alloc::{GlobalAlloc, Layout};
 
 use contactbench_run::run::alloc::Counting;
 
-/// The allocator of the program, which asks for large pages.
+/// The counting allocator, with large pages.
 pub struct Pages;
 
-/// From so many bytes on.
+/// Least size of an allocation in large pages.
 const LARGE: usize = 1 << 22;
 
 #[cfg(target_os = "linux")]
@@ -20,22 +19,22 @@ fn ask(begin: *mut u8, size: usize) {
     if size < LARGE || begin.is_null() {
         return;
     }
-    // Whole pages, whatever their size on this machine.
+    // Whole pages, for any page size of the machine.
     const PAGE: usize = 1 << 16;
     let skipped = begin.align_offset(PAGE);
     let len = size.saturating_sub(skipped) / PAGE * PAGE;
-    // SAFETY: the range lies within what was just allocated, and advice changes no content.
+    // SAFETY: the range lies within the new allocation, and the advice does not change its content.
     unsafe { libc::madvise(begin.wrapping_add(skipped).cast(), len, libc::MADV_HUGEPAGE) };
 }
 
 #[cfg(not(target_os = "linux"))]
 fn ask(_: *mut u8, _: usize) {}
 
-// SAFETY: every call is passed on to `Counting` with the same arguments, and its result is returned
-// unchanged, so that its promises are kept.
+// SAFETY: every call goes to `Counting` with the same arguments, and its result is returned, so its
+// guarantees are kept.
 unsafe impl GlobalAlloc for Pages {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are those that `Counting` asks for.
+        // SAFETY: the caller's promises are those that `Counting` requires.
         let begin = unsafe { Counting.alloc(layout) };
         ask(begin, layout.size());
         begin
@@ -54,7 +53,7 @@ unsafe impl GlobalAlloc for Pages {
     }
 
     unsafe fn realloc(&self, begin: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: as above. What the system copies to a new place is there before it is asked.
+        // SAFETY: as above.
         let begin = unsafe { Counting.realloc(begin, layout, size) };
         ask(begin, size);
         begin

@@ -1,4 +1,4 @@
-//! Which detector for a scene.
+//! Recommends a detector for a scene.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -16,8 +16,8 @@ use pyo3::prelude::*;
 use crate::failure::{Failure, by_threads, patient, work};
 use crate::given::{Edges, Held, arithmetic};
 
-/// The race of `contactbench recommend`, as the JSON of its option `--json`. Detectors work in
-/// processes of their own, which `program` starts: an interpreter that calls [`serve`].
+/// Measures like `contactbench recommend`, and returns its `--json`. Detectors run in processes
+/// that `program` starts: interpreters that call [`serve`].
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn recommend(
@@ -65,7 +65,7 @@ pub fn recommend(
     })
 }
 
-/// Serves as a runner, with the arguments of `contactbench runner`, until the end of the input.
+/// Serves as a runner until the end of its input, with the arguments of `contactbench runner`.
 #[pyfunction]
 pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
     work(py, || {
@@ -86,7 +86,7 @@ pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
         let threads = whole("--threads")? as usize;
         let options = Options { memory_limit: whole("--memory-limit")?, threads };
         if threads > 1 {
-            // Fails only if there is a pool already; nothing before this call makes one.
+            // Fails only if there is a pool, and this process has not made one.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let arithmetic = arithmetic(of("--arithmetic")?)?;

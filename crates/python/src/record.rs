@@ -1,4 +1,4 @@
-//! Records as columns; and scenes of generators.
+//! Records as columns, and generated scenes.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,22 +16,17 @@ use pyo3::prelude::*;
 use crate::failure::{Failure, by_threads, work};
 use crate::given::{Edges, Made, made};
 
-/// A column: its name and its values, with `None` where there is none.
+/// Values of a column; `None` if absent.
 #[derive(IntoPyObject)]
 pub enum Values {
-    /// Text.
     Text(Vec<Option<String>>),
-    /// Whole numbers.
     Whole(Vec<Option<i64>>),
-    /// Numbers.
     Number(Vec<Option<f64>>),
-    /// True or false.
     Flag(Vec<Option<bool>>),
 }
 
-/// The columns of a record, each with its kind (`text`, `whole`, `number` or `flag`); sentences
-/// about lines that were left out; and the provenance as JSON. `path` is a result folder, or its
-/// record.
+/// Reads a record from a result folder or its file. Returns the columns, each with its kind
+/// (`text`, `whole`, `number` or `flag`); notes about skipped lines; and the provenance as JSON.
 #[pyfunction]
 pub fn load(
     py: Python<'_>,
@@ -54,7 +49,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         (name.to_string(), "text", Values::Text(values))
     };
     let whole = |name: &str, of: fn(&Row) -> Option<u64>| {
-        // What is beyond is left out, and not another number.
+        // A number beyond i64 becomes absent.
         let values = rows.iter().map(|row| of(row).and_then(|x| x.try_into().ok())).collect();
         (name.to_string(), "whole", Values::Whole(values))
     };
@@ -97,7 +92,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         let name = column.name.to_string();
         let numbers = rows.iter().map(|row| column.read(row));
         columns.push(match column.is_whole() {
-            // Every one is below 2^53, or was rounded when it was read.
+            // All are below 2^53, or were rounded by the reader.
             true => {
                 let values = numbers.map(|x| x.map(|x| x as i64)).collect();
                 (name, "whole", Values::Whole(values))
@@ -113,7 +108,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
     columns
 }
 
-/// `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
+/// Returns `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
 fn role_of(role: &Role) -> String {
     match role {
         Role::Detector => "detector".into(),
@@ -125,7 +120,7 @@ fn role_of(role: &Role) -> String {
     }
 }
 
-/// Values of a parameter, of the plainest kind that holds them all.
+/// Returns the values of a parameter in the simplest kind that holds all of them.
 fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static str, Values) {
     let name = name.to_string();
     let all = |is: fn(&AxisValue) -> bool| values.iter().flatten().all(is);
@@ -143,7 +138,7 @@ fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static st
     (name, "text", Values::Text(values))
 }
 
-/// The arrays of a scene that a text asks for, as in `packed:dim=3,n=1000`, and its box.
+/// Makes a scene from a text such as `packed:dim=3,n=1000`, and returns its arrays and box.
 #[pyfunction]
 pub fn scene(py: Python<'_>, text: &str) -> PyResult<(Made, Option<Edges>)> {
     let given = work(py, || by_threads(1, || Ok(Spec::parse(text)?.given()?)))?;

@@ -1,5 +1,3 @@
-//! Detectors and trackers that keep their buffers.
-
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -37,7 +35,7 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses a scene whose pairs are sure to be too many.
+/// Loads a scene, unless it certainly has too many pairs.
 fn loaded<'a>(
     arrays: &Arrays<'a>,
     arithmetic: Arithmetic,
@@ -48,28 +46,28 @@ fn loaded<'a>(
     Ok(loaded)
 }
 
-/// An empty list with room for most answers, within a limit of bytes: while a list grows, its pages
-/// are moved. Room that is not used is not touched, and given back in the end.
+/// Returns an empty list with room for most answers, within a limit of bytes, because a growing
+/// list moves its pages. Unused room costs nothing.
 fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
     let most = usize::try_from(limit / PAIR_BYTES).unwrap_or(usize::MAX);
     let mut contacts = Contacts::default();
-    // Who has no room now finds out while the list grows.
+    // If this fails, the list grows later, or fails then.
     let _ = contacts.plain.try_reserve_exact(arrays.len().saturating_mul(4).min(most));
     contacts
 }
 
-/// Bytes for one detection of so many particles, if nobody says how many.
+/// Default memory limit in bytes, for one detection of this many particles.
 #[pyfunction]
 pub fn limit_for(particles: usize) -> u64 {
     memory::limit_for(particles)
 }
 
-/// Something that one call uses at a time, made again where a call was given up.
+/// A value that one call uses at a time, and that is remade after an interrupted call.
 struct Owned<T> {
     of: Mutex<Arc<Mutex<T>>>,
-    /// The process that has made it.
+    /// The process that made it.
     process: u32,
-    /// It has threads, which a forked process has not.
+    /// Whether it has threads, which a forked process lacks.
     threads: bool,
 }
 
@@ -79,7 +77,7 @@ impl<T> Owned<T> {
         Owned { of, process: std::process::id(), threads: threads > 1 }
     }
 
-    /// It, for a call; in a forked process only if nothing of it is left in the other.
+    /// Returns the value. A forked process gets it only if it has no threads and was idle.
     fn lend(&self) -> Result<Arc<Mutex<T>>, Failure> {
         if self.process != std::process::id() {
             let idle = |lent: &Arc<Mutex<T>>| !self.threads && lent.try_lock().is_ok();
@@ -91,7 +89,7 @@ impl<T> Owned<T> {
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
-    /// Does long work with it. If the call is given up, the next one has what `fresh` makes.
+    /// Does work with the value. After an interrupted call, `fresh` replaces it.
     fn patient<R: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -111,7 +109,7 @@ impl<T> Owned<T> {
             ended.store(true, Ordering::Relaxed);
             result
         });
-        // A panic, too, may leave it half changed.
+        // A panic may leave the value half changed.
         if !done.load(Ordering::Relaxed) {
             let made = Arc::new(Mutex::new(fresh()?));
             *self.of.lock().unwrap_or_else(PoisonError::into_inner) = made;
@@ -120,7 +118,6 @@ impl<T> Owned<T> {
     }
 }
 
-/// A detector or a tracker to search with.
 enum Spec {
     Detector(DetectorSpec),
     Tracker(TrackerSpec),
@@ -133,7 +130,7 @@ enum Finder {
 
 type Working = (Finder, Option<ThreadPool>);
 
-/// What a tracker has done.
+/// Statistics of a tracker.
 #[derive(Clone, Copy, Default)]
 struct Done {
     steps: u64,
@@ -143,7 +140,7 @@ struct Done {
     built: bool,
 }
 
-/// The state of the classes `Detector` and `Verlet` of the package.
+/// State of the Python classes `Detector` and `Verlet`.
 #[pyclass(frozen)]
 pub struct Search {
     spec: Spec,
@@ -167,7 +164,6 @@ fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Fail
 }
 
 impl Search {
-    /// Does work that may take long.
     fn patient<R: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -185,7 +181,7 @@ impl Search {
 
 #[pymethods]
 impl Search {
-    /// Builds the search of a detector or, if it `tracks`, of a tracker.
+    /// Prepares a detector or, if `tracks`, a tracker.
     #[new]
     fn new(
         text: &str,
@@ -248,7 +244,7 @@ impl Search {
                 None => find(),
             }?;
             smaller_first(&mut contacts.plain);
-            // Dimension of the box, if there is one: the number of components of an image.
+            // Components of an image: the dimension, or `None` in open space.
             let boxed = match &scene {
                 Loaded::Open(_) => None,
                 Loaded::InBox(periodic) => Some(periodic.scene().dim()),
@@ -266,7 +262,7 @@ impl Search {
         answer(py, found, boxed)
     }
 
-    /// Returns how often each operation of a detector happens, without those that do not happen.
+    /// Returns the number of each elementary operation of a detector, without those that are 0.
     fn count(
         &self,
         py: Python<'_>,
@@ -287,7 +283,7 @@ impl Search {
         })
     }
 
-    /// The next frame is taken as the first.
+    /// Makes the next frame count as the first.
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
         self.patient(py, true, |(finder, _)| {
             if let Finder::Tracker(tracker) = finder {

@@ -1,4 +1,4 @@
-//! Lists of pairs, held to the truth.
+//! Comparison of pair lists with the truth.
 
 use contactbench_core::memory::limit_for;
 use contactbench_core::oracle::{Causes, Errors};
@@ -18,8 +18,8 @@ use crate::given::{Arrays, Edges, Held, arithmetic, longer, rows};
 /// Pairs, images in a box, and depths in mean radii.
 type Worst = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>, Py<PyArray1<f64>>);
 
-/// Compares; all that is found as a dictionary, whose keys are the fields of the class of the
-/// package.
+/// Compares a list with the truth. Returns a dictionary with the fields of the class
+/// `Verification`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn verify<'py>(
@@ -61,7 +61,7 @@ pub fn verify<'py>(
     };
     let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
     let count = list.len();
-    // SAFETY: the array of pairs is kept beside.
+    // SAFETY: `kept` is a reference to the array of the list.
     let (list, kept) = unsafe { (longer(list), (*pairs).clone().unbind()) };
     let (found, reading, causes) = patient(py, true, move |_| {
         let (_kept, images) = (kept, images);
@@ -87,14 +87,14 @@ fn x_is_flat(x: &PyReadonlyArrayDyn<'_, f64>) -> bool {
     x.as_array().shape().last() == Some(&2)
 }
 
-/// Images as three numbers each.
+/// Pads images to three numbers.
 fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
     let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
     images.chunks(width.max(1)).map(three).collect()
 }
 
-/// Against the truth in the arithmetic; how the list may be meant; and, where that rounds, the
-/// errors by cause.
+/// Compares with the truth in the arithmetic. Also returns how the list may be meant and, if the
+/// arithmetic rounds, the errors by cause.
 fn held(
     arrays: &Arrays<'_>,
     list: Listed<'_>,
@@ -108,7 +108,7 @@ fn held(
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
     let found = contactbench_run::check::verify::verify(&job)?;
     let reading = contactbench_run::check::verify::explain(&job, &found, None)?;
-    // Of a list in a box without images nobody knows which are meant.
+    // Causes need exact images: a list in a box without images does not identify its contacts.
     if terms.arithmetic == Default::default()
         || terms.allowed != Allowed::default()
         || lattice.is_some() && list.images.is_none()
@@ -124,7 +124,7 @@ fn held(
     Ok((found, reading, causes))
 }
 
-/// The pairs of a list that name particles.
+/// Converts the pairs whose numbers exist.
 fn contacts(list: Listed<'_>, base: i64, n: usize) -> Contacts {
     let mut contacts = Contacts::default();
     let place = |name: i64| {

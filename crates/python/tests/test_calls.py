@@ -1,4 +1,4 @@
-"""What a call may meet: refusals, Ctrl-C, too little memory, forks, other threads, copies."""
+"""Calls that are refused, interrupted, forked, short of memory, or shared by threads."""
 
 import copy
 import os
@@ -81,7 +81,7 @@ def test_a_check_that_compared_nothing_is_no_pass():
 
 
 def test_a_small_box_is_answered():
-    """Two discs and 400,000 contacts: a detector given all images would take an hour."""
+    """Two discs have 400,000 contacts; a detector that got all images would take an hour."""
     pairs, images = contactbench.contacts([[0.0, 0.0], [1.0, 1.0]], 0.5, box=[[1, 0], [1, 1e-5]])
     assert len(pairs) == pytest.approx(4e5, rel=1e-3) and len(images) == len(pairs)
 

@@ -1,4 +1,4 @@
-"""Contacts, against all pairs tested, and against SciPy."""
+"""Contacts, compared with tests of all pairs and with SciPy."""
 
 import threading
 import time
@@ -11,7 +11,7 @@ import contactbench
 
 
 def brute(x, r):
-    """All pairs tested in f64; for scenes without near-tangent pairs."""
+    """Test all pairs in f64; for scenes without near-tangent pairs."""
     r = np.broadcast_to(r, len(x))
     i, j = np.triu_indices(len(x), 1)
     near = ((x[i] - x[j]) ** 2).sum(axis=1) <= (r[i] + r[j]) ** 2
@@ -29,7 +29,7 @@ def pairs_of(answer):
 
 
 def images_of(x, r, vectors, periodic):
-    """Contacts in a box, by all images near the middle one."""
+    """Find contacts in a box by testing all adjacent images."""
     r = np.broadcast_to(r, len(x))
     ranges = [range(-2, 3) if flag else range(1) for flag in periodic]
     found = set()
@@ -60,7 +60,7 @@ def test_every_arithmetic_decides(arithmetic):
 
 
 def test_contacts_are_decided_exactly():
-    # 0.1 + 0.2 is above 0.3 by an ulp in f64, but not the sum of the two doubles.
+    # In f64, 0.1 + 0.2 is an ulp above 0.3; the exact sum of the two doubles is not.
     x = [[0.0, 0.0], [0.1 + 0.2, 0.0]]
     r = [0.1, 0.2]
     assert len(contactbench.contacts(x, r)[0]) == 0
@@ -176,20 +176,20 @@ def test_wrong_options_are_errors(options, words):
 
 
 def test_refusals_are_exceptions():
-    # Domain: a grid cannot address so many cells.
+    # A grid cannot address this many cells.
     far = [[0.0, 0.0], [1e300, 0.0]]
     with pytest.raises(ValueError, match="a grid can address"):
         contactbench.contacts(far, 1.0, detector="cell-grid")
     assert pairs_of(contactbench.contacts(far, 1.0)) == set()
     with pytest.raises(MemoryError, match="nbs needs .* the limit is 1000 bytes"):
         contactbench.Detector("nbs", memory_limit=1000).contacts(np.random.rand(1000, 2), 1e-4)
-    # 20,000 in one point have 2e8 pairs: 1.6 GB, where 312 MiB are the limit.
+    # 20,000 particles in one point have 2e8 pairs: 1.6 GB; the limit is 312 MiB.
     with pytest.raises(MemoryError, match="each of the 20000 particles touches about 19999 others"):
         contactbench.contacts(np.zeros((20_000, 3)), 1.0)
 
 
 def test_pairs_keep_to_the_limit():
-    # A row of 50 pairs among 950 that touch nothing: room is made for 4,000.
+    # 51 particles form 50 pairs, the others none; there is room for 4,000 pairs.
     x = np.array([[k if k <= 50 else 10.0 * k, 0.0] for k in range(1000)])
     enough = contactbench.Detector("direct", memory_limit=400)
     assert len(enough.contacts(x, 0.5)[0]) == 50
@@ -206,7 +206,7 @@ def test_detectors_keep_nothing_of_the_call_before():
         assert pairs_of(detector.contacts(x, r)) == brute(x, r)
         box = pairs_of(detector.contacts(x, r, box=np.ones(dim)))
         assert len(box) >= len(brute(x, r))
-    # The answer is the caller's, whatever is asked afterwards.
+    # Later calls do not change earlier answers.
     x = random.random((100, 2))
     first, _ = detector.contacts(x, 0.05)
     kept = first.copy()
@@ -227,7 +227,7 @@ def test_threads_find_the_same_and_share_a_detector():
 
 
 def test_the_lock_is_released():
-    """Another thread goes on in the middle of a detection."""
+    """Another thread runs during a detection."""
     x = np.random.default_rng(8).random((10_000, 3))
     done, times, ask = threading.Event(), [], contactbench.Detector("direct")
 
@@ -296,7 +296,7 @@ def test_a_list_in_a_box_does_not_round():
 
 
 def flags_at(address):
-    """The flags of the mapping that holds an address (Linux), or none."""
+    """Return the flags of the mapping that holds an address (Linux), or none."""
     here = False
     for line in Path("/proc/self/smaps").read_text().splitlines():
         name, _, rest = line.partition(" ")

@@ -1,4 +1,4 @@
-"""Examples in docstrings, and that everything has one with types."""
+"""Docstrings have examples that run, and all parameters are documented and typed."""
 
 import doctest
 import importlib
@@ -31,7 +31,7 @@ def test_everything_is_documented_and_typed():
         if not callable(thing):
             continue
         assert inspect.getdoc(thing), name
-        # An exception takes what ValueError takes; Python has no signature of that.
+        # Python has no signature for the arguments of ValueError.
         if inspect.isclass(thing) and issubclass(thing, Exception):
             continue
         signature = inspect.signature(thing)
@@ -43,6 +43,6 @@ def test_everything_is_documented_and_typed():
 
 def test_the_version_is_that_of_the_program():
     root = pathlib.Path(__file__).parents[3]
-    # The crates take the version of the workspace.
+    # Crates have the version of the workspace.
     version = re.search(r'^version = "(.*)"', (root / "Cargo.toml").read_text(), re.MULTILINE)
     assert version[1] == contactbench.__version__

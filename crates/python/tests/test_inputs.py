@@ -1,4 +1,4 @@
-"""What callers give: boxes and numbers."""
+"""Boxes and numbers as arguments."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Lists held to the truth, detectors in Python checked, and detectors recommended."""
+"""The functions `verify`, `check` and `recommend`."""
 
 import signal
 
@@ -9,7 +9,7 @@ import contactbench
 
 
 def row(n=4):
-    """Discs of radius 1 of which neighbours touch in one point."""
+    """Discs of radius 1 whose neighbours touch in one point."""
     return np.column_stack([2.0 * np.arange(n), np.zeros(n)])
 
 
@@ -72,14 +72,14 @@ def test_boxes_are_compared_with_their_images():
     elsewhere[0] += 1
     wrong = contactbench.verify(x, 0.05, pairs, elsewhere, box=box)
     assert (wrong.errors["missed"], wrong.errors["spurious"]) == (1, 1)
-    with pytest.raises(ValueError, match="images are given, and no box"):
+    with pytest.raises(ValueError, match="images are given without a box"):
         contactbench.verify(x, 0.05, pairs, images)
     with pytest.raises(ValueError, match="pairs but"):
         contactbench.verify(x, 0.05, pairs, images[1:], box=box)
 
 
 def test_errors_are_told_apart_by_cause():
-    # Discs that touch, far from the origin: f32 cannot say where they are.
+    # Touching discs, so far from the origin that f32 cannot represent their places.
     x = row(40) + [1e8, 0.0]
     pairs, _ = contactbench.contacts(x, 1.0, arithmetic="f32")
     found = contactbench.verify(x, 1.0, pairs, arithmetic="f32")
@@ -131,7 +131,7 @@ def test_a_detector_that_is_wrong_is_shown_a_small_scene():
     assert "1 missed" in failure.wrong and len(failure.given[0]) >= 2
     assert len(contactbench.contacts(failure.x, failure.r)[0]) == 1
     assert len(brute(failure.x, failure.r, np.less)) == 0
-    # Rounding is found by the hard cases, or by random bytes.
+    # Hard cases or random bytes reveal the rounding.
     rounded = contactbench.check(brute)
     assert not rounded and len(rounded.failures[0].x) == 2, str(rounded)
 
@@ -163,7 +163,7 @@ def test_a_check_can_be_interrupted():
 
     with pytest.raises(KeyboardInterrupt):
         contactbench.check(interrupted)
-    # At once, wherever the signal is from.
+    # The call ends at once, whatever process sent the signal.
     calls = []
 
     def signalled(x, r):
@@ -175,7 +175,7 @@ def test_a_check_can_be_interrupted():
     with pytest.raises(KeyboardInterrupt):
         contactbench.check(signalled)
     assert len(calls) == 3
-    # Also while a scene is made small: with the last but one of its calls.
+    # Ctrl-C also works while a scene is reduced: here in the second last call.
     calls = []
 
     def counted(x, r):

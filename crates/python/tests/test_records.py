@@ -1,4 +1,4 @@
-"""Records as frames, and scenes of generators."""
+"""Records as data frames, and generated scenes."""
 
 import gzip
 import pathlib

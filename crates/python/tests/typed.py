@@ -1,5 +1,5 @@
 # pyright: strict
-"""A program that mypy and pyright hold to the types of the package; it is not run."""
+"""A program that mypy and pyright check; it does not run."""
 
 import numpy as np
 import numpy.typing as npt
