@@ -98,7 +98,7 @@ impl Declared {
         in_order(&ranges, boundaries)?;
         let [xy, xz, yz] = tilt;
         let mut rounded = false;
-        // LAMMPS rounds xy + xz as well, perhaps from other digits.
+        // LAMMPS rounds this sum, too, perhaps of numbers with more digits than in the file.
         let both = minus(xy, -xz, &mut rounded);
         let least = [xy, xz, both].into_iter().fold(0.0, f64::min);
         let most = [xy, xz, both].into_iter().fold(0.0, f64::max);
@@ -154,7 +154,7 @@ impl FromStr for Edges {
             _ => format!("{count} numbers are no box; {form}"),
         })?;
         let space = !matches!(count, 2 | 4);
-        // Only lengths of edges must not be negative; vectors may point in any direction.
+        // Lengths of edges must not be negative; components of vectors may be.
         let edges = if matches!(count, 4 | 9) { 0 } else { count.min(3) };
         if let Some(edge) = numbers[..edges].iter().find(|edge| **edge < 0.0) {
             return Err(format!("an edge of {edge} is negative; {form}"));

@@ -13,7 +13,6 @@ pub enum Frame {
     Only,
     Number(u64),
     Last,
-    /// All frames; see [`Frames`].
     All,
 }
 
@@ -91,7 +90,7 @@ impl Choice {
     }
 
     fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
-        // If one frame is expected and a second begins, no frame is damaged.
+        // A second frame in a file that should have one is not damage.
         if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
         }
@@ -220,7 +219,7 @@ pub fn chosen<T>(
         match reader.next(choice) {
             Ok(Some(frame)) => kept = Some(frame),
             Ok(None) => break,
-            // An error after the chosen frame does not matter.
+            // The chosen frame was read before the error.
             Err(error)
                 if kept.is_some()
                     && !choice.through

@@ -5,9 +5,9 @@
 //! with gzip. Numbers are rounded correctly. Errors name file, line and column; particles are
 //! numbered from 0.
 //!
-//! **Dimension.** A column z or three-dimensional vectors make spheres, even if every z is 0. With
-//! `dim: Some(2)` they make discs, and every z must be 0. An array of three unnamed columns is x,
-//! y, z, or x, y, radius with `dim: Some(2)`.
+//! **Dimension.** A column z or three-dimensional vectors make spheres, even if every z is 0. If
+//! `dim` is `Some(2)`, they make discs, and every z must be 0. An array of three unnamed columns is
+//! x, y, z, or x, y, radius with `dim: Some(2)`.
 //!
 //! **Radii.** A radius from the options replaces those of the file. Diameters are halved, which is
 //! exact above 10^-307. Equal radii are stored as one.

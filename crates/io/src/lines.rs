@@ -199,7 +199,7 @@ pub fn number(cell: &[u8]) -> Option<f64> {
 /// Parses a whole number, also if written as `12.0` or `1.2000e+01`.
 ///
 /// Returns `None` for `1e+06` and `1.23457e+06`, because `%g` keeps six digits and may have rounded
-/// another number. With an exponent, all digits of the number must be written.
+/// another number. If there is an exponent, all digits of the number must be written.
 pub fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
     if let Ok(whole) = text.parse() {

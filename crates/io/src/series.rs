@@ -267,7 +267,6 @@ impl Series {
                 None => whole = Some((particles, about)),
             }
         }
-        // Every member has at least one file.
         let (particles, about) = whole.context("a frame of no files")?;
         let time = member.time.or(about.time);
         let file = match &member.files[..] {

@@ -17,7 +17,7 @@ pub struct Without {
     column: Word,
     /// Named values; all other values get index [`MOST`].
     values: [Option<Word>; MOST],
-    /// For each value index, a bit mask of the values with which contacts are left out.
+    /// Bit b of `with[a]`: whether contacts between values a and b are left out.
     with: [u16; MOST + 1],
 }
 

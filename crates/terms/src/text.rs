@@ -75,8 +75,8 @@ pub fn html(text: &str) -> String {
     out
 }
 
-/// Replaces each `{{name}}` of a template by its value, or by nothing if there is no value. Values
-/// are not searched for further names.
+/// Replaces each `{{name}}` of a template by its value, or by nothing if the value is missing.
+/// Values are not searched for further names.
 pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut out = String::new();
     let mut rest = template;

@@ -288,7 +288,6 @@ impl Columns {
             }
         }
         if let Some(groups) = &mut particles.groups {
-            // The number of cells was checked above.
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
         }
         particles.push(point, radius, id).with_context(place)

@@ -125,7 +125,6 @@ impl Header {
             "{}: this is a dump of grid cells, not of atoms; write one of style custom",
             lines.place()
         );
-        // Each of these items has one line.
         next(lines)?;
         match item {
             "NUMBER OF ATOMS" => self.n = Some(lines.count(lines.line(), "the number of atoms")?),

@@ -113,7 +113,7 @@ impl File {
         let until_zero = |name: &[u8]| name.split(|&b| b == 0).next().unwrap_or_default().to_vec();
         let names: Vec<Vec<u8>> = match version {
             1 => list.chunks(64).map(until_zero).collect(),
-            // Index entries refer to names by 16 bits.
+            // Index entries refer to names by 16-bit numbers.
             _ => list.split(|&b| b == 0).take(1 << 16).map(<[u8]>::to_vec).collect(),
         };
         let mut chunks = Vec::new();

@@ -166,7 +166,7 @@ fn atoms(
     let styled = style.map(|style| styled(style, options));
     let mut rows = match styled {
         Some(Ok(columns)) => Some(columns.rows(&place, options)?),
-        // The style is not needed if the options choose the columns.
+        // An unknown style does not matter if the options choose the columns.
         Some(Err(error)) if !chosen => return Err(error.context(place)),
         _ => None,
     };

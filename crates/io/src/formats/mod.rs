@@ -212,7 +212,8 @@ fn told(
          file beside it for the particles"
     );
     let ended = FORMATS.iter().find(|format| format.endings.contains(&ending));
-    // The endings csv and xyz are trusted, because columns may look like a data file.
+    // The endings csv and xyz take precedence, because rows of numbers may look like another
+    // format.
     let believed = ended.filter(|format| matches!(format.key, "csv" | "xyz"));
     let strict =
         |format: &&Format| believed.is_none() || !format.begins.is_empty() && format.key != "vtp";

@@ -249,7 +249,7 @@ impl Vtk<'_> {
                 self.lines.advance_over_blanks()?,
                 "{name} is cut off in a FIELD; write it again"
             );
-            // METADATA of the array before may stand here.
+            // METADATA belongs to the array before and is skipped.
             if !self.lines.line().starts_with(b"METADATA") {
                 break;
             }

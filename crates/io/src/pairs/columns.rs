@@ -22,7 +22,7 @@ const REMEDY: &str = "; name the columns of the two particles with --pairs-colum
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Other {
-    /// Its name, or its number from 1.
+    /// The name of the column, or its number from 1.
     pub name: String,
     /// Whether its name shows that it is not an image.
     pub named: bool,
@@ -199,7 +199,7 @@ fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<us
             match at {
                 [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),
                 [Some(x), Some(y), None] => return Ok(vec![x, y]),
-                // A column s1 alone may be anything.
+                // A single column such as s1 may hold anything.
                 [None, None, None] => {}
                 _ => ensure!(
                     axes != AXES[0],

@@ -91,7 +91,6 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                         let words = notice.words(Place::Argument);
                         words.contains("is whole") || words.contains("no line feed")
                     };
-                    // A table is read to its end, to check the order of its rows.
                     let through = survey || ending == "csv";
                     assert_eq!(particles.notices.iter().any(said), through, "{ending} {cut}");
                 }

@@ -102,7 +102,7 @@ pub fn whole<T, E: From<io::Error>>(
     prefix.push(path.file_name().unwrap_or_default());
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(".part");
-    // The usual mode of a new file, before the process's mask.
+    // Temporary files are private by default; this is the usual mode of a new file.
     #[cfg(unix)]
     let new: std::fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]

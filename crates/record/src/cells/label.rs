@@ -49,7 +49,6 @@ pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
     title += &text("dim").map_or(String::new(), |dim| format!(", {dim}D"));
     title += &text("n").map_or(String::new(), |n| format!(", N = {n}"));
     for (name, value) in id.parameters() {
-        // The scene's name already contains these two.
         if swept.contains(name) && !["path", MACHINE].contains(&name.as_str()) {
             title += &format!(", {name} = {value}");
         }

@@ -41,7 +41,7 @@ pub struct Cell {
     /// Nanoseconds per detection of several single-threaded copies that ran at the same time; empty
     /// if not measured.
     pub copies_ns: Blocks,
-    /// The same for each copy alone, one after the other.
+    /// Nanoseconds per detection of each copy alone, one after the other.
     pub alone_ns: Blocks,
     /// Why copies are missing in some or all blocks.
     pub copies_failure: Option<(Outcome, String)>,

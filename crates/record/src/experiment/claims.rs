@@ -50,7 +50,7 @@ pub enum ClaimKind {
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// In every cell, both sides differ by at most `within`, relative to `to`.
+    /// `value` and `to` differ by at most `within`, relative to `to`, in every cell.
     Equal {
         value: Expression,
         to: Expression,
@@ -70,7 +70,7 @@ pub enum ClaimKind {
         #[serde(deserialize_with = "model")]
         model: Model,
     },
-    /// In every cell, the ratio of the detector's time to that of `than` is below 1 / `by`.
+    /// The ratio of the detector's time to that of `than` is below 1 / `by` in every cell.
     Faster {
         than: String,
         #[serde(default = "once", deserialize_with = "times")]

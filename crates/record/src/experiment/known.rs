@@ -77,7 +77,7 @@ impl Known {
         let unknown =
             |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
         let found = expression.variables().find(|(name, _)| unknown(name));
-        // Without a scene or a subject, no name can be checked.
+        // If there is no scene or no subject, names cannot be checked.
         let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
         let columns = COLUMNS.iter().map(|column| &*column.name);
         let mut all: BTreeSet<String> =
@@ -108,7 +108,6 @@ impl Known {
                 let meant = meant(&plain, &self.names());
                 return Err(format!("where names '{name}', which no row will have{meant}"));
             }
-            // Words must match exactly; numbers may be compared.
             let is_word = found.iter().all(|value| value.number().is_none());
             if !is_word || plain == "arithmetic" && self.runners {
                 continue;

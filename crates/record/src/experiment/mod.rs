@@ -48,7 +48,7 @@ pub struct Experiment {
     /// at the same time.
     pub ceiling: bool,
     pub ratios_to: Option<String>,
-    /// Number of blocks. Each block runs every detector once, in a new random order. With 0, only
+    /// Number of blocks. Each block runs every detector once, in a new random order. If 0, only
     /// answers, counts and memory are measured.
     #[serde(deserialize_with = "list::one")]
     pub blocks: u32,

@@ -34,7 +34,7 @@ pub struct Motion {
 }
 
 impl<'a> Courses<'a> {
-    /// From the cells of an experiment, in exact arithmetic if possible; `None` if nothing moves.
+    /// Uses the cells in exact arithmetic if there are some; returns `None` if nothing moves.
     pub fn new(cells: &[&'a Cell]) -> Option<Courses<'a>> {
         let mut own: Vec<&'a Cell> = cells.to_vec();
         own.retain(|cell| !cell.role.is_control() && cell.values.contains_key("builds"));

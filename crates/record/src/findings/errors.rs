@@ -26,7 +26,7 @@ pub struct ErrorLine {
 pub struct Sum {
     pub cells: usize,
     pub contacts: f64,
-    /// Compared with exact decisions on the given scene.
+    /// Errors compared with exact decisions on the given scene.
     pub errors: Errors,
     /// `None` if a cell is from an older record without causes.
     pub causes: Option<Causes>,
@@ -50,7 +50,7 @@ impl Sum {
         sum
     }
 
-    /// Whether there is no error of any cause; errors of two causes can cancel.
+    /// Whether each cause has 0 errors; errors of two causes can cancel in the total.
     fn none(&self) -> bool {
         let causes = self.causes.unwrap_or_default();
         self.errors.wrong()
@@ -68,8 +68,8 @@ impl Sum {
 }
 
 impl ErrorTable {
-    /// Sums over n, seeds and orders, and over parameters if there are no errors. Returns `None` if
-    /// nothing was compared.
+    /// Sums over n, seeds and orders, and over parameters whose cells have no errors. Returns
+    /// `None` if nothing was compared.
     pub fn new(cells: &[&Cell]) -> Option<ErrorTable> {
         let compared =
             |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;

@@ -31,8 +31,8 @@ pub struct Culprit {
     pub reason: String,
 }
 
-/// Each subject once: with a wrong answer, crashed (own detectors in any cell, runners in all
-/// cells), or, in `absent`, not started.
+/// Subjects with a wrong answer, or that crashed (detectors in any cell, runners in all cells);
+/// `absent` has runners that could not be started.
 #[derive(Debug, Default)]
 pub struct Culprits {
     pub all: Vec<Culprit>,
@@ -51,7 +51,6 @@ impl Culprits {
                 _ if culprit.outcome != Outcome::Unavailable => all.push(culprit),
                 Some(known) if known.is_optional() => absent.push(culprit),
                 Some(_) => all.push(culprit),
-                // A library that was not compiled in is reported elsewhere.
                 None => {}
             }
         }

@@ -16,7 +16,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// Least coverage of an interval that decides. Five blocks, the fewest of a full run, give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// With fewer cells than this, their largest value is random.
+/// Among fewer cells than this, the largest value is random.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Twin {
     pub name: String,
     pub original: String,
     pub cells: usize,
-    /// Its time over the original's; in each block, the median over all cells.
+    /// The twin's time over the original's; in each block, the median over all cells.
     pub overall: Interval,
     /// Like `overall`, over the blocks in which the machine was quiet for both, or slow for both.
     pub states: [Option<Interval>; 2],
@@ -80,7 +80,7 @@ impl Noise {
         Noise { twins, floor, floors }
     }
 
-    /// From a single twin. The floor is the end of its interval farther from 1.
+    /// Uses a single twin. The floor is the end of its interval farther from 1.
     pub fn of_twin(ratio: Option<Interval>) -> Noise {
         let floor = ratio.map_or(1.0, |ratio| ratio.high.max(1.0 / ratio.low));
         Noise { floor, ..Noise::default() }

@@ -9,7 +9,7 @@ use crate::cells::{Cell, CellId, series};
 use crate::record::id::Projection;
 use crate::record::role::Role;
 
-/// Smaller shares do not matter.
+/// Shares below this are not reported.
 pub const LEAST: f64 = 0.01;
 
 #[derive(Clone, Debug, PartialEq)]

@@ -75,7 +75,6 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
 
 fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {
     let per = |name: &str| cell.variable(name, None).map(|value| value / n);
-    // Like the time, these are per frame.
     let per_step = |name: &str| per(name).map(|value| value / cell.frames());
     let lists = ["list_push", "list_step", "list_reset"];
     Contender {

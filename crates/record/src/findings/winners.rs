@@ -46,8 +46,7 @@ pub struct Contender {
     pub name: String,
     /// Nanoseconds per particle.
     pub per_particle: f64,
-    /// Its time over that of the fastest; `None` for the fastest itself, and without a common
-    /// block.
+    /// Time over that of the fastest; `None` for the fastest itself, and without a common block.
     pub ratio: Option<Interval>,
     pub cold: Option<Interval>,
     /// Whether it is slower than the fastest by more than the noise.
@@ -311,7 +310,7 @@ mod tests {
                 "sweep",
                 &[("nbs", false)],
             ),
-            // A noisy third leaves the fastest undecided.
+            // A noisy third detector leaves the fastest undecided.
             (
                 &[("nbs", &[100; 15]), ("sorting", &[120; 15]), ("sweep", &noisy)],
                 "nbs",

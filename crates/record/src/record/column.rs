@@ -16,7 +16,7 @@ pub struct Column {
     pub name: Cow<'static, str>,
     /// The pass that measures it; `None` if every pass records it.
     pub pass: Option<Pass>,
-    /// Its unit; empty for a ratio or a count.
+    /// The unit; empty for a ratio or a count.
     pub unit: &'static str,
     read: Read,
 }

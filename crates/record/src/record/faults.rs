@@ -120,7 +120,7 @@ fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
     let beside = [row.first_ns, row.alone_ns, row.pulse_ns].into_iter().flatten();
     let rounds = !row.rounds_ns.is_empty() || beside.clone().next().is_some();
-    // Copies are timed as well.
+    // The pass of copies has times as well.
     let clock = |pass: Pass| pass == Pass::Time && timed;
     let elsewhere = |column: &&Column| {
         let other = column.pass.is_some_and(|pass| pass != row.pass && !clock(pass));

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use crate::record::value::AxisValue;
 use contactbench_terms::grammar::Spec;
 
-/// What was measured, in which scene and setting. Reports sort by the fields in this order.
+/// A measured cell: experiment, scene, setting and detector. Reports sort by the fields in this
+/// order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct CellId {
     pub experiment: String,

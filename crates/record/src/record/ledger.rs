@@ -40,7 +40,7 @@ pub struct Process {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Executed {
     pub name: String,
-    /// As `sha256sum` prints it; `None` if the file cannot be read.
+    /// The SHA-256 in hexadecimal; `None` if the file cannot be read.
     pub sha256: Option<String>,
 }
 

@@ -68,7 +68,8 @@ impl Labels {
         label
     }
 
-    /// For one machine, the provenance of the first folder; for several, it lists them.
+    /// Returns the provenance of the first folder if there is one machine; otherwise a list of the
+    /// machines.
     pub fn provenance(&self, parts: &[Part]) -> Value {
         let mut all = match &self.0[..] {
             [] | [_] => parts

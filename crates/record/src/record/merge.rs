@@ -146,7 +146,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             }
             here.push(row);
         }
-        // Rows of one folder are not duplicates of each other.
+        // Added after the whole folder, because rows of one folder do not repeat each other.
         for row in &here {
             let block = last.entry(done::scene(&row.id)).or_default();
             *block = row.block.max(*block);
@@ -206,7 +206,7 @@ fn same_experiments(a: &Part, b: &Part) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// One machine must not have two answers for one measurement.
+/// Fails if two rows of one machine give different answers for a measurement.
 fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
     let mut repeating = COLUMNS.iter().filter(|column| column.repeats());
     let what = if a.outcome != b.outcome {

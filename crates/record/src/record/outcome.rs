@@ -71,7 +71,7 @@ impl Outcome {
         matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control)
     }
 
-    /// After these, the detector is not called again on this scene.
+    /// Whether the detector is not called again on this scene.
     pub fn is_final(self) -> bool {
         !self.is_good() && self != Outcome::Wrong
     }

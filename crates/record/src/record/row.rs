@@ -116,8 +116,8 @@ table! {
 }
 
 table! {
-    /// What a tracker did over the frames, and what it missed; see `Builds` and `Late` of the run
-    /// crate.
+    /// Numbers of a tracker over all frames: rebuilds and missed contacts; see `Builds` and `Late`
+    /// of the run crate.
     #[derive(Copy)]
     Course {
         builds: u64 = None, "frames";
@@ -194,7 +194,6 @@ mod tests {
             });
             known.extend(own.map(|name| format!("{part}{name}")));
         }
-        // Their fields are listed one by one.
         assert!(known.remove("id") && known.remove("moved.way"));
         assert_eq!(documented, known);
         assert!(page.contains(&format!("**schema {SCHEMA}**")));

@@ -39,7 +39,7 @@ const CASES: &[(&str, &[u32])] = &[
     ("pack-c:s=1.0,diameter=0.3", &[2]),
     ("pack-d:s=3.0", &[2]),
     ("packed:spacing=1.0,jitter=0.0,periodic=true,lattice=square", &[2, 3]),
-    // With few particles, boxes are smaller than the distance at which particles touch.
+    // Boxes of few particles are smaller than the distance at which particles touch.
     ("loose:fraction=0.9,tilt=-0.375,periodic=true", &[2, 3]),
     ("clustered:per-cluster=20,size-ratio=5.0,periodic=true", &[2, 3]),
 ];

@@ -107,7 +107,6 @@ pub enum Answer {
 impl Answer {
     pub(super) fn of(pairs: Vec<ImagePair>, truth: &Truth, arithmetic: Arithmetic) -> Answer {
         let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
-        // Depths are not needed here.
         let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
         let good = outcome(&errors, arithmetic).is_good();
         if good { Answer::Right } else { Answer::Pairs(pairs) }

@@ -179,7 +179,6 @@ impl Talk {
         let Found { contacts, digest: text, .. } = found;
         match digest(*contacts, text) {
             Err(wrong) => self.manners.broken.push(wrong),
-            // Wrong pairs are found and shown by the scenes of the check.
             Ok(said) if said.contacts == right.contacts && said != right => {
                 let sample = "of the pairs 0,1 and 1,2";
                 self.breaks(format!(

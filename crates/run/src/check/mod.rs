@@ -69,7 +69,8 @@ impl Default for Limits {
 #[derive(Default)]
 pub struct Report {
     pub cases: u64,
-    /// The same by detector and arithmetic; a missing entry means that nothing was compared.
+    /// Compared detections by detector and arithmetic; a missing entry means that nothing was
+    /// compared.
     pub compared: BTreeMap<(String, &'static str), u64>,
     pub scenes: BTreeMap<&'static str, u64>,
     /// Whether the time was over before a [`battery`] was complete.

@@ -34,9 +34,9 @@ const SMALL: usize = 100;
 
 #[derive(Clone)]
 pub struct Foreign {
-    /// Its name, made valid for a file name.
+    /// The runner's name, made valid for a file name.
     pub name: String,
-    /// Its own version; may be empty.
+    /// The runner's version; may be empty.
     pub version: String,
     pub arithmetic: Arithmetic,
     pub command: Vec<String>,
@@ -204,7 +204,6 @@ impl Process {
             other => return Err(astray("pairs", &other)),
         };
         let found = exchange::read_contacts(&path, box_dim).map_err(|error| {
-            // The name of the temporary file does not help the user.
             let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
             breaks(format!("the file of its pairs: {why}"))
         })?;

@@ -7,7 +7,7 @@ use contactbench_core::sink::Digest;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrong {
     Pairs(Differences),
-    /// It refuses the scene after reporting this many pairs.
+    /// The detector refuses the scene after reporting this many pairs.
     RefusesLate(u64),
     Panics(String),
     Hangs(Duration),

@@ -8,7 +8,8 @@ pub struct Builds {
     pub dangerous: u64,
     /// Dangerous builds after a frame with a missed contact since the last build.
     pub rightly: u64,
-    /// All builds after such a frame. Misses after the last build are not counted.
+    /// Builds after a frame with a missed contact, dangerous or not. Misses after the last build
+    /// are not counted.
     pub missing: u64,
     missed_before: u64,
 }
@@ -41,7 +42,7 @@ mod tests {
             (true, false, 0),
             (false, false, 0),
             (true, true, 0),
-            // Two frames with misses, without a warning.
+            // Contacts are missed in two frames, but the build is not dangerous.
             (false, false, 3),
             (true, false, 5),
             (true, true, 6),

@@ -124,7 +124,6 @@ mod tests {
             let (spurious, late) = take(k, reported, truth);
             assert_eq!((spurious, late.never), (0, u64::from(k > 2)), "{k}");
         }
-        // Two spurious pairs and a duplicate.
         assert_eq!(take(6, &[a, a, d, c], &[a]).0, 3);
         late.end();
         let truth = Late {

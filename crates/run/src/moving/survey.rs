@@ -84,7 +84,6 @@ mod tests {
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
         assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
         assert_eq!(moved.uncounted, None);
-        // If a step cannot be counted, nothing else is lost.
         take([0.0, 2.5, 4.5, 1.7e308], &[]);
         let moved = take([0.0, 2.5, 4.5, -1.7e308], &[]);
         assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");

@@ -7,9 +7,9 @@
 //!
 //! **Which pairs can meet.** For a pair that touches on its way, let d be its distance before. d is
 //! at most ri + rj, plus both displacements, plus the displacement of the image by the box. The
-//! last is at most the sum over vectors of |Sv| |H'v - Hv|. With dual vectors g and the width w of
-//! all particles along them, |Sv| <= wv + |gv| d. So d (1 - B) <= ri + rj + displacements + A, with
-//! A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
+//! last is at most the sum over vectors of |Sv| |H'v - Hv|. Let g be the dual vectors, and w the
+//! width of all particles along them. Then |Sv| <= wv + |gv| d. So d (1 - B) <= ri + rj +
+//! displacements + A, with A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
 
 use super::names::{Onward, centres, repeating, sum};
 use contactbench_core::contact::Arithmetic;

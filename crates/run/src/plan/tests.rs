@@ -209,14 +209,12 @@ fn plans_are_bounded_before_they_are_made() {
     for words in ["line 6", "8000000000 scenes", "2000 values of seed", "at most 100000"] {
         assert!(refused.contains(words), "{refused}");
     }
-    // Also for a quick run, and for several scenes together.
     let quick = format!("{packed}n = 5\nquick = {{ n = [{whole}], seed = [{whole}] }}\n");
     assert!(plan("\"nbs\"", &quick).unwrap_err().contains("4000000 scenes"));
     let half = format!("{packed}n = [{whole}]\nseed = [{}]\n", "1, 2, 3, 4, 5, 6, 7");
     let many = (1..=8).map(|dim| half.replace("\nn =", &format!("\nspacing = {dim}.5\nn =")));
     let refused = plan("\"nbs\"", &many.collect::<String>()).unwrap_err();
     assert!(refused.contains("112000 scenes with those above"), "{refused}");
-    // Also the number of cells, and the size of the text.
     let some =
         format!("{packed}n = [{whole}]\nseed = [{}]\n", &whole[..whole.find(", 41,").unwrap()]);
     let all = format!("threads = [1, 2, 3, 4, 5, 6, 7, 8]\n{some}");

@@ -168,7 +168,7 @@ impl Ground<'_> {
             return Ok(None);
         };
         let took = started.elapsed();
-        // From here on, the limit follows its own speed.
+        // Later requests have a limit that follows the probe.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.time_limit = standing.start.time_limit;
         standing.probe_ns = Some(time);

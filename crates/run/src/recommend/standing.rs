@@ -20,7 +20,7 @@ pub struct Standing {
     /// Peak of bytes, without scene and pairs.
     pub peak_bytes: Option<u64>,
     pub formula_bytes: Option<u64>,
-    /// Compared with exact decisions on the given scene.
+    /// Errors compared with exact decisions on the given scene.
     pub errors: Option<Errors>,
     pub(super) racing: bool,
     pub(super) start: Start,

@@ -5,7 +5,7 @@
 //! allocate. It counts requested bytes, not the allocator's own overhead, and only memory on the
 //! heap.
 //!
-//! With several threads, rayon's job queue is counted too. A job may be freed shortly after the
+//! If several threads work, rayon's job queue is counted too. A job may be freed shortly after the
 //! work is done, and a block of 63 jobs (about 1.5 KB) in a later measurement. So bytes of several
 //! threads are accurate to about 2 KB, and never negative.
 

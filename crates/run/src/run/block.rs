@@ -147,7 +147,6 @@ fn total(turns: &[Sample]) -> Option<Sample> {
     }
     let calls: u64 = turns.iter().map(|turn| turn.calls).sum();
     let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
-    // The mean over all detections, like the time.
     let mean = |of: &dyn Fn(&Sample) -> Option<u64>| {
         let all = turns.iter().map(|turn| Some(u128::from(of(turn)?) * u128::from(turn.calls)));
         let all: u128 = all.sum::<Option<u128>>()?;

@@ -84,9 +84,9 @@ pub fn room(n: u64, contacts: u64) -> u64 {
 
 /// The subjects of an experiment, by arithmetic.
 ///
-/// With another build, each detector takes part three times: in this build, in the other, and as
-/// its own twin, which shows the noise of equal code. Otherwise there is at least one twin if times
-/// are measured.
+/// If there is another build, each detector takes part three times: in this build, in the other,
+/// and as its own twin, which shows the noise of equal code. Otherwise there is at least one twin
+/// if times are measured.
 pub fn contenders(
     experiment: &Experiment,
     program: &Path,
@@ -97,7 +97,6 @@ pub fn contenders(
     if let Some(base) = against {
         let entries = asked.into_iter().enumerate().map(|(k, one)| match one.missing {
             None => one.trio(k, base).to_vec(),
-            // Its rows state why it is missing.
             Some(_) => vec![one],
         });
         return entries.flatten().collect();
@@ -110,7 +109,8 @@ pub fn contenders(
     asked.into_iter().chain(twin).collect()
 }
 
-/// The subjects that the experiment names. With another build, only those that can differ in it.
+/// The subjects that the experiment names. If there is another build, only those that can differ in
+/// it.
 fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let limit = memory_limit(experiment);
     let start = |command: &[String], install: &str, threads: usize| Start {
@@ -129,7 +129,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
         let spec = track::parse(name);
         let with = |threads| {
             let mut start = start(&own(&path, name, arithmetic, threads, limit), "", threads);
-            // A tracker's lists may use the limit a second time.
+            // A tracker may use the limit once for its lists and once for its detector.
             if detectors::is_tracker(name) {
                 start.memory_limit = start.memory_limit.saturating_add(limit);
             }

@@ -61,7 +61,6 @@ impl Stage<'_, '_> {
             .map(|place| fresh(start, Some(&running.hello), &running.loads, place))
             .collect::<Result<Vec<Client>, Failure>>()
             .and_then(|mut copies| {
-                // The order alternates between blocks.
                 let (alone, answers) = if block.is_multiple_of(2) {
                     (each_alone(&mut copies)?, together(&mut copies)?)
                 } else {
@@ -74,7 +73,7 @@ impl Stage<'_, '_> {
             Ok(answers) => answers,
             Err(failure) => {
                 running.copy = None;
-                // After a failure in block 1, there are no copies at all.
+                // After a failure in block 1, copies are not tried again.
                 let row = if block == 1 { Row { block: 0, ..row } } else { row };
                 return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
             }
@@ -126,7 +125,7 @@ fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
             if sample(copy, SAMPLE_NS).is_err() {
-                // Its own sample is already complete.
+                // The sample that counts is already complete.
                 break;
             }
             done = answered.load(Ordering::Relaxed);

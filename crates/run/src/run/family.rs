@@ -117,10 +117,10 @@ mod orphans {
     /// Makes orphans below this process its children.
     pub fn adopt() {
         ALONE.get_or_init(|| {
-            // Without this feature, only groups are ended.
+            // If the system lacks this feature, only process groups are ended.
             let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-            // Children from before this program (of a shell that ended with `exec`) are left alone,
-            // with their children. Process 1 of a container adopts all orphans.
+            // Children that exist already (of a shell that became this program by `exec`) are left
+            // alone, with their children. Process 1 of a container adopts all orphans.
             own() != 1 && children().iter().all(|child| child.ended)
         });
     }
@@ -166,7 +166,7 @@ mod orphans {
     /// Orphans that do not belong to an active runner, and all processes below them.
     fn found(runners: &Runners) -> BTreeSet<i32> {
         let group = rustix::process::getpgrp().as_raw_nonzero().get();
-        // Processes that this program starts for itself are in its own group.
+        // Processes in this program's own group are not runners.
         let orphan = |process: &Process| {
             let at_work = runners.at_work.keys().any(|&runner| runner as i32 == process.pid);
             process.group != group && !at_work

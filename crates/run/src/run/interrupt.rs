@@ -59,7 +59,7 @@ fn clear_line() {
 }
 
 /// Whether the signal was ignored when this process started. If the system does not report that:
-/// whether there is no terminal.
+/// whether standard error is not a terminal.
 #[cfg(unix)]
 fn ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -120,7 +120,7 @@ mod tests {
         let after = Times { cores: 2, idle: 11.0, stolen: 1.5, own: 13.0 };
         let span = between(before, after, 10.0);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (8.0, 0.5, 10.5));
-        // Clocks that disagree slightly, or restart.
+        // Differences that are negative, because clocks disagree or restart, count as 0.
         let span = between(after, before, 0.1);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (0.0, 0.0, 0.2));
         assert_eq!(between(before, after, 1.0).others_s, 0.0);

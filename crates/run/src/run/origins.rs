@@ -39,7 +39,7 @@ impl Origins {
             [] => return Ok(None),
         };
         let mut files = vec![self.executed(running(client.process(), program))];
-        // An interpreter's arguments name its script. This program runs no scripts.
+        // A runner's command may name a script after its interpreter.
         let named = arguments.iter().map(PathBuf::from).filter(|_| contender.role == Role::Runner);
         for path in named.filter(|path| path.is_file()) {
             let name = name(&path);

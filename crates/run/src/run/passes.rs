@@ -49,7 +49,7 @@ impl Running {
 
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
-        // With a history, the process has detected before.
+        // If the scene has a history, this is not the first detection of the process.
         row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);

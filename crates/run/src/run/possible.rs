@@ -334,7 +334,6 @@ mod tests {
             (0, tracked(&[9; 3], &[false; 3], &[]), asked, "step_built false in frame 0"),
             (0, tracked(&[9; 3], &once, &[false, true, false]), asked, "step_dangerous true"),
             (0, tracked(&[9; 3], &[], &[false, true, false]), asked, "step_dangerous true"),
-            // 15 contacts in all.
             (15, fair(), asked, ""),
             (1, fair(), asked, "found 15 contacts"),
             (14, fair(), asked, "found 15 contacts"),
@@ -346,7 +345,6 @@ mod tests {
         for (bytes, found, words) in [
             (0, fair(), "a list takes memory"),
             (8, fair(), ""),
-            // It builds anew in every frame.
             (0, tracked(&[5; 3], &[true; 3], &[]), ""),
         ] {
             let memory =

@@ -163,7 +163,6 @@ fn write_origin(
     for (name, text) in &texts {
         write(&copy(folder, name), text.as_bytes())?;
     }
-    // A resumed run may be the first on its machine.
     let first = !folder.join(provenance::FILE).exists();
     let file = if first {
         provenance::FILE.into()

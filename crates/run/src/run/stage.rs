@@ -163,7 +163,6 @@ impl Stage<'_, '_> {
         self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
         if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
-            // An error of the blocks takes precedence.
             let noted = self.log.origins.span(span);
             return result.and(noted);
         }
@@ -265,7 +264,7 @@ impl Stage<'_, '_> {
     pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
         for &pass in last.pass.owed() {
-            // The same process failed.
+            // The failed process is the origin of these rows, too.
             let Row { outcome, ref reason, ref process, .. } = *last;
             let (reason, process) = (reason.clone(), process.clone());
             let row = Row { pass, outcome, reason, process, ..blank.clone() };

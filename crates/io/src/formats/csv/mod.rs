@@ -47,7 +47,7 @@ impl Reader<Loaded> for Csv<'_> {
             Some(table) => table,
             None => table.insert(header::read(lines, *options)?),
         };
-        // Without an order of rows, rows of a frame may come later, so the whole file is read.
+        // Rows of a frame may come later, so the whole file is read to check their order.
         choice.through = table.split.is_some();
         while choice.seen == 0 || table.is_row {
             let step = choice.begin(|| lines.place())?;
@@ -57,7 +57,8 @@ impl Reader<Loaded> for Csv<'_> {
             let is_kept = step == Step::Keep;
             let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
             let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
-            // An incomplete last line does not contradict the order of frames.
+            // An error in the last line, which may still be written, does not show that frames are
+            // out of order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
             let frame = || table.frame(kept, columns.radius(), index, lines.source.name);
@@ -203,7 +204,7 @@ fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) 
     let taken: Vec<&str> = names.iter().map(String::as_str).collect();
     let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
     let meant = match (first, &particles.radii) {
-        // A constant column is a size.
+        // If the last column is constant, it is a size.
         (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
         (true, _) => [&["id"], &taken[..all - 1]].concat(),
         _ => [&taken[..all - 1], &["id"]].concat(),

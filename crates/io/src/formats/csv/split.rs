@@ -133,7 +133,8 @@ pub(super) struct Split {
     value: Vec<u8>,
     rows: u64,
     order: Option<Ordering>,
-    /// Further columns of steps and times with their value in this frame; `None` if rows differ.
+    /// Unused columns of steps and times, each with its value in this frame (`None` if rows
+    /// differ).
     beside: [Option<(usize, Option<Vec<u8>>)>; 2],
 }
 
@@ -209,7 +210,7 @@ impl Split {
                 self.column + 1
             );
         }
-        // The doubt is checked only once, at the end of the first frame.
+        // Only the end of the first frame shows whether each row has a value of its own.
         ensure!(
             !std::mem::take(&mut self.doubtful) || self.rows > 1,
             "{}: the first rows differ in '{name}': say --columns frame={name} if each is a frame, \

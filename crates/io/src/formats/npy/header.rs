@@ -66,7 +66,7 @@ impl Header {
         );
         match self.sizes[..] {
             [_] | [_, _] => Ok(()),
-            // Frames without particles could be too many to count.
+            // Empty frames need no bytes, so a false header could announce any number of them.
             [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
                 ensure!(
                     !self.fortran,
@@ -213,7 +213,8 @@ fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<
 /// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
 /// 'shape': (10, 3), }`.
 fn parse(text: &str) -> anyhow::Result<Header> {
-    // Field names may equal the other keys, and stand before them.
+    // Field names may equal the keys `shape` or `fortran_order`, so these are searched from the
+    // end.
     let value = |key: &str| -> anyhow::Result<&str> {
         let find = |quoted: &String| match key {
             "descr" => text.find(quoted.as_str()).map(|at| at + quoted.len()),

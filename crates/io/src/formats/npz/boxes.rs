@@ -37,7 +37,6 @@ impl Cell {
         label: &str,
         options: Options,
     ) -> anyhow::Result<()> {
-        // Options replace the box of the file.
         if options.boundaries.open || options.boundaries.edges.is_some() {
             return Ok(());
         }

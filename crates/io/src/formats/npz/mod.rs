@@ -106,7 +106,7 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
         let Some(field) = after.get(..length) else { break };
         if id == 1 {
             wide = true;
-            // The uncompressed size comes first.
+            // The field starts with the uncompressed size.
             if let (true, Some(&bytes)) =
                 (size == u64::from(u32::MAX), field.get(8..).and_then(|field| field.first_chunk()))
             {

@@ -220,7 +220,7 @@ impl Scenes {
         }
     }
 
-    /// Takes rows named r for coordinates if there are no others.
+    /// Takes rows named r for coordinates if no other array can be.
     fn places(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         if self.points().is_some() || self.axes.iter().any(Option::is_some) {
             return Ok(());

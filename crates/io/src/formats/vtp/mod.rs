@@ -181,7 +181,7 @@ impl File<'_> {
         let name = self.xml.source.name;
         let at = self.pieces.len().saturating_sub(1);
         let target = match tag.get("format").unwrap_or("ascii") {
-            // Empty arrays may share an offset.
+            // Empty arrays may share an offset with others, and need not be read.
             "appended" if count == Some(0) => array.target,
             "appended" => {
                 let offset = tag.get("offset").and_then(|offset| offset.parse().ok());

@@ -37,7 +37,7 @@ struct Xyz<'a> {
 
 impl Framed for Xyz<'_> {
     fn begin(&mut self) -> anyhow::Result<Option<String>> {
-        // The first line must be the number, so blank lines are not skipped there.
+        // The first line must be the number of particles, so blank lines are not skipped there.
         let more = match self.count {
             None => self.lines.advance().map(|_| true),
             Some(_) => self.lines.advance_over_blanks(),
@@ -89,7 +89,7 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
     let columns = columns(&comment, options).with_context(|| lines.place())?;
     let space = columns.meaning.contains(&Column::Axis(2));
     let declared = match declared(&line, &comment, space, options) {
-        // With open boundaries, a faulty box does not matter.
+        // A faulty box does not matter if boundaries are open.
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
     };

@@ -145,7 +145,6 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Evidence)> {
 }
 
 fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<Finding> {
-    // Cells without one of these values are counted as left out.
     let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued<'_>>> {
         sides.iter().try_for_each(|side| side.check(own))?;
         let mut points = Vec::new();

@@ -180,7 +180,6 @@ fn fill(
     options: &Options,
 ) {
     let gone = |cell: &Cell| cell.overall().0 == Outcome::Unavailable;
-    // If it was unavailable in both, nothing is missing.
     if let Some(side) = only(gone(in_a), gone(in_b)) {
         let (_, reason) = if gone(in_a) { in_a.overall() } else { in_b.overall() };
         cell.absent = Some(format!("unavailable in {side}: {reason}"));

@@ -136,11 +136,9 @@ fn builds_side_by_side_are_paired_by_round() {
     // Code placement by the linker may matter more than the twin shows.
     assert!((judged(900, 1010).least - PLACEMENT).abs() < 1e-9);
     assert!(Builds::new(&one(&[1])).is_none());
-    // A noisy experiment does not affect another.
     let of = |experiment, twin| turns(experiment, twin, 900, |unit, _| unit);
     let both = side_by_side(&[of("calm", 1010), of("noisy", 1500)].concat());
     assert_eq!([both[0].judgement, both[1].judgement], [Slower, Undecided]);
-    // The detectable slowdown is as large as the whole interval, not half of it.
     let (a, b) = (one(&(0..15).map(|k| 10 * (93 + k)).collect::<Vec<_>>()), one(&[1000; 15]));
     let timing = timings(&a, &b, &in_turns(&a)).remove(0);
     assert!((timing.least - 100.0 / 96.0 * PLACEMENT).abs() < 1e-9, "{timing:?}");
@@ -153,7 +151,7 @@ fn builds_side_by_side_are_paired_by_round() {
 
 #[test]
 fn as_many_slower_cells_as_chance_makes_are_no_slowdown() {
-    // With 15 blocks, each cell is slower by chance with probability 1.8%.
+    // In 15 blocks, each cell is slower by chance with probability 1.8%.
     for (all, slow, is_slower) in [(82, 3, false), (82, 5, true), (2, 1, true), (5, 0, false)] {
         let (mut a, mut b) = (Lab::new("e", "packed"), Lab::new("e", "packed"));
         for n in 1..=all {
@@ -266,14 +264,13 @@ fn a_twin_that_moves_voids_the_verdicts() {
         assert!((b / a - timing.ratio.median).abs() < 1e-9, "{timing:?}");
         assert_eq!(timing.judgement == WithinBand, cell.id.detector == "nbs-twin");
     }
-    // A large move in one of many scenes.
+    // A twin that moves far in one scene voids all verdicts.
     let (all, summary, _) = judged(12, 1, 590_000);
     assert_eq!(all, [NotJudged; 12]);
     let (name, factor) = summary.moved.clone().unwrap();
     assert!(name == "nbs-twin" && (factor - 5.9).abs() < 1e-9, "{factor}");
     assert!(!summary.decides() && !summary.sees() && summary.least.is_none());
-    // A small move in one scene is chance, and only that scene is not judged; in several scenes,
-    // none is.
+    // A twin that moves little in one scene voids only that scene; in several scenes, it voids all.
     assert_eq!(judged(12, 1, 110_000).0, [&[NotJudged][..], &[Slower; 11]].concat());
     assert_eq!(judged(12, 4, 110_000).0, [NotJudged; 12]);
 }

@@ -36,8 +36,8 @@ impl Judgement {
 pub struct Timing {
     pub a_ns: f64,
     pub b_ns: f64,
-    /// With a reference: median in A and in B of the time divided by the reference's time in the
-    /// same block.
+    /// Median in A and in B of the time divided by the reference's time in the same block, if there
+    /// is a reference.
     pub multiples: Option<[f64; 2]>,
     /// B over A; with a reference, of the quotients in `multiples`.
     pub ratio: Interval,

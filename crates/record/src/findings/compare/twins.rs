@@ -8,7 +8,8 @@ use crate::stats::interval::{Interval, at_least, interval};
 /// If a twin moved by more than this factor, no verdict is given. A comparison must be able to
 /// detect this much.
 pub const SEEN: f64 = 1.25;
-/// All verdicts are void if chance moves as many twins with at most this probability.
+/// If chance explains the number of moved twins with at most this probability, all verdicts are
+/// void.
 const LUCK: f64 = 0.25;
 
 /// Voids verdicts if a twin, which is equal code, is slower or faster. If it moved far, or in more

@@ -18,7 +18,7 @@ pub const OTHERS: f64 = 0.10;
 pub const OTHERS_OF_ALL: f64 = 0.01;
 /// Share of a core that the host of a virtual machine may take away.
 pub const STOLEN: f64 = 0.02;
-/// In a single scene, this multiple of [`OTHERS`] and [`STOLEN`] is allowed.
+/// A single scene may have this multiple of [`OTHERS`] and [`STOLEN`].
 pub const IN_A_SCENE: f64 = 2.5;
 /// Shortest scene that is judged, in seconds, because the system's clocks are coarse.
 pub const SHORTEST_S: f64 = 1.0;
@@ -46,7 +46,7 @@ pub enum Load {
     Unknown,
     /// The highest load average of the minute before a run, which excludes the run itself.
     Before(f64),
-    /// Of the machine with the most other load during timing.
+    /// Values of the machine with the most other load during timing.
     Watched { seconds: f64, others: f64, stolen: f64 },
 }
 
@@ -63,7 +63,7 @@ impl Conditions {
             let values = values.flat_map(|text| text.split(", ")).filter(|text| !text.is_empty());
             values.map(String::from).collect()
         };
-        // For a merged record, its parts state this.
+        // The provenance of a merged record does not state this, but those of its parts do.
         let said = provenances.iter().filter(|fields| fields.get("merged_from").is_none());
         let said: Vec<Option<bool>> =
             said.map(|fields| fields.get("dirty").and_then(Value::as_bool)).collect();
@@ -133,7 +133,7 @@ impl Conditions {
             let limit = OTHERS.max(OTHERS_OF_ALL * cores);
             let others = share(|span| span.others_s, limit, "other processes used");
             let stolen = share(|span| span.stolen_s, STOLEN, "the host took away");
-            // A short run does not decide; the load average is used instead.
+            // A run too short for the system's clocks is judged by the load average.
             if seconds >= SHORTEST_S && others >= busiest {
                 busiest = others;
                 self.load = Load::Watched { seconds, others, stolen };

@@ -42,7 +42,6 @@ fn a_busy_machine_is_doubted_and_an_idle_one_is_not() {
     let words = format!("{others} 30% of a core (30% during scene 0)");
     assert_eq!(doubts(&[(5.0, 0.3, 0.0)]), [words]);
     assert_eq!(doubts(&[(5.0, 0.2, 0.0)]), [format!("{others} 20% of a core")]);
-    // One scene in twenty is busy; the average is fine.
     let mut spans = vec![(5.0, 0.0, 0.0); 20];
     spans[3] = (5.0, 0.9, 0.1);
     let busy = format!("{others} 4.5% of a core (90% during scene 3)");
@@ -113,7 +112,6 @@ fn sources_and_builds_are_doubted() {
         with("load_average", "1.8 0.2 0.1".into()).doubts,
         ["the machine was busy before the run (load 1.8)"]
     );
-    // A merged record is judged by its parts.
     let merged = json!({"merged_from": ["x"], "revision": "a"});
     let found = Conditions::new([&merged, &clean], &Ledger::default(), &rows);
     assert_eq!((found.dirty, found.doubts), (Some(false), vec![]));
@@ -132,13 +130,11 @@ fn programs_that_were_exchanged_are_doubted() {
     }
     let found = Conditions::new([], &ledger, &rows).doubts;
     assert_eq!(found, ["2 different programs of the name contactbench were at work"]);
-    // Builds timed in turns are two subjects.
     let mut turns = rows.clone();
     turns[0].id.detector = "nbs@base".into();
     assert_eq!(Conditions::new([], &ledger, &turns).doubts.len(), 0);
     rows[0].id.machine = Some("another".into());
     assert_eq!(Conditions::new([], &ledger, &rows).doubts.len(), 0);
-    // One of the builds differs from the record's.
     let mut base = ledger.processes["a"].clone();
     base.build = [("profile", "debug"), ("sources", "changed")]
         .map(|(name, value)| (name.to_string(), value.to_string()))

@@ -172,7 +172,7 @@ impl<'a> Coverage<'a> {
                 let number = *numbers.entry(every::key(&id)).or_insert(next);
                 let same = |cell: &&&Cell| same_file(&id, &cell.id);
                 let cells = known.get(&key(plan, &id, open)).into_iter().flatten();
-                // With several machines, a measurement on one of them is enough.
+                // If there are several machines, a measurement on one of them is enough.
                 let cell = cells.filter(same).max_by_key(|cell| cell.times.len()).copied();
                 let found = scene(plan, cell.map_or(&id, |cell| &cell.id));
                 let begun = scenes.contains(&found);
@@ -186,7 +186,8 @@ impl<'a> Coverage<'a> {
         let outside = scenes.difference(&met).count();
         let unavailable = unavailable(own);
         for planned in planned.iter_mut().filter(|planned: &&mut Planned| planned.cell.is_none()) {
-            // A subject that could not start would not have started in the omitted scenes either.
+            // A subject that could not start in other scenes is reported as unavailable in scenes
+            // that were not run, too.
             if unavailable.contains_key(&planned.id.contender()) {
                 planned.why = Why::Unavailable;
             }

@@ -65,7 +65,7 @@ pub struct Spot {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// One subject is decidedly the fastest; its lead passes this many of [`STEPS`].
+    /// A subject is decidedly the fastest; its lead exceeds this many of [`STEPS`].
     Decided(usize),
     Undecided,
     Alone,

@@ -100,7 +100,6 @@ fn what_makes_no_map_is_refused_with_a_reason() {
         ("n", "n", "", "both axes are n"),
         ("n", "fractions", "", "no 'fractions' of a scene or a detector; did you mean fraction?"),
         ("time_ns", "n", "", "no 'time_ns'"),
-        // A property of subjects, not of scenes.
         ("contacts", "n", "", "no 'contacts' of a scene or a detector"),
         ("n", "fraction", "n = 7", "no cell is left"),
         ("n", "fraction", "n = 1000, fraction = 0.6", "nobody has a time"),

@@ -31,7 +31,7 @@ pub struct Library {
     pub scenes: usize,
     pub name: String,
     pub ratio: Interval,
-    /// The same for first detections; a library that allocates in each call loses less there.
+    /// The ratio for first detections, where a library that allocates in each call loses less.
     pub cold: Option<Interval>,
     /// Libraries that may be as fast as the reference; empty if it is decided which is faster.
     pub open: Vec<String>,
@@ -49,7 +49,7 @@ pub struct Fastest {
     pub n: u64,
     pub scenes: usize,
     pub name: String,
-    /// Its median time per detection, in nanoseconds.
+    /// Median time per detection, in nanoseconds.
     pub time_ns: f64,
     pub near: Near,
     pub open: Vec<String>,
@@ -60,12 +60,12 @@ pub struct Fastest {
 /// because a noisy one may be faster than its median. [`Noise::tells`] decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Near {
-    /// It is the fastest; decidedly, if there are others.
+    /// The reference is the fastest; decidedly, if there are others.
     Fastest,
     Within(Interval),
     Beyond(Interval),
     Undecided(Option<Interval>),
-    /// It has no time: its outcome, or `None` if it was not measured.
+    /// The reference has no time: its outcome, or `None` if it was not measured.
     Absent(Option<Outcome>),
 }
 
@@ -93,9 +93,9 @@ pub struct Entry {
     pub outcome: Outcome,
     pub reason: String,
     pub control: bool,
-    /// Its median time per detection, in nanoseconds; `None` without a correct answer.
+    /// Median time per detection, in nanoseconds; `None` without a correct answer.
     pub time_ns: Option<f64>,
-    /// Its time over that of its base, whatever its outcome; `None` unless the base is correct.
+    /// Time over that of the base, whatever the outcome; `None` unless the base is correct.
     pub ratio: Option<Interval>,
     pub base: Option<String>,
     /// Whether it is the base of its own ratio.
@@ -118,8 +118,8 @@ pub struct Missing {
 }
 
 impl Ratios {
-    /// Compares all subjects with the reference; `None` if that has no time. Of the reference, the
-    /// row with the fewest threads is used, preferably in the same arithmetic, otherwise in exact
+    /// Compares all subjects with the reference; `None` if that has no time. The reference has its
+    /// fewest threads, and preferably the arithmetic of the other subject, otherwise exact
     /// arithmetic.
     pub fn new(cells: &[&Cell], reference: &str) -> Option<Ratios> {
         let label = series::labels(cells);
@@ -135,7 +135,8 @@ impl Ratios {
                 let (first, time_ns) = group.fastest(n)?;
                 let (near, open) = distance(&group, first, n, reference, &noise);
                 let open = open.into_iter().map(label).collect();
-                // Decided within blocks, although medians over all blocks may differ.
+                // The fastest is decided within blocks, although medians over all blocks may
+                // differ.
                 let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
                 let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
                 let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));

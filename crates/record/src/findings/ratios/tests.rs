@@ -71,7 +71,6 @@ fn near_is_decided_by_the_interval() {
         lab.n(n).detector("nbs").time(&[100; 15]);
         lab.detector("screening").time(&[other; 15]);
     }
-    // Faster in half of the blocks only, so the median decides nothing.
     for (n, odd, even) in [(50, 95, 60), (55, 60, 95)] {
         let spread: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { even } else { odd }).collect();
         lab.n(n).detector("nbs").time(&[100; 15]).detector("screening").time(&spread);

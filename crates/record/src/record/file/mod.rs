@@ -89,7 +89,6 @@ impl Writer {
             .map_err(|e| failed(self, e.into()))?;
         let line = seal::sealed(&object) + "\n";
         if let Err(cause) = self.file.write_all(line.as_bytes()) {
-            // If this also fails, resuming the run removes the partial line.
             let _ = self
                 .file
                 .set_len(self.end)
@@ -138,7 +137,7 @@ fn packed(path: &Path) -> PathBuf {
     name.into()
 }
 
-/// Also true for a compressed record.
+/// Whether there is a record, compressed or not.
 pub fn exists(path: &Path) -> bool {
     path.exists() || packed(path).exists()
 }

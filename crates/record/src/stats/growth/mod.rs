@@ -171,8 +171,7 @@ impl Tail {
         let all = logs(points);
         let last = all.last()?.0;
         let from = last - f64::from(OCTAVES) * std::f64::consts::LN_2;
-        // The tolerance includes a series of half decades, which ends 5.06 octaves above its fourth
-        // last N.
+        // In a series with two N per decade, the fourth last N lies 5.06 octaves below the last.
         let there = &all[all.partition_point(|point| point.0 < from - 0.1)..];
         let first = there.first()?.0;
         let short = last - first < LEAST_SPAN.ln() * (1.0 - 1e-9);

@@ -26,7 +26,6 @@ fn laws_are_recognised_exact_and_with_noise() {
         for noisy in [false, true] {
             let choice = choose(&points(|n| f(n) * if noisy { wobble(n) } else { 1.0 }));
             assert_eq!(choice.law, Ok(expected), "{choice:?}");
-            // The floor limits the score of an exact fit.
             assert!(
                 choice.scores.iter().all(|s| s.1.is_finite() && s.1 >= 7.0 * (FLOOR * FLOOR).ln())
             );

@@ -18,8 +18,8 @@ use contactbench_io::Given;
 const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
 
 /// Compares every detector with the truth, on the scene that the bytes describe, in every safe
-/// arithmetic. With textbook filters, a detector may lose pairs but must not add any. Panics with
-/// the scene if a detector is wrong.
+/// arithmetic. Textbook filters may lose pairs but must not add any. Panics with the scene if a
+/// detector is wrong.
 pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
@@ -87,7 +87,7 @@ fn hold(scenes: &[Given], keep: bool) {
                         Refusal::Domain { .. }
                         | Refusal::Extent { .. }
                         | Refusal::Memory { .. } => entry.memory != "0",
-                        // The truth does not need images.
+                        // Detectors in a box may refuse images that the truth does not need.
                         Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
                             given.lattice.is_some()
                         }
@@ -99,13 +99,13 @@ fn hold(scenes: &[Given], keep: bool) {
                     (answer, Ok(truth)) => answer
                         .wrong(truth)
                         .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
-                    // If a square overflows, there is no truth, and a detector must not report
+                    // If a square overflows, the truth is unknown, and a detector must not report
                     // pairs.
                     (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
                         None
                     }
-                    // Without wrapping, image numbers are twice as large, and rounded truths also
-                    // list pairs of two images.
+                    // The rounded truth may be refused in a box: its image numbers are twice as
+                    // large, and it also lists pairs of two images.
                     (
                         Answer::Right | Answer::Pairs(_),
                         Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),

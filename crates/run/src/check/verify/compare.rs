@@ -10,13 +10,13 @@ pub(super) const FAR: f64 = 2.5;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {
-    /// As pairs: no pair touches through several images.
+    /// Entries are pairs, none of which touches through several images.
     #[default]
     Pairs,
     Images,
-    /// As pairs, each as often as its images touch.
+    /// Entries are pairs, each listed as often as its images touch.
     Each,
-    /// As pairs, each once, however many images touch.
+    /// Entries are pairs, each listed once, however many images touch.
     Once,
 }
 
@@ -109,7 +109,6 @@ impl Against<'_> {
         let ends = |pair: &ImagePair| [pair.i, pair.j];
         let deep = |pair: ImagePair| depth(self.space, pair);
         let mut shifted = Vec::new();
-        // Indices of plain pairs that have a deeper image.
         let mut beaten = Vec::new();
         for same in self.truth.shifted.chunk_by(|a, b| ends(a) == ends(b)) {
             let deeper = |best: (f64, ImagePair), &pair: &ImagePair| match deep(pair) {
@@ -159,7 +158,7 @@ impl Against<'_> {
                 [i, j] if i == j => ImagePair::new(i, i, [0; 3]),
                 _ => nearest(self.space, pair),
             });
-            // An entry that is listed more often than it touches repeats the last image.
+            // If a pair is listed more often than it touches, the last image is repeated.
             let images = images.into_iter().chain(std::iter::repeat(last));
             resolved.extend(images.take(same.len()));
         }
@@ -201,7 +200,7 @@ fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Di
 /// The pairs with the largest error, and their total number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worst {
-    /// With the depth in mean radii; negative for a gap.
+    /// Each pair with its depth in mean radii; negative for a gap.
     pub pairs: Vec<(ImagePair, f64)>,
     pub count: u64,
     largest: f64,

@@ -39,7 +39,6 @@ pub(super) fn periods(
         let ((a, ra), (b, rb)) = (particle(scene, i), particle(scene, j));
         let reach = (ra + rb) * (1.0 + 1e-9);
         let apart: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).collect();
-        // Along the other axes, the two are near each other without the box.
         let beside: f64 = apart.iter().filter(|&&x| x <= reach).map(|x| x * x).sum();
         let square = reach * reach - beside;
         if square < 0.0 || apart.iter().all(|&x| x <= reach) {

@@ -84,8 +84,8 @@ pub(super) enum ImagesOf<'a> {
     /// Images of the second particle, as expected.
     Second,
     First,
-    /// Images of the second particle relative to wrapped positions; the value is the box that each
-    /// particle lies in.
+    /// Images of the second particle, counted as if all particles were wrapped into the box. The
+    /// value is the periodic copy of the box in which each particle really lies.
     Wrapped(&'a [[i32; 3]]),
     LeftOut,
 }
@@ -111,7 +111,7 @@ pub(super) struct Listing {
 }
 
 impl Listing {
-    /// Translates a list for a scene of `n` particles. Fails if there is no memory.
+    /// Translates a list for a scene of `n` particles. Fails if memory runs out.
     pub fn new(list: Listed<'_>, taking: Taking<'_>, n: usize) -> anyhow::Result<Listing> {
         let Taking { naming, images, both_sides, without } = taking;
         let of = list.images.filter(|_| images != ImagesOf::LeftOut);
@@ -157,7 +157,8 @@ impl Listing {
         let plain = once([&forward.plain, &backward.plain], own, |pair, forward| {
             single.push(turn(pair, forward));
         });
-        // The reverse of a contact with itself has another image.
+        // The reverse of a particle's contact with itself has another image, so none is its own
+        // reverse.
         let shifted = once(
             [&forward.shifted, &backward.shifted],
             |_| false,

@@ -110,7 +110,6 @@ impl Mistake {
             Mistake::Straight(edges) => format!("--box {}", lengths(edges)),
             Mistake::Periods(periods) => format!(
                 "--box {} --periodic {}",
-                // The length of an open axis is ignored.
                 lengths(periods.map(Option::unwrap_or_default)),
                 letters(periods.map(|period| period.is_some()))
             ),
@@ -140,7 +139,6 @@ impl Reading {
     pub(super) fn declared(mut self, axes: [bool; 3]) -> Reading {
         let of_list = |it: &&Mistake| matches!(it, Mistake::Numbers(_) | Mistake::BothSides);
         let at = self.mistakes.iter().take_while(of_list).count();
-        // `Along` already states the axes.
         if !self.mistakes.iter().any(|it| matches!(it, Mistake::Along(_))) {
             self.mistakes.insert(at, Mistake::Declared(axes));
         }

@@ -59,7 +59,7 @@ pub struct Job<'a> {
     pub space: &'a Periodic<'a>,
     pub list: Listed<'a>,
     pub naming: &'a Naming,
-    /// Other possible meanings of its numbers.
+    /// Other possible meanings of the list's numbers.
     pub others: &'a [Naming],
     pub terms: Terms<'a>,
 }
@@ -113,7 +113,6 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     let taking = Taking { naming, images: ImagesOf::Second, both_sides, without };
     let listing = Listing::new(list, taking, space.scene().len())?;
     left_out = [left_out[0] - truth.len(), listing.left_out];
-    // Only lists without images need the images within the skin.
     let near = match boxed && skin > 0.0 && !listing.has_images {
         true => within(space, skin, terms.memory_limit)?,
         false => Contacts::default(),
@@ -137,7 +136,7 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
 
 /// Finds the mistakes that best explain a list that differs. They must at least halve the number of
 /// differing pairs. `declared` is the box of the particle file, if boundaries are open. Fails if
-/// there is no memory.
+/// memory runs out.
 pub fn explain(
     job: &Job<'_>,
     found: &Verification,

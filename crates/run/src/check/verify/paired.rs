@@ -125,7 +125,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         }
     }
 
-    /// If some lists do not show their step, like a file without rows, lists must be numbered like
+    /// A list without rows has no step. If lists without a step occur, lists must be numbered like
     /// the frames.
     fn hold_numbers(&mut self, same: bool) -> anyhow::Result<()> {
         let [particles, lists] = self.names;
@@ -301,7 +301,6 @@ mod tests {
         assert!(short.starts_with("l has no list for frame 2 of p, and not both have"), "{short}");
         let long = paired(&xyz(1), &local(&[0, 20])).unwrap_err();
         assert!(long.starts_with("l: the list of frame 1 (from 0) has no particles: p"), "{long}");
-        // A list without frames belongs to a single frame.
         assert_eq!(paired(&xyz(1), "i,j\n7,8\n").unwrap(), (vec![(0, 7)], vec![], 0));
         assert!(paired(&xyz(2), "i,j\n7,8\n").unwrap_err().contains("no list for frame 1 of p"));
     }

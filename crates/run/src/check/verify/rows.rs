@@ -21,9 +21,9 @@ pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, Contacts) -> bool;
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Part,
-    /// Another decision on pairs that just touch.
+    /// A mistake about pairs that just touch.
     Tie,
-    /// Other sizes or a skin: must explain all but distant pairs.
+    /// Wrong sizes or a skin. Such a mistake must explain all but distant pairs.
     Size,
     Box,
 }

@@ -126,7 +126,8 @@ fn usual_mistakes_are_recognised_alone_and_together() {
         (&pack, map(&right, |i| i + 1), vec![one]),
         (&pack, map(&right, |i| 3 * i + 7), vec![Mistake::Numbers(Meaning::Ids)]),
         (&pack, map(&twice, |i| i + 1), vec![one, Mistake::BothSides]),
-        // Diameters used as radii give 2; radii that were halved give 0.5.
+        // Radii are 0.5: diameters taken for radii let pairs touch at 2, radii that were halved at
+        // 0.5.
         (&dense, apart(&dense, 0.5, none), vec![Mistake::Radii(0.5)]),
         (&pack, apart(&pack, 2.0, none), vec![Mistake::Radii(2.0)]),
     ] {
@@ -252,7 +253,6 @@ fn a_skin_is_recognised_together_with_another_box() {
     let list = apart(&pack, 1.2, f64::INFINITY);
     let Reading { mistakes, wrong, .. } = in_box(&boxed, &list, None, GIVEN).1.unwrap();
     assert!(skin(&mistakes) && mistakes[1..] == [Mistake::Open] && wrong == 0, "{mistakes:?}");
-    // The file declares a box, but boundaries are open.
     let (open, list) = (in_open_space(&pack).unwrap(), apart(&pack, 1.2, 6.0));
     let (space, naming) = (&open, &Naming::Base(0));
     let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);

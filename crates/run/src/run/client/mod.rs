@@ -44,12 +44,12 @@ impl Start {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// Never `ok`.
+    /// The outcome, which is never `ok`.
     pub outcome: Outcome,
     pub reason: String,
 }
 
-/// A running runner. Dropping it ends the process.
+/// A started runner. Dropping it ends the process.
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
@@ -181,7 +181,7 @@ impl Client {
             return Err(Failure { outcome: Outcome::Crashed, reason });
         }
         match reply {
-            // If the system does not enforce the limit, this does.
+            // The limit is checked here, too, because some systems do not enforce it.
             Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
                 let (taken, limit) = (memory.peak_bytes, self.memory_limit);
                 let reason = format!("it took {taken} bytes, and may take {limit}");
@@ -302,8 +302,8 @@ impl Client {
 
     fn post_mortem(&mut self) -> Failure {
         self.input = None;
-        // It closed its output, so it has ended or will soon; after a second it is killed. The
-        // pause lets its last words arrive.
+        // The runner closed its output, so it has ended or will soon; after a second it is killed.
+        // The pause lets its last messages arrive.
         std::thread::sleep(Duration::from_millis(20));
         let ended = self.ends_within(Duration::from_secs(1));
         let silent = || "it closed its output without answering".into();

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 pub(super) type Line = Result<String, String>;
 
-/// In bytes.
+/// Maximum length of a line, in bytes.
 const LONGEST_LINE: u64 = 1 << 20;
 /// Bytes of standard error that are kept: the end, which has the reason for a crash.
 const KEPT: usize = 1 << 16;
@@ -26,7 +26,7 @@ pub(super) fn lines(output: Option<ChildStdout>) -> Receiver<Line> {
                 return;
             }
             let line = line(bytes);
-            // After an invalid line, the next start of a line is unknown.
+            // Reading stops at an invalid line, because the start of the next one is unknown.
             let last = line.is_err();
             if sender.send(line).is_err() || last {
                 return;

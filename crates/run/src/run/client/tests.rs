@@ -64,7 +64,6 @@ fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     }
     assert!(runner.ask(&pairs(Some(3))).unwrap_err().reason.contains("trajectory has 3"));
     assert_eq!(runner.ask(&Request::Memory), Ok(Reply::Unsupported));
-    // A trajectory of one frame is loaded as a whole.
     assert_eq!(runner.ask(&Request::Load(rest)), Ok(Reply::Loaded));
     let Ok(Reply::Sample(sample)) = runner.ask(&Request::Sample { min_ns: 1 }) else {
         panic!("no sample")

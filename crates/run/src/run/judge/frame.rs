@@ -23,12 +23,12 @@ pub(super) struct Frame<'a> {
 /// The truth in one arithmetic. Arithmetics that store the scene alike share it.
 #[derive(Clone)]
 pub(super) struct Truths {
-    /// As the arithmetic stores it; in a box, as given.
+    /// The scene as the arithmetic stores it; in a box, the given scene.
     pub stored: Rc<Loaded<'static>>,
-    /// By the arithmetic's own contact test.
+    /// Contacts by the arithmetic's own contact test.
     pub own: Rc<Truth>,
-    /// By exact decisions on the stored particles and images; `None` if they cannot be found in a
-    /// box.
+    /// Contacts by exact decisions on the stored particles and images; `None` if they cannot be
+    /// found in a box.
     exact: Option<Rc<Truth>>,
 }
 
@@ -53,7 +53,7 @@ impl From<periodic::Truth> for Truth {
 #[derive(Clone, Default)]
 pub(super) struct Differs {
     pub own: Errors,
-    /// Compared with exact decisions on the given scene; `None` if these are unknown.
+    /// Errors compared with exact decisions on the given scene; `None` if these are unknown.
     pub errors: Option<Errors>,
     pub causes: Option<Causes>,
 }

@@ -122,9 +122,9 @@ pub(crate) struct Judged {
     /// `ok`, `lossy` or `wrong`; `refused` if the truth is unknown.
     pub outcome: Outcome,
     pub reason: String,
-    /// Compared with exact decisions on the given scene; `None` if the pairs are unknown.
+    /// Errors compared with exact decisions on the given scene; `None` if the pairs are unknown.
     pub errors: Option<Errors>,
-    /// By cause. In a box, the stored scene consists of particles and images.
+    /// Errors by cause. In a box, the stored scene consists of particles and images.
     pub causes: Option<Causes>,
 }
 
@@ -212,7 +212,7 @@ impl<'a> Judge<'a> {
             Ok(answers) => answers,
             Err(why) => return Ok(Judged::without_pairs(Outcome::Wrong, why)),
         };
-        // The builds are a part of the answer.
+        // Two answers are equal only if their lists were built in the same frames.
         let steps = &said.found.steps;
         let flags = steps.built.iter().chain(&steps.dangerous).map(|&flag| u64::from(flag));
         let sums = answers.iter().flat_map(|answer| [answer.contacts, answer.sum]);

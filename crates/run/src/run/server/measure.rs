@@ -81,7 +81,7 @@ impl Server {
             None => loop {
                 let calls = self.calibrate(min_ns)?;
                 let elapsed_ns = self.repeat(calls)?;
-                // If a neighbour disturbed the calibration, the number may be too small.
+                // If another program disturbed the calibration, the number may be too small.
                 if elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS {
                     self.calls = Some(calls);
                     break (calls, elapsed_ns);
@@ -132,9 +132,9 @@ impl Server {
     /// Measures two passes with fresh buffers, and as many threads as are timed. The list of pairs
     /// has its memory already, which is not counted.
     pub(super) fn memory(&mut self) -> Answer {
-        // This pass reserves that memory.
+        // This pass gives the list of pairs its memory.
         self.pass(None, |_, _, _| ())?;
-        // Existing buffers must not count against the limit.
+        // Frees old buffers, because they would count against the limit.
         self.searcher = Searcher::new(self.spec.detector(), self.options);
         self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
         let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
