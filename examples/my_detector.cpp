@@ -1,9 +1,11 @@
-// A contact detector in C++17 that joins contactbench: a cell grid; runners/runner.hpp speaks the protocol (docs/PROTOCOL.md).
+// A cell grid as a contact detector in C++17. runners/runner.hpp implements the runner protocol
+// (docs/PROTOCOL.md).
 //
 //     g++ -std=c++17 -O2 -ffp-contract=off -I runners examples/my_detector.cpp -o my_detector
 //     contactbench check --runner ./my_detector
 //
-// -ffp-contract=off: a fused multiply-add would decide near contacts otherwise than the arithmetic f64, which this detector promises.
+// This detector promises the arithmetic f64. A fused multiply-add would round differently and
+// change near contacts, so -ffp-contract=off forbids it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,10 +15,11 @@
 
 #include "runner.hpp"
 
-// In D dimensions; the object keeps its buffers from call to call, and nothing else: it has nothing to reset. Put your own detector here.
+// Put your own detector here, for D dimensions. The object keeps only buffers between calls, so it
+// needs no reset().
 template <int D> class Grid {
     using Cell = std::array<std::int64_t, D>;
-    // Cells with their particles, sorted: those of a cell stand side by side.
+    // The cell and the number of each particle, sorted by cell.
     std::vector<std::pair<Cell, std::uint32_t>> entries;
 
   public:
@@ -29,8 +32,10 @@ template <int D> class Grid {
                 high[k] = i == 0 ? scene.centres[i][k] : std::max(high[k], scene.centres[i][k]);
             }
         }
-        // Cells are a little wider than the largest distance of touching particles, squares that vanish included, so that rounding puts
-        // none of these two cells apart; and so wide that their numbers are below 2^31, with rounding errors far below 10^-6.
+        // Cells are slightly wider than the largest distance of touching particles, including
+        // distances whose squares underflow, so that rounding never puts such particles two cells
+        // apart. They are also so wide that cell numbers stay below 2^31, with rounding errors far
+        // below 10^-6.
         double edge = scene.reach() * (1.0 + 1e-6) + 1e-150;
         for (int k = 0; k < D; k++) edge = std::max(edge, (high[k] - low[k]) / 1073741824.0);
         if (!std::isfinite(edge)) throw runner::Refusal("the extent of the scene, or a particle, is larger than the largest double; scale it down");
@@ -43,7 +48,8 @@ template <int D> class Grid {
         std::sort(entries.begin(), entries.end());
         for (std::size_t at = 0; at < n; at++) {
             const auto& [cell, i] = entries[at];
-            // Rows of three cells along the last axis; of each two neighbouring cells one is after the other, and those after are looked at.
+            // Search rows of three cells along the last axis. Of two neighbouring cells, the
+            // earlier one finds the pairs.
             for (int row = 0; row < (D == 2 ? 3 : 9); row++) {
                 Cell first = cell;
                 first[0] += row % 3 - 1;

@@ -1,12 +1,12 @@
-"""A contact detector in Python that joins contactbench: it speaks the runner protocol (docs/PROTOCOL.md), with the standard library alone.
+"""A contact detector in Python as a runner (docs/PROTOCOL.md); needs the standard library only.
 contactbench check --runner "python3 examples/my_detector.py"
 """
 import json, os, struct, sys, time
 
 
 def detect(centres, radii):
-    """The pairs that touch, by sorting along x. Put your own detector here."""
-    # Wider than the largest sum of radii by more than the rounding of the test below, squares that vanish included.
+    """Find the pairs that touch, by sorting along x. Put your own detector here."""
+    # Exceeds the largest sum of radii by more than rounding and underflow in the test below.
     reach = 2 * max(radii, default=0.0) * (1 + 1e-14) + 1e-150
     order = sorted(range(len(centres)), key=lambda i: centres[i][0])
     pairs = []
@@ -14,7 +14,7 @@ def detect(centres, radii):
         for j in order[k + 1:]:
             if centres[j][0] - centres[i][0] > reach:
                 break
-            # The test of the arithmetic f64: squares are summed axis by axis.
+            # The test of the arithmetic f64, which sums the squares axis by axis.
             square, total = 0.0, radii[i] + radii[j]
             for x, y in zip(centres[i], centres[j]):
                 square += (x - y) * (x - y)
@@ -24,7 +24,7 @@ def detect(centres, radii):
 
 
 def load(frames, dim, n, radius):
-    """Centres and radii of a scene at rest: one npy file. Its bytes 8 and 9 give the length of the header, then come rows of little-endian doubles."""
+    """Read centres and radii: an npy header, its length in bytes 8 and 9, and rows of doubles."""
     with open(frames[0], "rb") as file:
         file.seek(10 + struct.unpack("<8sH", file.read(10))[1])
         columns = dim + (radius is None)
@@ -34,7 +34,7 @@ def load(frames, dim, n, radius):
 
 
 def digest(pairs):
-    """The number of pairs, and a fingerprint that does not depend on their order."""
+    """Return the number of pairs, and a fingerprint that does not depend on their order."""
     total, mask = 0, 2**64 - 1
     for i, j in pairs:
         z = ((min(i, j) << 32 | max(i, j)) + 0x9E3779B97F4A7C15) & mask
@@ -46,12 +46,12 @@ def digest(pairs):
 
 def answer(scene, request, path=None, min_ns=1, **load_fields):
     if request == "load" and "box" in load_fields:
-        return {"reply": "refused", "reason": "this detector takes open space only, and the scene has a periodic box"}
+        return {"reply": "refused", "reason": "this detector supports open space only, and the scene has a periodic box"}
     if request == "load":
         scene[:] = load(*(load_fields[key] for key in ("frames", "dim", "n", "radius")))
         return {"reply": "loaded"}
-    if request == "sample":  # nothing is kept from one detection to the next: there is nothing to reset
-        pairs, calls, start = detect(*scene), 0, time.perf_counter_ns()  # the first detection is outside the clock
+    if request == "sample":  # detections keep no state, so there is nothing to reset
+        pairs, calls, start = detect(*scene), 0, time.perf_counter_ns()  # one warm-up
         while calls == 0 or time.perf_counter_ns() - start < min_ns:
             pairs, calls = detect(*scene), calls + 1
         elapsed = time.perf_counter_ns() - start
@@ -66,7 +66,7 @@ def answer(scene, request, path=None, min_ns=1, **load_fields):
     return {"reply": "unsupported"}
 
 
-scene, channel, _ = [], os.fdopen(os.dup(1), "w"), os.dup2(2, 1)  # replies have a descriptor of their own; what a library prints goes to standard error
+scene, channel, _ = [], os.fdopen(os.dup(1), "w"), os.dup2(2, 1)  # libraries print to standard error
 print(json.dumps({"reply": "hello", "protocol": 4, "detector": "my-detector", "arithmetic": "f64", "at_rest": True}), file=channel, flush=True)
 for line in sys.stdin:
     try:

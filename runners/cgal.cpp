@@ -1,6 +1,6 @@
-// CGAL: all pairs of overlapping boxes, by streamed segment trees (`box_self_intersection_d`). Boxes are closed, and each particle's has its own radius.
-//
-// In 2D the library's own planar boxes are used. It reports each pair once.
+// CGAL: all pairs of overlapping boxes, by streamed segment trees (`box_self_intersection_d`).
+// Boxes are closed, and each has the size of its particle. 2D scenes use planar boxes. The library
+// reports each pair once.
 
 #include <CGAL/Box_intersection_d/Box_d.h>
 #include <CGAL/box_intersection_d.h>
@@ -19,7 +19,7 @@ template <int D> struct Box : CGAL::Box_intersection_d::Box_d<double, D, CGAL::B
 };
 
 template <int D> void detect(const runner::Scene<D>& scene, runner::Pairs& pairs) {
-    // Kept from one detection to the next, as a buffer.
+    // Reused from one detection to the next.
     static std::vector<Box<D>> boxes;
     boxes.clear();
     for (std::uint32_t i = 0; i < scene.centres.size(); i++) {

@@ -1,10 +1,11 @@
-"""scipy.spatial.cKDTree: a k-d tree in C++, and all pairs of it within a distance, as one array.
+"""scipy.spatial.cKDTree: a k-d tree in C++, which returns all pairs within a distance as one array.
 
-In f64 and by squares, closed. The tree is built by halving at the middle of the box (`balanced_tree=False`) without tightened nodes, which the documentation
-names as the faster way to build.
+It compares squares in f64 with `<=`. The tree is halved at the middle of its box
+(`balanced_tree=False`), without tightened nodes, which its documentation calls the faster build.
 
-In a box it knows edges along the axes (`boxsize`), and of each pair the nearest image; it does not say which, and that is added outside the clock. Coordinates
-are wrapped once, outside the clock.
+Periodic boxes must have edges along the axes (`boxsize`). The library finds the nearest image of
+each pair but does not return it. The images, and wrapped coordinates, are computed outside the
+clock.
 """
 
 from runner import np, serve, unavailable
@@ -19,10 +20,10 @@ except ImportError as error:
 def prepare(scene):
     centres, edges = scene.centres, None
     if scene.box:
-        # 0 is an axis that is open.
+        # 0 marks an open axis.
         edges = np.where(scene.box.periodic, scene.box.edges(), 0.0)
         centres, _ = scene.box.wrapped(centres)
-        # Rounded, a place may be at the far face, or before the near one, which the library refuses.
+        # Rounding may put a coordinate outside the half-open box, which the library refuses.
         outside = (centres >= edges) | (centres < 0.0)
         centres = np.where(scene.box.periodic & outside, 0.0, centres)
 

@@ -1,9 +1,13 @@
 """freud.locality.AABBQuery: all pairs of points within a distance, by a tree of boxes.
 
-The library computes in single precision, in a periodic box: here larger than the scene by three times the distance, so that no image is near. In 2D its
-box is flat. Coordinates are shifted to its middle and converted to f32 once, outside the clock. Its neighbour list has each pair twice; one of them is kept.
-In a box that repeats it is given that, of any shape; it names no images,
-and takes of each pair the nearest: which one is added outside the clock. Its other method, LinkCell, took 250 us per particle at N = 10^4, a hundred times as long, and is left out.
+The library computes in single precision and needs a periodic box. For open space this box exceeds
+the scene by three times the distance, so that no image is near. In 2D it is flat. Coordinates are
+shifted to its middle and converted to f32 once, outside the clock. The neighbour list has each pair
+twice; one is kept.
+
+Periodic boxes may have any shape. The library finds the nearest image of each pair but does not
+return it; the images are added outside the clock. Its other method, LinkCell, is not measured: it
+took 250 us per particle at N = 10^4, a hundred times as long.
 """
 
 from runner import Refusal, np, serve, unavailable
@@ -25,16 +29,16 @@ def prepare(scene):
         raise Refusal("freud needs points, a finite box and a distance above 0")
     box = freud.box.Box(edges[0], edges[1], edges[2] if scene.dim == 3 else 0.0, is2D=scene.dim == 2)
     if scene.box:
-        # Vectors along which it is open are long enough.
+        # Open vectors are long enough to pass.
         scene.box.holds(scene.reach)
         vectors = np.eye(3)
         vectors[: scene.dim, : scene.dim] = scene.box.vectors
         if np.count_nonzero(np.triu(vectors, 1)):
-            raise Refusal("freud wants boxes whose vectors are a lower triangle")
+            raise Refusal("freud needs boxes whose vectors form a lower triangle")
         lx, ly, lz = np.diag(vectors)
         tilts = (vectors[1, 0] / ly, vectors[2, 0] / lz, vectors[2, 1] / lz)
         box = freud.box.Box(lx, ly, lz if scene.dim == 3 else 0.0, *tilts, is2D=scene.dim == 2)
-        # Its boxes have their middle at the origin.
+        # The boxes of freud have their middle at the origin.
         middle = scene.box.origin + scene.box.vectors.sum(axis=0) / 2
         points = np.pad(scene.centres - middle, ((0, 0), (0, 3 - scene.dim)))
         points = box.wrap(points.astype("f4"))

@@ -1,13 +1,13 @@
-"""The neighbour lists of LAMMPS and LIGGGHTS, in their process and by their own clock.
+"""The neighbour lists of LAMMPS and LIGGGHTS, in their process and timed by their own clock.
 
 Arguments: `lammps` or `liggghts`; the style of `neighbor`, `bin` or `multi` (LAMMPS: one type for
 each octave of radii); the skin in diameters of the largest particle; `newton` on or off.
 
-The program is given the scene as a data file, and lists are built in every step while nothing moves.
-The time is what its timing table calls Neigh, over the builds: binning, and a half list of the pairs
-within the sum of the radii and the skin. It has neither the contact test of each step, nor the sort
-in space at the start. The pairs are those of that list that its own test finds in touch; it is < and
-not <=, so on lattices whose neighbours touch exactly its answers are wrong.
+The program gets the scene as a data file, and builds lists in every step while nothing moves. The
+time is Neigh of its timing table, divided by the builds: binning, and a half list of the pairs
+within the sum of the radii and the skin. It excludes the contact test of each step and the spatial
+sort at the start. The pairs are the listed ones that pass its own test. That test uses < instead of
+<=, so answers are wrong on lattices whose neighbours touch exactly.
 """
 
 import pathlib
@@ -25,7 +25,7 @@ program = next(filter(None, map(shutil.which, PROGRAMS[code])), None)
 if program is None:
     unavailable(code, f"apt-get install {code}", "it is not on the path")
 
-# What only one of the two has.
+# Commands that only one of the two has.
 OWN = {
     "lammps": """
 comm_modify vel yes
@@ -68,10 +68,10 @@ run 0
 
 
 def write(scene, path):
-    """The scene as a data file; the number of types, one for each octave of radii."""
+    """Write the scene as a data file; return the number of types, one per octave of radii."""
     radii = np.full(scene.n, scene.radius) if scene.radii is None else scene.radii
     if not np.all(radii > 0.0):
-        raise Refusal(f"{code} wants radii above 0")
+        raise Refusal(f"{code} needs radii above 0")
     octaves = np.floor(np.log2(radii.max() / radii)).astype(int)
     _, types = np.unique(octaves if style == "multi" else 0 * octaves, return_inverse=True)
     points = scene.in_space()
@@ -89,7 +89,7 @@ def write(scene, path):
 
 def prepare(scene):
     if scene.n == 0:
-        raise Refusal(f"{code} wants particles")
+        raise Refusal(f"{code} needs particles")
     folder = tempfile.TemporaryDirectory()
     place = pathlib.Path(folder.name)
     types = write(scene, place / "scene.data")
@@ -97,7 +97,7 @@ def prepare(scene):
     ones = " ".join(["1.0"] * types * types)
 
     def run(builds):
-        """So many builds, their nanoseconds, those of the first (not known), and the pairs."""
+        """Return the builds, their nanoseconds, 0 for the unknown first one, and the pairs."""
         text = INPUT.format(
             units={"lammps": "lj", "liggghts": "si"}[code], dim=scene.dim, last="fp"[scene.dim == 2],
             newton=newton, own=OWN[code].format(types=types, ones=ones), skin=float(skin) * scene.reach,
@@ -113,18 +113,18 @@ def prepare(scene):
         if ended.returncode:
             errors = re.findall(r"ERROR[^\n]*", log + ended.stdout)
             raise Refusal(f"{code} ended with {ended.returncode}: {(errors or ['no reason given'])[0]}")
-        # The second run of three; what is printed is not in the log of all versions.
+        # The second of three runs. Some versions print the table instead of logging it.
         said = log if "Neigh" in log else ended.stdout
         times = re.findall(r"^Neigh +(?:\| \S+ +\| (\S+)|time \(%\) = (\S+))", said, re.MULTILINE)
         built = re.findall(r"Neighbor list builds = (\d+)", said)
         if len(times) < 2 or int(built[1]) != builds:
-            raise RuntimeError(f"{code} did not say how long {builds} builds took")
+            raise RuntimeError(f"{code} did not report the time of {builds} builds")
         found = (place / "pairs.dump").read_text().rpartition("ITEM: ENTRIES")[2].partition("\n")[2]
         pairs = np.array(found.split(), "f8").astype(np.int64).reshape(-1, 2) - 1
         return builds, round(1e9 * float("".join(times[1]))), 0, pairs
 
     detect = lambda: run(1)[-1]
-    # A build takes no less than this, so that the sample is long enough.
+    # A build takes at least 50 ns per particle; this makes the sample long enough.
     detect.report = lambda least: run(max(5, 2 * least // (50 * scene.n)))
     detect.folder = folder
     return detect

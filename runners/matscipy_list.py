@@ -1,7 +1,7 @@
 """matscipy.neighbours.neighbour_list: cells in C, in f64, for boxes of any shape.
 
-It gives each contact from both sides, with its image, and one of the two is kept. It knows only space: in 2D z is 0, and the box is open along z. Without a box it
-is given the one around the scene, open along all axes.
+It returns each contact from both sides, with its image; one is kept. It supports only 3D: in 2D z
+is 0 and the box is open along z. Without a box it gets one around the scene, open along all axes.
 """
 
 from importlib.metadata import version
@@ -23,7 +23,7 @@ def prepare(scene):
     if scene.box:
         cell[:d, :d] = scene.box.vectors
         periodic[:d] = scene.box.periodic
-    # It compares with <.
+    # The library compares with <.
     cutoff = float(np.nextafter(scene.reach, np.inf))
 
     def detect():

@@ -1,9 +1,13 @@
-"""MDAnalysis.lib.distances.self_capped_distance: all pairs of points within a distance, by cells ('nsgrid').
+"""MDAnalysis.lib.distances.self_capped_distance: all pairs within a distance, by cells ('nsgrid').
 
-The library computes in single precision: wrong answers are to be expected where particles nearly touch. It knows only space: in 2D z is 0. It is given a periodic
-box, larger than the scene by three times the distance, so that no image is near: without one it makes one of its own, which has no depth in 2D and then
-takes a thousand times as long. A box that repeats along all three axes is given to it as lengths and angles; it
-knows of each pair the nearest image and does not say which: that is added outside the clock. Coordinates are shifted into the box and converted to f32 once, outside the clock.
+The library computes in single precision, so expect wrong answers if particles nearly touch. It
+supports only 3D: in 2D z is 0. For open space it gets a periodic box that exceeds the scene by
+three times the distance, so that no image is near. (Otherwise it makes a box itself. In 2D that box
+has no depth, and the search takes a thousand times as long.)
+
+A box must be periodic along all three vectors; the library gets its lengths and angles. It finds
+the nearest image of each pair but does not return it; the images are added outside the clock.
+Coordinates are shifted into the box and converted to f32 once, outside the clock.
 """
 
 from runner import Refusal, np, serve, unavailable
@@ -24,9 +28,9 @@ def prepare(scene):
     box = np.array([*(high - low + 3.0 * scene.reach), 90.0, 90.0, 90.0], "f4")
     if scene.box:
         if scene.dim == 2 or not scene.box.periodic.all():
-            raise Refusal("MDAnalysis knows boxes that repeat along all of three vectors only")
+            raise Refusal("MDAnalysis supports only boxes that are periodic along all three vectors")
         if np.count_nonzero(np.triu(scene.box.vectors, 1)):
-            raise Refusal("MDAnalysis turns boxes whose vectors are not a lower triangle")
+            raise Refusal("MDAnalysis rotates boxes whose vectors do not form a lower triangle")
         scene.box.holds(scene.reach)
         box = triclinic_box(*scene.box.vectors.astype("f4"))
         points, _ = scene.box.wrapped(points)

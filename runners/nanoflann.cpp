@@ -1,6 +1,6 @@
-// nanoflann: a k-d tree, and for each particle, in the order of the tree, all others within a distance, unsorted.
-//
-// The library compares squares, and its bound is open: the search is wider by 2^-40, and `touch` decides.
+// nanoflann: a k-d tree, queried once per particle in the order of the tree, for all particles
+// within a distance, unsorted. The library compares squared distances with `<`, so the search
+// radius is wider by 2^-40, and `touch` decides.
 
 #include <nanoflann.hpp>
 
@@ -8,7 +8,7 @@
 
 namespace {
 
-// Names differ from version to version.
+// Names differ between versions.
 #if NANOFLANN_VERSION >= 0x150
 using Parameters = nanoflann::SearchParameters;
 const Parameters parameters(0.0f, false);
@@ -26,7 +26,7 @@ template <int D> struct Cloud {
     template <class Box> bool kdtree_get_bbox(Box&) const { return false; }
 };
 
-// What the library finds goes straight to the contact test.
+// Passes the particles found directly to the contact test.
 template <int D> struct Visitor {
     const runner::Scene<D>& scene;
     runner::Pairs& pairs;

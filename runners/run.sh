@@ -1,6 +1,6 @@
 #!/bin/sh
-# Starts a runner in C++, and compiles it first if that was not done: sh runners/run.sh nanoflann
-# The program is kept in the user's cache; CXX and CXXFLAGS are the compiler and its flags.
+# Starts a C++ runner, and compiles it first if necessary: sh runners/run.sh nanoflann
+# The program is kept in the cache of the user. CXX and CXXFLAGS set the compiler and its flags.
 name=$1
 here=$(dirname "$0")
 case $name in
@@ -18,7 +18,7 @@ unavailable() {
 }
 
 command -v "$compiler" >/dev/null || unavailable "there is no compiler $compiler"
-# A program is named after what it was made from and with, so that none is ever stale.
+# The name contains a checksum of sources, compiler and flags, so the program is never outdated.
 mark=$( { cat "$here/$name.cpp" "$here/runner.hpp"; "$compiler" --version; echo "$flags"; uname -nm; } | cksum | tr ' ' -)
 program=$cache/$name-$mark
 if [ ! -x "$program" ]; then

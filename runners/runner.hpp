@@ -1,12 +1,15 @@
-// The runner protocol (docs/PROTOCOL.md), for detectors in C++17: a detection is a function from a scene to a list of pairs in a
-// reused buffer. `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
+// The runner protocol (docs/PROTOCOL.md) for detectors in C++17. A detector is a function from a
+// scene to a list of pairs in a reused buffer: include this file, write the function and pass it to
+// `serve`, as `examples/my_detector.cpp` does.
 //
-// A detector that keeps more than buffers for its next detection has a member function `reset()`, which drops it: a sample is passes over the
-// trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories of one frame, and say so (at_rest):
-// of a motion they are given one frame after the other.
+// If a detector keeps more than buffers between detections, it needs a member function `reset()`
+// that drops the rest: a sample is a number of passes over the trajectory, and each begins with a
+// reset. These runners support trajectories of one frame only (`at_rest`); contactbench sends them
+// the frames of a motion one by one.
 //
-// A member function `prepare(scene)` is called once for each scene, outside the clock: for what does not depend on coordinates.
-// What the library prints on standard output goes to standard error: the protocol has a descriptor of its own.
+// A member function `prepare(scene)` is called once per scene, before the clock starts, for work
+// that does not depend on coordinates. Replies go to a descriptor of their own, so whatever the
+// library prints on standard output appears on standard error.
 #pragma once
 
 #include <algorithm>
@@ -34,20 +37,20 @@ namespace runner {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-// Thrown by a detection that does not work on the scene: one sentence with the numbers and the remedy.
+// Throw this if a detection does not support the scene: one sentence with numbers and remedy.
 struct Refusal : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 template <int D> struct Scene {
     std::vector<std::array<double, D>> centres;
-    // One, or one for each particle.
+    // One radius for all, or one per particle.
     std::vector<double> radii;
 
     double radius(std::size_t i) const { return radii.size() == 1 ? radii[0] : radii[i]; }
     // The largest distance at which two particles touch.
     double reach() const { return radii.empty() ? 0.0 : 2.0 * *std::max_element(radii.begin(), radii.end()); }
-    // Decided in f64; the order of the sum is that of the axes.
+    // Decides in f64, summing in the order of the axes.
     bool touch(std::size_t i, std::size_t j) const {
         double square = 0.0;
         for (int k = 0; k < D; k++) square += (centres[i][k] - centres[j][k]) * (centres[i][k] - centres[j][k]);
@@ -56,7 +59,7 @@ template <int D> struct Scene {
     }
 };
 
-// The place in a message after a field's name; npos if it is not there.
+// Returns where the value of a field begins; npos if the field is missing.
 inline std::size_t value_of(const std::string& line, const std::string& name) {
     auto at = line.find("\"" + name + "\":");
     if (at == std::string::npos) return at;
@@ -65,7 +68,7 @@ inline std::size_t value_of(const std::string& line, const std::string& name) {
     return at;
 }
 
-// A string whose quote is at this place, which moves behind it. Backslashes in paths are undone.
+// Reads the string whose opening quote is at `at`, undoes backslashes, and moves `at` behind it.
 inline std::string quoted(const std::string& line, std::size_t& at) {
     std::string value;
     for (at++; at < line.size() && line[at] != '"'; at++) {
@@ -76,7 +79,7 @@ inline std::string quoted(const std::string& line, std::size_t& at) {
     return value;
 }
 
-// The value of a field of a message on one line, as text: a string without quotes; empty if it is not there.
+// Returns the value of a field as text, strings without quotes; empty if the field is missing.
 inline std::string field(const std::string& line, const std::string& name) {
     auto at = value_of(line, name);
     if (at == std::string::npos) return "";
@@ -84,7 +87,6 @@ inline std::string field(const std::string& line, const std::string& name) {
     return quoted(line, at);
 }
 
-// The value of a field that is a list of strings.
 inline std::vector<std::string> strings(const std::string& line, const std::string& name) {
     std::vector<std::string> values;
     auto at = value_of(line, name);
@@ -101,13 +103,14 @@ inline std::string escaped(const std::string& text) {
     return out;
 }
 
-// Where replies go.
+// The file for replies.
 inline std::FILE*& channel() {
     static std::FILE* file = stdout;
     return file;
 }
 
-// Keeps standard output for the protocol alone: descriptor 1 becomes standard error, and replies go to a copy of what it was.
+// Reserves standard output for the protocol: replies go to a copy of it, and descriptor 1 becomes
+// standard error.
 inline void own_channel() {
     std::fflush(stdout);
 #ifdef _WIN32
@@ -142,12 +145,12 @@ template <int D> Scene<D> load(const std::string& line) {
     const std::string radius = field(line, "radius");
     const auto frames = strings(line, "frames");
     if (frames.size() != 1)
-        throw Refusal("this runner takes scenes at rest, trajectories of one frame; this one has " + std::to_string(frames.size()));
-    if (value_of(line, "box") != std::string::npos) throw Refusal("this detector takes open space only, and the scene has a periodic box");
+        throw Refusal("this runner supports trajectories of one frame; this one has " + std::to_string(frames.size()));
+    if (value_of(line, "box") != std::string::npos) throw Refusal("this detector supports open space only, and the scene has a periodic box");
     const bool each = radius == "null";
     const auto data = numbers(frames[0], n * (D + each));
     scene.centres.resize(n);
-    // Not stod, to which numbers below the normal ones are an error.
+    // stod would throw for subnormal numbers.
     if (!each) scene.radii = {std::strtod(radius.c_str(), nullptr)};
     for (std::size_t i = 0; i < n; i++) {
         const double* row = &data[i * (D + each)];
@@ -181,15 +184,15 @@ inline void write(const std::string& path, const Pairs& pairs) {
     if (!file) throw std::runtime_error("cannot write " + path);
 }
 
-// The member function `reset`, if there is one.
+// Calls the member function `reset`, if there is one.
 template <class Detect> auto reset(Detect& detect, int) -> decltype(detect.reset()) { return detect.reset(); }
 template <class Detect> void reset(Detect&, long) {}
 
-// The member function `prepare`, if there is one.
+// Calls the member function `prepare`, if there is one.
 template <class Detect, class Scene> auto prepare(Detect& detect, const Scene& scene, int) -> decltype(detect.prepare(scene)) { return detect.prepare(scene); }
 template <class Detect, class Scene> void prepare(Detect&, const Scene&, long) {}
 
-// Nanoseconds of so many passes.
+// Returns the nanoseconds of this many passes.
 template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D>& scene, std::uint64_t passes, Pairs& pairs) {
     const auto start = std::chrono::steady_clock::now();
     for (std::uint64_t k = 0; k < passes; k++) {
@@ -200,7 +203,7 @@ template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D
     return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count());
 }
 
-// What the compiler was, and the widest instructions that it might use.
+// The compiler, and the widest instruction set that it may use.
 #if defined(__clang__)
 inline const std::string compiler = "clang " __clang_version__;
 #elif defined(__GNUC__)
@@ -216,8 +219,9 @@ inline const std::string level = "avx2";
 inline const std::string level = "portable";
 #endif
 
-// Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of pairs: one detection, from raw coordinates on.
-// `arithmetic` is the one in which the answers are right: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
+// Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of
+// pairs, for one detection from raw coordinates. `arithmetic` is the one in which the answers are
+// right: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
 template <class Plane, class Space>
 void serve(const std::string& name, const std::string& version, Plane plane, Space space, const std::string& arithmetic = "exact") {
     std::ios::sync_with_stdio(false);
@@ -254,7 +258,7 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
                         calls = std::max(calls + 1, std::min(10 * calls, least * calls / std::max<std::uint64_t>(took, 1) * 9 / 8));
                 }
                 std::uint64_t took = detect(calls);
-                // What disturbed the calibration made the detections too few.
+                // A disturbed calibration may yield too few detections.
                 while (fresh && took < least / 2) {
                     calls = std::min(10 * calls, std::max(calls + 1, least * calls / std::max<std::uint64_t>(took, 1)));
                     took = detect(calls);

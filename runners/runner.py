@@ -1,17 +1,21 @@
 """The runner protocol (docs/PROTOCOL.md), for libraries with a Python interface.
 
-A library is a function that is given a scene and returns a function without arguments: one
-detection, from raw coordinates to the array of pairs. That array is one of shape (pairs, 2) or two
-of indices; i and j of a pair stand in any order, each pair once. A detection that keeps more than
-buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
-the trajectory, and each pass begins with a reset. One whose time another program takes has an
-attribute `report`, a function that is given the least nanoseconds of a sample and returns detections,
-their nanoseconds, those of the first (or 0) and the pairs; `build` of `serve` then names that clock. These runners take scenes at rest, trajectories
-of one frame, and say so (`at_rest`): of a motion they are given one frame after the other.
+Write a function that takes a scene and returns a function without arguments. The latter is one
+detection, from raw coordinates to the pairs. It returns an array of shape (pairs, 2), or two arrays
+of indices, with each pair once, and i and j in any order. It may have two attributes:
 
-In a box that repeats (`serve(..., boxes=True)`) a detection returns three arrays, i, j and the images
-S, (contacts, dim): i touches the image of j at x_j + S @ vectors. A library that names no images
-returns two, and the nearest image of each pair is taken for it, outside the clock.
+* `reset`, if a detection keeps more than buffers for the next one: a function that drops the rest.
+  A sample is a number of passes over the trajectory, and each begins with a reset.
+* `report`, if another program takes the time: a function that takes the least nanoseconds of a
+  sample and returns the number of detections, their nanoseconds, those of the first (or 0), and the
+  pairs. `build` of `serve` then names that clock.
+
+These runners support trajectories of one frame only (`at_rest`); contactbench sends them the frames
+of a motion one by one.
+
+In a periodic box (`serve(..., boxes=True)`) a detection returns three arrays: i, j, and the images
+S of shape (contacts, dim). Particle i touches the image of j at x_j + S @ vectors. If a library
+returns no images, the nearest image of each pair is added after the clock has stopped.
 """
 
 import json
@@ -20,13 +24,13 @@ import platform
 import sys
 import time
 
-# One thread: no pool of threads of its own, whatever a library finds.
+# Keep libraries from starting threads.
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[name] = "1"
 
 
-# What a library prints on standard output, from C too, goes to standard error: replies have a
-# descriptor of their own.
+# Replies have a descriptor of their own; whatever a library prints, also from C, goes to standard
+# error.
 sys.stdout.flush()
 channel = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
@@ -38,7 +42,7 @@ def say(reply, **fields):
 
 
 def unavailable(library, install, error):
-    """The first line of a runner whose library is missing, and its last."""
+    """Reply that the library is missing, and end the runner."""
     say("unavailable", reason=f"{library} cannot be loaded ({error}): {install}")
     sys.exit(0)
 
@@ -50,20 +54,20 @@ except ImportError as error:
 
 
 class Refusal(Exception):
-    """The library will not work on this scene: one sentence."""
+    """Raise this if the library does not support the scene; the text is one sentence."""
 
 
 class Box:
-    """The vectors of a box that repeats (dim, dim), one per row, whether it does along each of them,
-    and its corner. Vectors along which it does not are at right angles to the others, and so long
-    that the box holds all centres with more than the reach to spare."""
+    """A periodic box: its vectors (dim, dim), one per row, its periodic flags, and its corner. Open
+    vectors are replaced by vectors at right angles to the periodic ones, so long that the box holds
+    all centres with more than the reach to spare."""
 
     def __init__(self, centres, reach, vectors, periodic, origin):
         self.vectors, self.periodic = np.array(vectors), np.array(periodic)
         self.origin = np.array(origin)
         if self.periodic.all() or not len(centres):
             return
-        # Directions at right angles to all periodic vectors: the axes themselves, if they are.
+        # Directions at right angles to all periodic vectors; axes if possible.
         free = np.flatnonzero(~self.periodic)
         axes = np.eye(len(vectors))[free]
         if np.any(axes @ self.vectors[self.periodic].T):
@@ -75,34 +79,34 @@ class Box:
             self.origin += axis * (low - 2.0 * reach - self.origin @ axis)
 
     def edges(self):
-        """Its edges, if it is not tilted."""
+        """Return the edges of a box that is not tilted."""
         if np.count_nonzero(self.vectors - np.diag(np.diag(self.vectors))):
-            raise Refusal("the library knows no tilted boxes")
+            raise Refusal("the library does not support tilted boxes")
         return np.diag(self.vectors)
 
     def holds(self, reach):
-        """A refusal unless faces are at least twice the reach apart, as libraries want it that know
-        of each pair the nearest image only."""
+        """Refuse unless faces are more than twice the reach apart, which libraries need if they
+        find only the nearest image of each pair."""
         heights = 1.0 / np.linalg.norm(np.linalg.inv(self.vectors), axis=0)
         if np.float32(2.0 * reach) >= np.float32(heights.min()):
-            raise Refusal("the library wants boxes of more than twice the distance")
+            raise Refusal("the library needs a box wider than twice the distance")
 
     def wrapped(self, centres):
-        """Centres in the box, from its corner, and the whole numbers of vectors they were moved by."""
+        """Return the centres in the box, relative to its corner, and the vectors subtracted."""
         places = centres - self.origin
         moved = np.where(self.periodic, np.floor(places @ np.linalg.inv(self.vectors)), 0.0)
         return places - moved @ self.vectors, moved.astype(np.int64)
 
     def nearest(self, centres, i, j):
-        """Of each pair the image of j that is nearest to i, but for tilted boxes smaller than twice
-        the distance."""
+        """Return the image of j nearest to i for each pair; may fail in tilted boxes smaller than
+        twice the distance."""
         apart = (centres[i] - centres[j]) @ np.linalg.inv(self.vectors)
         return np.where(self.periodic, np.rint(apart), 0.0).astype(np.int64)
 
 
 class Scene:
-    """Centres (n, dim), the radius of all or None, radii (n,), and the largest distance at which two
-    particles touch; and the box in which they repeat, or None."""
+    """Centres (n, dim); the common radius or None; radii (n,) or None; `reach`, the largest
+    distance at which two particles touch; and the periodic box or None."""
 
     def __init__(self, path, dim, n, radius, box=None):
         data = np.load(path)
@@ -115,12 +119,11 @@ class Scene:
         self.box = box and Box(self.centres, self.reach, **box)
 
     def in_space(self):
-        """The centres with z = 0 in 2D, for libraries that know only space; made once, outside the
-        clock."""
+        """Return the centres, with z = 0 in 2D, for libraries that support only 3D."""
         return np.pad(self.centres, ((0, 0), (0, 3 - self.dim)))
 
     def touching(self, i, j, images=None):
-        """Of candidates, those that touch by radii: only for scenes with different ones."""
+        """Return the candidates that touch, for scenes with different radii."""
         difference = self.centres[i] - self.centres[j]
         if self.box:
             images = self.box.nearest(self.centres, i, j) if images is None else images
@@ -130,7 +133,7 @@ class Scene:
         return (i[keep], j[keep]) if images is None else (i[keep], j[keep], images[keep])
 
     def columns(self, found):
-        """Pairs as two arrays of 64 bits, in a box with a third of their images."""
+        """Return pairs as two arrays of 64-bit integers, and in a box their images as a third."""
         i, j, *images = (found[:, 0], found[:, 1]) if isinstance(found, np.ndarray) else found
         if self.box:
             images = images or [self.box.nearest(self.centres, i, j)]
@@ -145,7 +148,7 @@ def splitmix64(x):
 
 
 def digest(i, j, images=None):
-    """Number and fingerprint of contacts; outside the clock."""
+    """Return the number and the fingerprint of contacts."""
     with np.errstate(over="ignore"):
         hashes = splitmix64(np.minimum(i, j) << np.uint64(32) | np.maximum(i, j))
         if images is not None:
@@ -159,8 +162,8 @@ def digest(i, j, images=None):
 
 
 def named(i, j, images):
-    """Three columns of S as the contact is named: of (i, j, S) and (j, i, -S) the one with i < j, and
-    of a particle with itself the one whose first number that is not 0 is positive."""
+    """Return three columns of S in canonical form: of (i, j, S) and (j, i, -S) the one with i < j;
+    if i = j, the one whose first nonzero number is positive."""
     images = np.pad(images, ((0, 0), (0, 3 - images.shape[1])))
     first = images[np.arange(len(images)), (images != 0).argmax(axis=1)]
     turn = (j < i) | ((i == j) & (first < 0))
@@ -168,7 +171,7 @@ def named(i, j, images):
 
 
 def timed(detect, passes):
-    """Nanoseconds of so many passes, and the pairs of the last."""
+    """Return the nanoseconds of this many passes, and the pairs of the last."""
     reset = getattr(detect, "reset", None)
     start = time.perf_counter_ns()
     for _ in range(passes):
@@ -179,17 +182,18 @@ def timed(detect, passes):
 
 
 def at_rest(frames, dim, n, radius, box, boxes):
-    """The scene of a trajectory of one frame."""
+    """Load the scene of a trajectory with one frame."""
     if len(frames) != 1:
-        raise Refusal(f"this runner takes scenes at rest, trajectories of one frame; this one has {len(frames)}")
+        raise Refusal(f"this runner supports trajectories of one frame; this one has {len(frames)}")
     if box and not boxes:
-        raise Refusal("this runner knows no boxes that repeat")
+        raise Refusal("this runner does not support periodic boxes")
     return Scene(frames[0], dim, n, radius, box)
 
 
 def serve(name, version, prepare, arithmetic="exact", boxes=False, build=None):
-    """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
-    on coordinates, and for conversions. `build` says what else may change the times."""
+    """Answer requests until `quit`. The clock does not include `prepare(scene)`, which is for work
+    that does not depend on coordinates, and for conversions. `build` lists what else affects
+    times."""
     build = {"python": platform.python_version(), "numpy": np.__version__, **(build or {})}
     say("hello", protocol=4, detector=name, arithmetic=arithmetic, version=version, build=build, at_rest=True)
     scene, detect, calls = None, None, None
@@ -221,7 +225,7 @@ def serve(name, version, prepare, arithmetic="exact", boxes=False, build=None):
                     while (elapsed := timed(detect, calls)[0]) < least:
                         calls = max(calls + 1, min(10 * calls, least * calls * 9 // (8 * max(elapsed, 1))))
                 elapsed, pairs = timed(detect, calls)
-                # What disturbed the calibration made the detections too few.
+                # A disturbed calibration may yield too few detections.
                 while fresh and elapsed < least // 2:
                     calls = min(10 * calls, max(calls + 1, least * calls // max(elapsed, 1)))
                     elapsed, pairs = timed(detect, calls)

@@ -1,10 +1,11 @@
 """vesin.NeighborList: cell lists in C++ for atoms, in f64.
 
-It knows only space: in 2D z is 0. The box that it makes around a scene in open space then has no depth; and where there would be more than some 10^5 cells it
-has fewer along every axis, down to none, and divides by zero (version 0.6.2). So in 2D it is given a periodic box, larger than the scene by three
-times the distance, so that no image is near, and so deep that there are cells along z.
+It supports only 3D: in 2D z is 0. In open space it makes a box around the scene, which in 2D has no
+depth. If there would be more than about 10^5 cells, it reduces their number along every axis, down
+to zero, and divides by zero (version 0.6.2). So 2D scenes get a periodic box that exceeds them by
+three times the distance, so that no image is near, and so deep that there are cells along z.
 
-In a box it is given the box, of any shape, and asked for the images, which it names.
+Periodic boxes may have any shape, and the library returns the images.
 """
 
 from importlib.metadata import version
@@ -31,7 +32,7 @@ def prepare(scene):
         periodic, asked = [*scene.box.periodic, *[False] * (3 - d)], "ijS"
     if scene.reach == 0.0:
         raise Refusal("vesin needs a cutoff above 0")
-    # Kept for its buffers; with `copy=False` the arrays are the calculator's own, good until its next call.
+    # Reused for its buffers. With `copy=False` the arrays stay valid until the next call.
     calculator = NeighborList(cutoff=scene.reach, full_list=False)
 
     def detect():

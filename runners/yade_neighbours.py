@@ -1,10 +1,10 @@
-"""The sweep and prune of YADE (InsertionSortCollider), in its process and by its own clock.
+"""The sweep and prune of YADE (InsertionSortCollider), in its process and timed by its own clock.
 
-Nothing moves, and `verletDist` is 0, so the collider works in every step: it makes a box for each body,
-sorts their ends along three axes by insertion (they are sorted already), and keeps the couples whose
-boxes overlap. The time is that of `O.timingEnabled` for the collider, over its steps; `first_ns` is its
-first step, which sorts from nothing. The contact test is InteractionLoop's, and is not in it. The pairs
-are the interactions that are real.
+Nothing moves, and `verletDist` is 0, so the collider runs in every step. It makes a box for each
+particle, sorts the box ends along three axes by insertion (they are already sorted), and keeps the
+pairs whose boxes overlap. The time is that of `O.timingEnabled` for the collider, divided by its
+steps. `first_ns` is its first step, which sorts unsorted ends. The contact test of InteractionLoop
+is not included. The pairs are the real interactions.
 """
 
 import json
@@ -12,7 +12,7 @@ import pathlib
 import sys
 
 if "O" in globals():
-    # Inside YADE, which runs this file as well.
+    # YADE also runs this file.
     place, builds = pathlib.Path(sys.argv[1]), int(sys.argv[2])
     for line in (place / "scene.txt").read_text().splitlines():
         x, y, z, radius = map(float, line.split())
@@ -45,20 +45,20 @@ from runner import Refusal, np, serve, unavailable
 program = shutil.which("yade")
 if program is None:
     unavailable("yade", "apt-get install yade", "it is not on the path")
-# It takes bodies one by one, from Python: a million take minutes.
+# Python adds particles to YADE one by one; a million would take minutes.
 MOST = 200_000
 
 
 def prepare(scene):
     if not 0 < scene.n <= MOST:
-        raise Refusal(f"{scene.n} particles: this runner gives YADE 1 to {MOST}, one by one")
+        raise Refusal(f"the scene has {scene.n} particles; this runner supports 1 to {MOST} in YADE")
     folder = tempfile.TemporaryDirectory()
     place = pathlib.Path(folder.name)
     radii = np.full(scene.n, scene.radius) if scene.radii is None else scene.radii
     np.savetxt(place / "scene.txt", np.column_stack([scene.in_space(), radii]), fmt="%.17g")
 
     def run(builds):
-        """Detections, their nanoseconds, those of the first, and the pairs."""
+        """Return the detections, their nanoseconds, those of the first, and the pairs."""
         (place / "report.json").unlink(missing_ok=True)
         ended = subprocess.run(
             [program, "-x", "-n", "-j1", __file__, str(place), str(builds)], stdin=subprocess.DEVNULL,
