@@ -1,6 +1,7 @@
-"""What happens in the runs of codes.py, and the loose layers from which they begin.
+"""The cases of codes.py, and the loose layers from which they start.
 
-A unit of length is the diameter of a small sphere, of mass its mass, and gravity is 1.
+The unit of length is the diameter of a small sphere, the unit of mass is its mass, and gravity is
+1.
 """
 
 import dataclasses
@@ -8,7 +9,7 @@ import math
 import random
 from collections.abc import Callable
 
-# Between the centres of small spheres, at first.
+# Initial distance between the centres of small spheres.
 GAP = 1.05
 
 
@@ -18,18 +19,18 @@ class Body:
     diameter: float
     place: tuple
     velocity: tuple = (0.0, 0.0, 0.0)
-    # Over that of a small sphere.
+    # As a multiple of the density of a small sphere.
     density: float = 1.0
 
 
 @dataclasses.dataclass
 class Case:
-    # Of the scripts, one for each code.
+    # Name of the scripts; each code has one.
     script: str
-    # Steps of the preparation, and of a run.
+    # Number of steps of the preparation, and of a run.
     settle: int
     steps: int
-    # Quick or not: least and largest coordinate along each axis, bodies, variables of the script.
+    # begin(quick) returns the bounds along each axis, the spheres, and variables of the script.
     begin: Callable
     # Variables of the preparation.
     prepared: dict = dataclasses.field(default_factory=dict)
@@ -39,7 +40,7 @@ class Case:
 
 
 def cells(columns, rows, layers, edge, draw):
-    """Centres of cells, layer by layer from below, and a small shift of what is in each."""
+    """Yield the centres of cells, layer by layer from below, each with a small random shift."""
     for k in range(layers):
         for i in range(columns):
             for j in range(rows):
@@ -48,7 +49,7 @@ def cells(columns, rows, layers, edge, draw):
 
 
 def filled(kind, ratio, centre, shift, edge, **more):
-    """A cell with one body of so many diameters, or, if that is 1, with as many small ones as it has room for."""
+    """Yield one sphere of diameter `ratio`; if it is 1, as many small ones as fit."""
     count = 1 if ratio > 1 else max(1, int(edge / GAP + 0.01))
     parts = [((k + 0.5) / count - 0.5) * edge for k in range(count)]
     for off in [(a, b, c) for a in parts for b in parts for c in parts]:
@@ -57,13 +58,13 @@ def filled(kind, ratio, centre, shift, edge, **more):
 
 
 def chute(counts, ratio):
-    """A floor of frozen spheres, and above it cells of small ones; with a ratio, half of them hold a large one."""
+    """A frozen floor and, above it, cells of small spheres, or half of them large if ratio > 1."""
     def begin(quick):
         draw = random.Random(1)
         columns, rows, layers = [max(2, 6 // ratio) for _ in counts] if quick else counts
         edge = ratio * GAP
         length, width, height = (edge * count for count in (columns, rows, layers))
-        # Spheres of the floor do not touch each other: codes leave out couples that are both frozen.
+        # Spheres of the floor do not touch, because codes skip pairs of frozen spheres.
         along, across = (max(1, int(extent / 1.1)) for extent in (length, width))
         found = []
         for i in range(along):
@@ -72,8 +73,8 @@ def chute(counts, ratio):
                 found.append(Body(1, 1.0, (x * length / along, y * width / across, draw.uniform(0.5, 1.0))))
         for (x, y, z), shift in cells(columns, rows, layers, edge, draw):
             large = ratio > 1 and draw.random() < 0.5
-            # Nearly the profile of a steady flow (Bagnold's), or it would take long to come; a low flow is
-            # as fast as a high one, so that its lists are put to the test.
+            # About the profile of a steady flow (Bagnold), which would take long to develop. A low
+            # flow is as fast as a high one, so that its lists are tested.
             fall = 0.07 * max(height, 25.0) ** 1.5 * (1 - max(0.0, 1 - z / height) ** 1.5)
             kind, size = (3, ratio) if large else (2, 1)
             found += filled(kind, size, (x, y, z + 1.55), shift, edge, velocity=(fall, 0.0, 0.0))
@@ -103,8 +104,8 @@ def drum(quick):
 
 
 def penetration(quick):
-    """A bed, and a large sphere on its way: it is there when the preparation ends."""
-    # `top` is where the settled bed ends, as the preparation found it: the large sphere starts above it.
+    """A bed, and a large sphere that reaches it when the preparation ends."""
+    # `top` is the height of the settled bed, measured once.
     wide, half, count, top = (6.0, 6.0, 500, 5.1) if quick else (25.0, 15.0, 25000, 17.2)
     draw, found = random.Random(1), []
     columns, rows = (int((2 * end - 0.1) / GAP) for end in (wide, half))
@@ -112,7 +113,7 @@ def penetration(quick):
         middle = (columns * GAP / 2, rows * GAP / 2, 0.0)
         found += filled(1, 1, tuple(at - by for at, by in zip(centre, middle)), shift, GAP)
     del found[count:]
-    # 5 m/s when it is there, in units of the diameter and of the time in which it falls by half of it.
+    # The speed is 5 m/s at the bed, converted to diameters per unit of time.
     time = SOFT_STEP * PENETRATION.settling(quick)
     speed = 5.0 / math.sqrt(9.81 * 0.002) - time
     way = speed * time + time**2 / 2
@@ -121,7 +122,7 @@ def penetration(quick):
     return box, found, {"case": "penetration", "wide": wide, "half": half}
 
 
-# Of the preparation, in bulk.lammps.
+# Time step of the preparation, as in bulk.lammps.
 SOFT_STEP = 0.0005
 CHUTE = Case("chute", 6000, 300, chute((40, 20, 39), 1))
 CHUTE_SIZES = Case("chute", 4000, 300, chute((10, 5, 9), 4), {"style": "multi"})
@@ -131,7 +132,7 @@ PENETRATION = Case("bulk", 8000, 1000, penetration, {"soft": 1, "style": "multi"
 
 
 def write_start(path, case, quick):
-    """The start as a LAMMPS data file; how many bodies there are, and the variables of the script."""
+    """Write a LAMMPS data file; return the number of spheres and the script's variables."""
     box, found, variables = case.begin(quick)
     with open(path, "w") as file:
         file.write(f"{case.script}\n\n{len(found)} atoms\n3 atom types\n\n")

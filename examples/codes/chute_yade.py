@@ -13,7 +13,7 @@ said.update(json.loads(sys.argv[1]))
 
 
 def sections(path):
-    """Box, atoms and velocities of a LAMMPS data file of spheres, by id."""
+    """Read box, atoms and velocities of a LAMMPS data file of spheres, by id."""
     box, tables, table = [], {"Atoms": {}, "Velocities": {}}, None
     with open(path) as file:
         for line in file:
@@ -29,12 +29,12 @@ def sections(path):
 
 box, atoms, velocities = sections(said["start"])
 edges = [high - low for low, high in box]
-# Half the product of the stiffnesses over their sum, so twice that of one contact.
+# A contact has half of this stiffness: the product of both over their sum.
 material = O.materials.append(
     ViscElMat(density=6 / math.pi, kn=40000, cn=16, ks=11428, cs=8, frictionAngle=math.atan(0.5))
 )
 O.periodic = True
-# YADE's box repeats along z, too: so high that nothing is near its own image.
+# YADE's box is also periodic along z; its height keeps spheres away from their images.
 O.cell.setBox(edges[0], edges[1], 2 * edges[2])
 for number in sorted(atoms):
     kind, diameter, _, x, y, z = atoms[number][:6]
@@ -45,8 +45,8 @@ for number in sorted(atoms):
 
 
 def write():
-    """Particles and contacts of one step. Between InteractionLoop and NewtonIntegrator both belong
-    together; after a step the positions are one step ahead."""
+    """Write particles and contacts of one step. Called between InteractionLoop and
+    NewtonIntegrator, because after a step the positions are one step ahead of the contacts."""
     lattice = " ".join(repr(v) for v in [edges[0], 0, 0, 0, edges[1], 0, 0, 0, 2 * edges[2]])
     where.write(
         f'{len(O.bodies)}\nLattice="{lattice}" pbc="T T F" '
@@ -95,7 +95,7 @@ if said["dump"]:
 slope = math.radians(26)
 O.engines += [NewtonIntegrator(gravity=(math.sin(slope), 0, -math.cos(slope)), damping=0)]
 O.dt = 0.0005
-# The first sort is of all bodies; what is timed begins after it.
+# The first step sorts all spheres; timing begins after it.
 O.run(1, wait=True)
 O.timingEnabled = True
 for engine in O.engines:

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""What the neighbour settings of LAMMPS, LIGGGHTS and YADE cost and miss, as these codes run them.
+"""Measures the time of neighbour settings of LAMMPS, LIGGGHTS and YADE, and the contacts they miss.
 
-Spheres flow down a rough floor (chute.lammps, chute.liggghts, chute_yade.py); in LAMMPS also two cases
-of a round robin of codes: a drum, and a sphere that is shot into a bed (bulk.lammps). Each code prepares
-a case from loose layers (cases.py), then goes on from there with each setting: once writing positions and
-its own contact list every few steps, which `contactbench verify --frame all` holds to the exact truth
-about these very positions, and in several blocks, in random order and on one processor each, to take the
-time. Needs Python alone, a built contactbench, and the codes; one that is not installed has rows that say
-how to get it.
+Spheres flow down a rough floor (chute.lammps, chute.liggghts, chute_yade.py). LAMMPS also runs two
+cases of a round robin of codes: a drum, and a sphere shot into a bed (bulk.lammps). Each code
+prepares a case from loose layers (cases.py), and continues from there with each setting. One run
+writes positions and the code's own contact list every few steps; `contactbench verify --frame all`
+compares them with the exact truth. Further runs, in blocks in random order on one processor each,
+take the time.
+
+Needs only Python, a built contactbench, and the codes. Rows of a code that is not installed contain
+the command to install it.
 
     cargo build --release
     python3 examples/codes/codes.py --out results/codes
@@ -33,17 +35,17 @@ from concurrent.futures import ThreadPoolExecutor
 from cases import CHUTE, CHUTE_SIZES, CHUTE_SMALL, DRUM, PENETRATION, write_start
 
 HERE = pathlib.Path(__file__).resolve().parent
-# Positions and lists are written every so many steps: prime, so that it divides no period of a
-# setting, or only lists that were just built would be seen.
+# Positions and lists are written after this many steps. It is prime, so that it divides no period
+# of a setting; otherwise all lists examined would be new ones.
 PERIOD = 11
 
 
 class Failure(Exception):
-    """A code ended otherwise than it should: one sentence."""
+    """A code failed; the text is one sentence."""
 
 
 def started(command, folder, processor=None, good=(0,)):
-    """Returns what a program printed on standard output; notices stand on standard error."""
+    """Return what a program printed on standard output."""
     keep = (lambda: os.sched_setaffinity(0, {processor})) if processor is not None else None
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     ended = subprocess.run(
@@ -75,7 +77,7 @@ class Lammps:
         return re.search(r"- (\d+ \w+ \d+[^\n]*)", started([program, "-h"], tempfile.gettempdir())).group(1)
 
     def run(self, program, case, folder, settings, processor=None):
-        # Relative: LAMMPS reads no path with a blank from a variable.
+        # A relative path, because LAMMPS cannot read a path with a blank from a variable.
         settings = {**settings, "start": os.path.relpath(settings["start"], folder)}
         values = [text for key, value in settings.items() for text in ("-var", key, str(value))]
         command = [program, "-in", str(HERE / self.script.format(case.script)), "-log", "log", *values]
@@ -131,7 +133,7 @@ def lammps(skin, every, delay, check, style="bin"):
     return {"skin": skin, "style": style, "every": every, "delay": delay, "check": check}
 
 
-# The first setting of a case is what the others are compared with.
+# The others are compared with the first setting of a case.
 PLAN = [
     (Lammps(), "chute", CHUTE, [
         ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
@@ -188,8 +190,7 @@ PLAN = [
 
 
 def median(values):
-    """Median, and the two values between which the true one lies in at least 95% of samples, or the
-    whole range where there are too few."""
+    """Return the median and its 95% interval, or the whole range if there are too few values."""
     values, n = sorted(values), len(values)
     outside = lambda rank: 2 * sum(math.comb(n, k) for k in range(rank)) / 2**n
     rank = max((k for k in range(1, n // 2 + 1) if outside(k) <= 0.05), default=1)
@@ -197,7 +198,7 @@ def median(values):
 
 
 def misses(code, program, contactbench, case, settings, folder):
-    """What the lists of one run miss, by the exact truth about its own positions."""
+    """Count the contacts that the lists of one run miss, at the positions of that run."""
     folder.mkdir()
     report = code.run(program, case, folder, {**settings, "dump": PERIOD})
     where, who = code.files
@@ -221,7 +222,7 @@ def misses(code, program, contactbench, case, settings, folder):
 
 
 def measured(code, program, contactbench, name, case, settings, options, samples):
-    """The rows of one code and case."""
+    """Return the rows of one code and case."""
     steps = options.steps or (2100 if options.quick else case.steps)
     settle = case.settling(options.quick)
     with tempfile.TemporaryDirectory() as place:
@@ -249,7 +250,7 @@ def measured(code, program, contactbench, name, case, settings, options, samples
 
 
 def timed(code, program, case, rows, settings, common, place, options, samples):
-    """Times of each setting that did not fail, in blocks."""
+    """Measure the times of all settings that did not fail, in blocks."""
     draw = random.Random(1)
     processors = sorted(os.sched_getaffinity(0))
     good = [at for at, row in enumerate(rows) if row["outcome"] == "ok"]
@@ -314,16 +315,16 @@ def between(row, key, digits):
 
 
 def page(rows, about):
-    """The tables, in Markdown."""
+    """Return the tables in Markdown."""
     lines = [
         "# Neighbour settings of codes, as they run",
         "",
-        "Spheres flow down a rough floor, tumble in a drum, lie in a bed that a large one hits"
-        " ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
-        " particle and step (median of the blocks, with its interval): the whole step with its forces, and of that the"
-        " neighbour search. Misses are contacts that are absent from the code's own list in a"
-        f" frame, by the exact truth about the positions of that frame; every {PERIOD}th step is a frame. Depth is in mean"
-        " radii of the couple.",
+        "Spheres flow down a rough floor, tumble in a drum, or lie in a bed that a large sphere hits"
+        " ([how](../../examples/codes/codes.py)). Each code reports its times, in ns per particle and"
+        " step (median of the blocks, with its interval): the whole step with its forces, and the"
+        " neighbour search as a part of it. Missed contacts are true contacts at the positions of a"
+        f" frame that the code's own list lacks; every {PERIOD}th step is a frame. Depth is in mean"
+        " radii of the pair.",
     ]
     cases = dict.fromkeys((row["code"], row["case"]) for row in rows)
     for code, case in cases:
@@ -335,7 +336,7 @@ def page(rows, about):
         if not mine:
             continue
         lines += [
-            f"{mine[0]['n']} bodies, {mine[0]['steps']} steps, {mine[0]['frames']} frames,"
+            f"{mine[0]['n']} particles, {mine[0]['steps']} steps, {mine[0]['frames']} frames,"
             f" {mine[0]['blocks']} blocks.",
             "",
             "| setting | ns per step | of that search | against the first | builds | dangerous | frames with misses"
@@ -367,13 +368,13 @@ def machine():
 
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    options.add_argument("--out", required=True, type=pathlib.Path, help="a new folder for the tables")
+    options.add_argument("--out", required=True, type=pathlib.Path, help="new folder for the tables")
     options.add_argument("--contactbench", default=shutil.which("contactbench") or "target/release/contactbench")
-    options.add_argument("--codes", default="lammps,liggghts,yade", help="which, separated by commas")
-    options.add_argument("--only", default="", help="of the settings those with this text, such as chute: neighbor 0.1")
+    options.add_argument("--codes", default="lammps,liggghts,yade", help="codes to run, separated by commas")
+    options.add_argument("--only", default="", help="run settings with this text, such as chute: neighbor 0.1")
     options.add_argument("--blocks", type=int, default=9, help="timed runs of each setting")
-    options.add_argument("--steps", type=int, help="of each run (300 to 1500 by the case; with --quick 2100)")
-    options.add_argument("--quick", action="store_true", help="a few hundred bodies: does everything work?")
+    options.add_argument("--steps", type=int, help="steps of a run (by case 300 to 1500; with --quick 2100)")
+    options.add_argument("--quick", action="store_true", help="a trial with a few hundred particles")
     options = options.parse_args()
     contactbench = shutil.which(options.contactbench)
     if not contactbench:
