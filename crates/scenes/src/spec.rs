@@ -48,7 +48,7 @@ impl Course {
         let mut text = bare(&kind);
         ensure!(
             !text.contains(':'),
-            "motion = \"{text}\": say speed and motion-seed as parameters of their own"
+            "motion = \"{text}\": give speed and motion-seed as separate parameters"
         );
         for (name, key, mark) in [("speed", "speed", ':'), ("motion-seed", "seed", ',')] {
             if let Some(value) = params.remove(name) {
@@ -281,9 +281,9 @@ mod tests {
             ("clustered:per-cluster=0", "is 0; it must be a whole number of at least 1"),
             ("clustered:per-cluster=1.5", "is 1.5; it must be a whole number of at least 1"),
             ("clustered:background=1.1", "is 1.1; it must be a number from 0 to 1"),
-            ("packed:periodic=xz", "along which the box repeats: x, y, xy"),
-            ("loose:tilt=0.5", "a tilt belongs to a box that repeats: add periodic=true"),
-            ("loose:tilt=0.5,periodic=x", "moves images along y, and the box does not repeat"),
+            ("packed:periodic=xz", "the periodic axes of the box: x, y, xy"),
+            ("loose:tilt=0.5", "a tilt needs a periodic box: add periodic=true"),
+            ("loose:tilt=0.5,periodic=x", "shifts images along y, but the box is not periodic"),
             ("loose:periodic=true", "repeats along x and y, and here boundaries are open"),
             ("file", "file: the parameter 'path' is missing (the file's name)"),
             ("file:path=", "file: path is \"\"; it must be a text that is not empty"),
@@ -292,7 +292,7 @@ mod tests {
             ("hard", "hard: the parameter 'case' is missing (the name of the case)"),
             ("hard:case=tangent-1-2-2-3", "the name of a hard case in 2 dimensions: see contactb"),
             ("hard:case=every-neighbor", "the nearest names are every-neighbour, "),
-            ("hard:case=every-neighbour,n=5", "has 17 particles, but n = 5 was asked for"),
+            ("hard:case=every-neighbour,n=5", "has 17 particles, but n is 5; leave n out"),
             ("packed:n=-1", "'packed:n=-1': n is '-1'; it must be a whole number"),
             ("packed:order=up", "order is 'up'; it must be shuffled, generated or morton"),
             ("packed:3", "'packed:3': '3' is not of the form key=value; write it as in packed:dim"),

@@ -20,14 +20,11 @@ use contactbench_io::boxes::Axes;
 pub const PERIODIC: Parameter = optional(
     "periodic",
     Kind::Axes,
-    "the box repeats: true, or along these axes: x, xy and so on, none",
+    "makes the box periodic: true, or the axes, such as x or xy, or none",
 );
 
-pub const TILT: Parameter = optional(
-    "tilt",
-    Kind::FINITE,
-    "the images along y are moved along x by this, in edges of the box along x",
-);
+pub const TILT: Parameter =
+    optional("tilt", Kind::FINITE, "shift of the images along y, in edges of the box along x");
 
 #[derive(Clone, Copy, Debug)]
 pub struct Repeats {
@@ -41,14 +38,14 @@ impl Repeats {
     pub fn new(inputs: &Inputs<'_>) -> anyhow::Result<Option<Repeats>> {
         let tilt = inputs.number(TILT.name).ok();
         let Ok(text) = inputs.text(PERIODIC.name) else {
-            ensure!(tilt.is_none(), "a tilt belongs to a box that repeats: add periodic=true");
+            ensure!(tilt.is_none(), "a tilt needs a periodic box: add periodic=true");
             return Ok(None);
         };
         let axes = text.parse::<Axes>().map_err(anyhow::Error::msg)?.of(inputs.dim as usize);
         let none = axes == [false; 3] || tilt.is_none_or(|tilt| tilt == 0.0);
         ensure!(
             axes[1] || none,
-            "a tilt moves images along y, and the box does not repeat along y"
+            "a tilt shifts images along y, but the box is not periodic along y"
         );
         Ok(Some(Repeats { axes, tilt }))
     }

@@ -54,7 +54,7 @@ pub const GENERATOR: Generator = Generator {
                 "fraction",
                 Kind::POSITIVE,
                 0.01,
-                "volume of the bodies over the volume of the box",
+                "volume of the particles over the volume of the box",
             ),
         ],
     ],

@@ -26,7 +26,7 @@ use contactbench_core::scene::{Radii, Scene};
 
 pub const GENERATOR: Generator = Generator {
     name: "couples",
-    summary: "couples that just touch, astride borders of textbook cells",
+    summary: "pairs that just touch, across borders of textbook cells",
     params: &[&[
         DIAMETER,
         number(
@@ -59,8 +59,8 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
     let offset = inputs.number("offset")?;
     ensure!(
         offset.abs() <= 1e12,
-        "couples: offset is {offset}; it must be from -10^12 to 10^12, or couples could not be \
-         told apart"
+        "couples: offset is {offset}; it must be from -10^12 to 10^12, or rounding would \
+         merge pairs"
     );
     let low = offset * d;
     let start = if low < 0.0 { (-low / d).ceil() } else { 0.0 };

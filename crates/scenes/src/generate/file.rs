@@ -62,7 +62,7 @@ pub const GENERATOR: Generator = Generator {
         let (n, found) = (inputs.n, given.scene.len());
         ensure!(
             n == 0 || n == found as u64,
-            "{} holds {found} particles, but n = {n} was asked for; leave n out",
+            "{} holds {found} particles, but n is {n}; leave n out",
             path.display()
         );
         Ok(given)

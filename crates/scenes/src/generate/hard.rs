@@ -34,7 +34,7 @@ pub const GENERATOR: Generator = Generator {
         let (n, found) = (inputs.n, given.scene.len());
         ensure!(
             n == 0 || n == found as u64,
-            "the case has {found} particles, but n = {n} was asked for; leave n out"
+            "the case has {found} particles, but n is {n}; leave n out"
         );
         Ok(given)
     },

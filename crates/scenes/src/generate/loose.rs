@@ -30,7 +30,7 @@ pub const GENERATOR: Generator = Generator {
             "fraction",
             Kind::POSITIVE,
             0.05,
-            "volume of the bodies over the volume of the box",
+            "volume of the particles over the volume of the box",
         )],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },

@@ -32,7 +32,7 @@ use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "settled",
-    summary: "random places with at most a stated overlap, the largest bodies first",
+    summary: "random places with limited overlap, the largest particles first",
     params: &[
         OF_BODIES,
         &[
@@ -40,13 +40,13 @@ pub const GENERATOR: Generator = Generator {
                 "fraction",
                 Kind::POSITIVE,
                 0.3,
-                "volume of the bodies over the volume of the box",
+                "volume of the particles over the volume of the box",
             ),
             number(
                 "overlap",
                 Kind::SHARE,
                 0.05,
-                "how far two bodies may overlap, over the sum of their radii",
+                "largest overlap of two particles, over the sum of their radii",
             ),
         ],
     ],
@@ -87,8 +87,8 @@ where
     // The largest diameter is 1, so only images in adjacent boxes can be too near.
     ensure!(
         repeats.is_none() || inputs.n == 0 || edge >= placed.apart,
-        "the box has an edge of {edge:.3} largest diameters, so that the largest body overlaps its \
-         own image by more than is allowed; take a larger n, a smaller fraction or more overlap"
+        "the box has an edge of {edge:.3} largest diameters, so the largest particle overlaps its \
+         own image too far; take a larger n, a smaller fraction or more overlap"
     );
     let mut images = Vec::new();
     let mut drawn = 0;
@@ -111,8 +111,8 @@ where
             drawn += 1;
             ensure!(
                 tries < TRIES && drawn < TRIES + TRIES_EACH * inputs.n,
-                "no room for body {k} of {} after {tries} draws, where {:.3} of the box is filled \
-                 and {fraction} was asked for; take a smaller fraction, more overlap or sizes that \
+                "no room for particle {k} of {} after {tries} draws; {:.3} of the box is filled, \
+                 and the fraction is {fraction}; take a smaller one, more overlap or sizes that \
                  differ more",
                 inputs.n,
                 fraction * volume::<D>((0..k).map(radius)) / volume::<D>((0..inputs.n).map(radius))

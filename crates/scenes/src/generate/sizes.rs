@@ -30,25 +30,34 @@ pub const SIZE_RATIO: Parameter = number(
     "size-ratio",
     Kind::AT_LEAST_ONE,
     1.0,
-    "radii between r / ratio and r, uniform unless `sizes` says otherwise; 1 = one radius \
+    "largest over smallest radius; radii are uniform unless `sizes` is given; 1 = one radius \
               for all",
 );
 
 pub const SIZES: Parameter = optional(
     "sizes",
     Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
-    "how radii are distributed: power, binary, lognormal, giants or grading; uniform if \
-              it is left out",
+    "distribution of radii: power, binary, lognormal, giants or grading; uniform by \
+              default",
 );
 
-pub const EXPONENT: Parameter =
-    optional("exponent", Kind::FINITE, "for sizes=power: numbers of radii go as r^exponent");
+pub const EXPONENT: Parameter = optional(
+    "exponent",
+    Kind::FINITE,
+    "for sizes=power: the number of radii has the density r^exponent",
+);
 
-pub const SHARE: Parameter =
-    optional("share", Kind::SHARE, "for sizes=binary: volume of the small ones over that of all");
+pub const SHARE: Parameter = optional(
+    "share",
+    Kind::SHARE,
+    "for sizes=binary: volume of the small particles over that of all",
+);
 
-pub const GIANTS: Parameter =
-    optional("giants", Kind::COUNT, "for sizes=giants: how many have the largest radius");
+pub const GIANTS: Parameter = optional(
+    "giants",
+    Kind::COUNT,
+    "for sizes=giants: number of particles with the largest radius",
+);
 
 pub const GRADING: Parameter = optional(
     "grading",
@@ -92,8 +101,8 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     }
     ensure!(
         ratio <= MOST,
-        "size-ratio is {ratio:e}; at most {MOST:e}, beyond which the volume of the smallest bodies \
-         is no number"
+        "size-ratio is {ratio:e}; at most {MOST:e}, or the volume of the smallest particles \
+         underflows"
     );
     let (n, least) = (inputs.n, LARGEST / ratio);
     let mut radii = room(n)?;

@@ -234,7 +234,7 @@ impl Kind {
             Kind::Yes => "true or false".into(),
             Kind::Axes => {
                 let all = if dim == 2 { "x, y, xy" } else { "x, y, z, xy, xz, yz, xyz" };
-                format!("true, none, or the axes along which the box repeats: {all}")
+                format!("true, none, or the periodic axes of the box: {all}")
             }
             Kind::Word(words) => {
                 format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))

@@ -314,7 +314,7 @@ fn settled_particles_overlap_up_to_the_limit() {
 #[test]
 fn impossible_scenes_are_refused() {
     for (text, words) in [
-        ("settled:n=500,fraction=0.8", &["no room for body", "0.8 was asked for"][..]),
+        ("settled:n=500,fraction=0.8", &["no room for particle", "the fraction is 0.8"][..]),
         ("settled:n=1,fraction=0.9,periodic=true", &["overlaps its own image"]),
         ("loose:size-ratio=2,sizes=power", &["sizes=power needs exponent"]),
         ("packed:size-ratio=2,sizes=binary", &["sizes=binary needs share"]),

@@ -112,7 +112,7 @@ fn unsupported_motions_in_boxes_are_refused() {
         assert_eq!(made.is_ok(), goes().contains(&kind), "{kind:?}");
         if let Err(error) = made {
             let said = error.to_string();
-            let words = format!("{} needs open boundaries, and the scene repeats", kind.name());
+            let words = format!("{} needs open boundaries, but the scene is periodic", kind.name());
             assert!(said.starts_with(&words) && said.contains("jitter"), "{said}");
         }
     }

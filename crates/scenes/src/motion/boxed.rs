@@ -39,7 +39,7 @@ impl<const D: usize> Boxed<D> {
             matches!(kind, Kind::Rest | Kind::Drift | Kind::Shear | Kind::Jitter | Kind::Brownian);
         ensure!(
             goes,
-            "{} needs open boundaries, and the scene repeats; take it without its box, or rest, \
+            "{} needs open boundaries, but the scene is periodic; leave out its box, or take rest, \
              drift, shear, jitter or brownian",
             kind.name()
         );
@@ -47,7 +47,7 @@ impl<const D: usize> Boxed<D> {
         let [_, y, z] = first.vectors()[0];
         ensure!(
             kind != Kind::Shear || !first.periodic()[0] || [y, z] == [0.0; 2],
-            "layers slide along x, and the first vector of the box that repeats is not along x but \
+            "layers slide along x, and the first periodic vector of the box is not along x but \
              has y = {y} and z = {z}; turn the box and its particles, or take another motion"
         );
         Ok(Boxed { first, walls: walls(scene, &first) })

@@ -44,47 +44,45 @@ const TABLE: [(Kind, &str, &str); 8] = [
     (
         Kind::Drift,
         "drift",
-        "straight flight between walls that reflect the centres, as far out as those of frame 0, \
-         or on through the faces of a box that repeats; velocities are uniform in a ball, and \
-         speed is the largest",
+        "straight flight, with reflecting walls around the centres of frame 0, or through the \
+         faces of a periodic box; velocities are uniform in a ball, and speed is the largest",
     ),
     (
         Kind::Shear,
         "shear",
-        "layers slide along x, as fast as they are far from the middle along y; speed is that of \
-         the outermost. A box that repeats along y is sheared (after Lees and Edwards): its corner \
-         stays, and its upper face goes with twice the speed",
+        "layers slide along x, in proportion to their distance from the middle along y; speed is \
+         that of the outermost. A box that is periodic along y is sheared (after Lees and \
+         Edwards): its corner stays, and its upper face moves with twice the speed",
     ),
     (
         Kind::Rotation,
         "rotation",
-        "all turn as one body about the middle, around z; speed is that of the outermost",
+        "rigid rotation about the middle, around z; speed is that of the outermost particle",
     ),
     (
         Kind::Vortex,
         "vortex",
-        "all turn about the middle, around z, the inner in less time than the outer; speed is the \
-         largest, at an eighth of the widest edge from the middle",
+        "rotation about the middle, around z, faster inside than outside; speed is the largest, at \
+         an eighth of the widest edge from the middle",
     ),
     (
         Kind::Jitter,
         "jitter",
-        "in each frame each particle is somewhere else about its place in frame 0; speed is the \
-         standard deviation along each axis (PointNeighbors.jl moves points so to compare updates \
-         of lists)",
+        "each frame moves each particle independently from its place in frame 0; speed is the \
+         standard deviation along each axis (as in PointNeighbors.jl)",
     ),
     (
         Kind::Brownian,
         "brownian",
-        "as drift, and each particle gets a new velocity in every 100th frame, in turn (after \
-         Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the box are frozen \
-         instead)",
+        "as drift, but each particle gets a new velocity every 100 frames, in turn (after \
+         Broadmark, Computer Graphics Forum 39:436, 2020, which freezes particles outside the \
+         box)",
     ),
     (
         Kind::Bullet,
         "bullet",
-        "the first particle flies straight through the box of drift, whose walls reflect it, and \
-         all others rest; speed is its own",
+        "the first particle flies straight between the walls of drift, and all others rest; speed \
+         is that of the first",
     ),
 ];
 
@@ -187,8 +185,8 @@ impl Frames {
         let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
         ensure!(
             !moves || scene.largest_radius() > 0.0,
-            "speeds are in diameters of the largest body, and all bodies of this scene are points; \
-             give them a radius, or take --motion rest"
+            "speeds are in diameters of the largest particle, but all radii of this scene are 0; \
+             give a radius, or take --motion rest"
         );
         match scene.stored(Storage::F64)? {
             AnyScene::Plane(Stored::F64(scene)) => Frames::of(scene, lattice, motion),

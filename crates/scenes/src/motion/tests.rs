@@ -153,7 +153,7 @@ fn small_scenes_move_unless_they_lack_a_diameter_or_extent() {
         Scene::new(centres, Radii::Uniform(r)).unwrap().into()
     };
     let points = Frames::new(&of(1.0, 0.0), motion(Kind::Drift, 0.1)).err().unwrap().to_string();
-    assert!(points.contains("are points"), "{points}");
+    assert!(points.contains("all radii of this scene are 0"), "{points}");
     assert!(Frames::new(&of(1.0, 0.0), motion(Kind::Rest, 0.1)).is_ok());
     let mut wide = Frames::new(&of(1.7e308, 1.0), motion(Kind::Drift, 0.1)).unwrap();
     assert!(wide.at(0).is_ok());

@@ -53,7 +53,7 @@ impl Curve {
         file.take(MOST_BYTES + 1).read_to_string(&mut text).context("cannot be read as text")?;
         ensure!(
             text.len() as u64 <= MOST_BYTES,
-            "has more than {MOST_BYTES} bytes; give a line for each sieve, and no more"
+            "has more than {MOST_BYTES} bytes; give only one line per sieve"
         );
         let mut points = Vec::new();
         let mut may_be_names = true;
@@ -110,8 +110,8 @@ impl Curve {
         let ratio = curve.ratio();
         ensure!(
             ratio <= MOST_RATIO,
-            "has sizes {ratio:e} apart; at most {MOST_RATIO:e}, beyond which the volume of the \
-             smallest bodies is no number"
+            "has sizes {ratio:e} apart; at most {MOST_RATIO:e}, or the volume of the smallest \
+             particles underflows"
         );
         Ok(curve)
     }
