@@ -40,7 +40,7 @@ struct Worker<S> {
 #[derive(Default)]
 pub struct Answer {
     contacts: Contacts,
-    /// In a box, one number per dimension for each pair.
+    /// Images of the pairs in a box: one number per dimension each.
     images: Vec<i32>,
     boxed: bool,
     /// Whether a tracker built its list in this step.

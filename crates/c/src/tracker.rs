@@ -97,7 +97,7 @@ pub unsafe extern "C" fn contactbench_tracker_step(
 }
 
 /// # Safety
-/// The pointer is null, or a tracker that was created and not freed.
+/// The pointer is null, or points to a tracker that was created and not freed.
 unsafe fn there<'a>(
     tracker: *mut contactbench_tracker,
 ) -> Result<&'a contactbench_tracker, Failure> {

@@ -174,7 +174,7 @@ impl<const D: usize> Row<'_, D> {
                 let beside = match draw.below(4) {
                     0 => draw.within(1),
                     1 => side * reach + draw.within(1),
-                    // At the distance from a face up to which images are made.
+                    // At the distance from a face within which particles need images.
                     2 => side * margin(reach) + draw.within(1),
                     _ => draw.within(reach),
                 };

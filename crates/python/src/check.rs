@@ -71,7 +71,7 @@ pub fn check<'py>(
     Ok(out)
 }
 
-/// Calls the function once; fails if the check must stop.
+/// Calls the user's function for one scene; fails if the check must stop, as after Ctrl-C.
 fn answer(py: Python<'_>, function: &Py<PyAny>, scene: &AnyScene<'static>) -> PyResult<Answer> {
     py.check_signals()?;
     let (x, r, _) = made(py, scene)?;

@@ -51,7 +51,7 @@ fn loaded<'a>(
 fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
     let most = usize::try_from(limit / PAIR_BYTES).unwrap_or(usize::MAX);
     let mut contacts = Contacts::default();
-    // If this fails, the list grows later, or fails then.
+    // If the reservation fails, the list grows step by step instead.
     let _ = contacts.plain.try_reserve_exact(arrays.len().saturating_mul(4).min(most));
     contacts
 }

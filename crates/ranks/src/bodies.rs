@@ -12,7 +12,7 @@ use crate::rank::Failure;
 pub struct Numbered<const D: usize> {
     ids: Vec<u32>,
     centres: Vec<Point<f64, D>>,
-    /// One per particle; empty if all particles have one radius, stored elsewhere.
+    /// Radii of the particles; empty if all have one radius, which is stored elsewhere.
     radii: Vec<f64>,
 }
 

@@ -47,7 +47,7 @@ pub struct Setting<'a> {
 pub struct Row {
     /// The scene as named on the command line.
     pub scene: String,
-    /// Particles of all ranks.
+    /// Number of particles in all ranks.
     pub n: u64,
     pub dim: usize,
     pub detector: String,
@@ -71,7 +71,7 @@ pub struct Row {
     pub step_ms: f64,
     /// The part of `step_ms` until the particles of other ranks have arrived.
     pub exchange_ms: f64,
-    /// The rest of `step_ms`.
+    /// Time of the search: the rest of `step_ms`.
     pub search_ms: f64,
     /// The same search, repeated after each step while all other ranks wait.
     pub alone_ms: f64,

@@ -55,7 +55,7 @@ impl std::str::FromStr for Network {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Step {
     pub ranks: u64,
-    /// Particles of all ranks.
+    /// Number of particles in all ranks.
     pub n: f64,
     pub halo: f64,
     pub ms: f64,

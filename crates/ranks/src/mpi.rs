@@ -108,7 +108,7 @@ impl World for Processes {
 /// Memory for messages.
 struct Room {
     received: Vec<Vec<u8>>,
-    /// Contents of one round.
+    /// Bytes sent in one round of an exchange.
     sent: Vec<u8>,
     letters: Vec<u8>,
 }

@@ -107,8 +107,8 @@ where
     /// numbers of all particles must differ.
     ///
     /// # Errors
-    /// The box does not fit; dimensions or boxes differ between ranks; [`Refusal::Skewed`] or
-    /// [`Refusal::Exhausted`] in any rank.
+    /// Fails if the box does not fit, if dimensions or boxes differ between ranks, and with
+    /// [`Refusal::Skewed`] or [`Refusal::Exhausted`] in any rank.
     pub fn new(
         world: &impl World,
         bodies: Numbered<D>,
@@ -136,7 +136,7 @@ where
             .iter()
             .fold([f64::NEG_INFINITY; 2], |[most, least], &r| [most.max(r), least.max(-r)]);
         world.largest(&mut ends);
-        // Minus infinity without particles, and then there is not a common radius.
+        // Without particles the largest radius is minus infinity, and `radius` is `None`.
         let radius = (ends[0] == -ends[1]).then_some(ends[0]);
         let sizes = radius.is_none();
         let mut slabs = Slabs::new(world, &bodies, ends[0].max(0.0), lattice.as_ref())?;
@@ -161,7 +161,7 @@ where
     /// sent.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`] in any rank.
+    /// Fails if any rank runs out of memory ([`Refusal::Exhausted`]).
     pub fn refresh(&mut self, world: &impl World) -> Result<Traffic, Failure> {
         self.bodies.truncate(self.own);
         let (bodies, slabs, radius) = (&self.bodies, &self.slabs, self.radius);
@@ -244,7 +244,7 @@ where
         let scene = self.bodies.scene(self.radius);
         match self.lattice {
             None => Loaded::Open(scene.into()),
-            // It fits an empty scene of this dimension in f64.
+            // Cannot fail: the box was checked with an empty scene of this dimension in f64.
             Some(lattice) => Loaded::InBox(Periodic::new(scene.into(), lattice).unwrap()),
         }
     }

@@ -27,7 +27,7 @@ use crate::bodies::Numbered;
 use crate::rank::Failure;
 use crate::world::World;
 
-/// Places per rank in the sample.
+/// Number of places that each rank adds to the sample.
 const SAMPLE: usize = 512;
 
 /// The borders of all slabs, and their largest radii.

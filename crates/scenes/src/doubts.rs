@@ -27,7 +27,7 @@ const ENOUGH: u64 = 10;
 const DEEP: f64 = 0.25;
 /// Pairs that overlap by more than this many mean radii are nearly concentric; 2 is concentric.
 const NESTED: f64 = 1.8;
-/// Suspicious spacing of f32 coordinates, in mean radii.
+/// A spacing of f32 coordinates above this many mean radii is suspicious.
 const COARSE: f64 = 1e-3;
 
 /// Statistics of the contacts of a scene.

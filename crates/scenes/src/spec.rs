@@ -81,7 +81,7 @@ impl Course {
     }
 }
 
-/// The default.
+/// Default number of frames.
 const FRAMES: u64 = 100;
 /// Each frame is a file during a measurement, and takes about 60 bytes in the runner's reply, which
 /// is one line of at most 1 MiB.

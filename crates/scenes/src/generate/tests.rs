@@ -161,8 +161,7 @@ fn loose_and_clustered_have_the_requested_fraction() {
             let fraction = stats(&scene.into(), 0).packing_fraction;
             assert!((0.045..0.0501).contains(&fraction), "{of}: {fraction}");
         }
-        // The fraction is 5% in 2D and 2.5% in 3D; each particle touches 4 or 8 times the fraction
-        // others.
+        // On average a particle touches 4 · 5% others in 2D, and 8 · 5% in 3D.
         let expected = if dim == 2 { 0.2 } else { 0.4 };
         let mean = coordination(&make(&format!("loose:n=4000,dim={dim}")));
         assert!((mean / expected - 1.0).abs() < 0.15, "{dim}D: {mean}");

@@ -63,9 +63,9 @@ fn aliases(dim: u32, period: f64) -> Steps {
     uniform(dim, [corners, far(4.0), near(4.0), near(12.0), far(12.0)].concat(), 0.5)
 }
 
-/// Returns two touching chains along every axis: 64 particles from 0, and 64 across `period`. The
-/// second holds the cell border `period`, also for cells some millionths wider than a diameter, and
-/// has the first chain's cell numbers modulo `period`.
+/// Returns two touching chains along every axis: 64 particles from 0, and 64 across `period`. Cell
+/// numbers that wrap at `period` confuse both chains. The second crosses the border of cell
+/// `period` even if cells are some millionths wider than a diameter.
 fn chains(dim: u32, period: f64) -> Steps {
     let far = (-40..24).map(|k| period + f64::from(k));
     uniform(dim, lines(dim, &(0..64).map(f64::from).chain(far).collect::<Vec<_>>(), 200.0), 0.5)

@@ -7,7 +7,8 @@
 //!                                                    none, of all
 //! ```
 //!
-//! Borders are at the largest radius divided by powers of 2; the cases are valid for all others.
+//! Class borders are the largest radius divided by powers of 2. The cases are also valid for
+//! detectors with other borders.
 
 use crate::hard::Maker;
 use crate::hard::build::*;

@@ -88,7 +88,7 @@ fn a_shear_deforms_the_box() {
         assert!(second[0].abs() <= 0.5 * x * (1.0 + 1e-12), "{k}: {second:?}");
         flips += usize::from(second[0] < before);
         before = second[0];
-        // Each particle is an image of the place where the flow takes it.
+        // Each particle is at an image of the place to which the flow moves it.
         let flow = 0.05 * f64::from(k);
         for (from, to) in coordinates(&still).chunks(3).zip(coordinates(&frame).chunks(3)) {
             assert_eq!(from[1..], to[1..]);

@@ -92,13 +92,13 @@ impl<const D: usize> Boxed<D> {
         Ok(Lattice::new(std::array::from_fn(slid), periodic, self.first.origin())?)
     }
 
-    /// Returns the image in the box of frame 0.
+    /// Returns the image of a place in the box of frame 0.
     pub fn in_first(&self, at: &Point<f64, D>) -> Point<f64, D> {
         brought(&self.first, at)
     }
 }
 
-/// Returns the image in the box, up to rounding.
+/// Returns the image of a place in the box, up to rounding.
 pub(super) fn brought<const D: usize>(lattice: &Lattice, at: &Point<f64, D>) -> Point<f64, D> {
     let origin = lattice.origin();
     let mut brought = *at;
@@ -122,7 +122,7 @@ fn walls<const D: usize>(scene: &Scene<'_, f64, D>, lattice: &Lattice) -> Vec<Wa
     }
     let mut walls = Vec::new();
     while span.len() < D {
-        // The axis farthest from the span; the first of equal ones.
+        // Choose the axis farthest from the span, and the first of equal ones.
         let axes = (0..D).map(|axis| std::array::from_fn(|k| f64::from(u8::from(k == axis))));
         let left = axes.map(|axis| left_of(axis, &span));
         let Some(farthest) = left.reduce(|a, b| if dot(&b, &b) > dot(&a, &a) { b } else { a })

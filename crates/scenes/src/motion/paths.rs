@@ -153,7 +153,7 @@ impl<const D: usize> Paths<D> {
         }
     }
 
-    /// The same in open space, where walls reflect the particle.
+    /// Returns the place after the displacement `way` in open space, where walls reflect particles.
     fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
@@ -194,7 +194,7 @@ impl<const D: usize> Paths<D> {
 pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
     let period = 2.0 * extent;
     if period == f64::INFINITY {
-        // No place is valid; the frame is refused.
+        // The walls are too far apart for f64: infinity makes the frame refused.
         return period;
     }
     if period == 0.0 {

@@ -104,7 +104,7 @@ fn the_fastest_particle_has_about_the_given_speed() {
             }
             match kind {
                 Kind::Rest => assert_eq!(most, 0.0),
-                // Normal along each axis; the maximum over thousands of draws.
+                // The maximum over thousands of draws that are normal along each axis.
                 Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
                 _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
             }

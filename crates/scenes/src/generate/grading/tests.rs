@@ -40,7 +40,7 @@ fn particles_pass_the_sieves_as_the_curve_requires() {
     }
 }
 
-/// A straight line is a number density of r^(-d - 1): equal volumes in each octave.
+/// A straight curve has equal volumes in each octave, so the number density is r^(-d - 1).
 #[test]
 fn a_straight_line_is_a_power() {
     for (dim, exponent) in [(2, -3), (3, -4)] {
