@@ -89,7 +89,7 @@ impl<T> Owned<T> {
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
-    /// Does work with the value. After an interrupted call, `fresh` replaces it.
+    /// Runs `work` with the value. After an interrupted call, `fresh` replaces it.
     fn patient<R: Send + 'static>(
         &self,
         py: Python<'_>,

@@ -140,7 +140,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     }
 }
 
-/// Real processes, if the program was built with `mpi` and there is an `mpirun`.
+/// Runs real processes if the program was built with `mpi` and there is an `mpirun`.
 #[cfg(feature = "mpi")]
 #[test]
 fn mpi_processes_find_the_contacts_of_threads() {

@@ -135,7 +135,8 @@ fn box_diameters<T: Real, const D: usize>(
     (radius > 0.0 && edges.iter().all(|edge| edge.is_finite())).then_some(edges)
 }
 
-/// `None` if the smallest radius is zero or the quotient overflows.
+/// Returns the largest over the smallest radius; `None` if the smallest is zero or the quotient
+/// overflows.
 fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64> {
     match scene.radii() {
         Radii::Each(radii) if !radii.is_empty() => {
