@@ -32,7 +32,7 @@ pub struct Couple<const D: usize> {
     pub name: &'static str,
     /// Centres by frame, in units.
     frames: Vec<Vec<[i64; D]>>,
-    /// In half units.
+    /// Radii in half units.
     radii: Vec<i64>,
     /// A unit is 2^exponent.
     exponent: i32,
@@ -40,7 +40,7 @@ pub struct Couple<const D: usize> {
     pub skin: f64,
     /// Skin in half units.
     skin_units: i64,
-    /// The frame in which the pair is about as far apart as a list reaches.
+    /// The frame in which the gap of the pair is about the skin.
     start: usize,
 }
 
@@ -162,7 +162,8 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let (p, length) = (1 + draw.below(6), sphere.length);
     let q = 1 + draw.below(3 << p);
     let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
-    // The diameter is 2^p m lengths, the skin q m; displacements are at most twelve skins.
+    // The diameter is 2^p·m times `length`, the skin q·m times `length`. Displacements are at most
+    // twelve skins.
     let room = if offset == 0.0 {
         FAR / (length * ((1 << p) + 12 * q))
     } else {

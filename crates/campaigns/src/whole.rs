@@ -116,7 +116,7 @@ impl<const D: usize> Whole<D> {
             }
             self.vectors[a] = vector;
             for (_, image, _) in &mut self.meetings {
-                // Ha = H'a - times Hb; for a = b it is -H'a.
+                // The old vector is Ha = H'a - times·Hb; if a = b, it is -H'a.
                 if a == b { image[a] = -image[a] } else { image[b] -= times * image[a] }
             }
         }

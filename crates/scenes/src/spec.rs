@@ -38,7 +38,7 @@ pub struct Course {
 
 impl Course {
     /// Removes `motion`, `speed`, `motion-seed` and `frames` from the parameters of a scene and
-    /// parses them. Without `motion` it returns `None` and leaves the others.
+    /// parses them. Without `motion` it returns `None` and keeps the other parameters.
     pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Course>> {
         let Some(kind) = params.remove("motion") else { return Ok(None) };
         let bare = |value: &toml::Value| match value {

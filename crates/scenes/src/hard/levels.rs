@@ -113,8 +113,8 @@ fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> 
     })
 }
 
-/// Returns a lattice of dust and a giant. `centre` maps the last site along x to the giant's
-/// centre, 1000 from the first or last particle of dust, so that they exactly touch.
+/// Returns a lattice of dust and a giant that exactly touches its first or last particle along x.
+/// `centre` maps the last site along x to the giant's centre, 1000 from that particle.
 fn beside_dust(dim: u32, centre: impl Fn(f64) -> f64) -> Steps {
     let giant = ([centre(by_dim(dim, [11.0, 5.0])), 0.0, 0.0], 999.75);
     beside(dim, of_size(lattice(dim, [12, 6], |k| k), 0.25), giant)

@@ -216,9 +216,8 @@ impl Frames {
         })))
     }
 
-    /// Makes frame `k`, with its periodic box. A frame of [`Kind::Brownian`] costs one step per
-    /// frame since the frame made before it, or since frame 0 if it is earlier. Other frames cost
-    /// one step.
+    /// Makes frame `k`, with its periodic box. Frames of [`Kind::Brownian`] are computed one after
+    /// the other, from the last frame made or, if `k` is smaller, from frame 0.
     ///
     /// # Errors
     /// Fails if a coordinate overflows f64.

@@ -14,11 +14,11 @@ const PERIOD: u64 = 100;
 pub(super) struct Paths<const D: usize> {
     kind: Kind,
     seed: u64,
-    /// Length per frame.
+    /// Speed, in length per frame.
     speed: f64,
     low: [f64; D],
     extent: [f64; D],
-    /// Length per frame, one per particle.
+    /// Velocities of the particles, in length per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
     /// For [`Kind::Shear`]: the velocity along x per unit of y, and the y at which nothing moves.

@@ -135,8 +135,8 @@ impl Curve {
     pub fn quantiles(&self, n: u64, dim: u32) -> impl Iterator<Item = f64> + use<> {
         let power = f64::from(dim);
         let largest = self.intervals().map(|[_, high, _]| high).fold(0.0, f64::max);
-        // For each interval: the number of particles above its lower end, the number inside, its
-        // upper end, and the density ratio of its ends minus 1.
+        // For each interval: the particles above its lower end, the particles inside, its upper
+        // end, and the ratio of its ends to the power `dim`, minus 1.
         let mut above = 0.0;
         let parts: Vec<[f64; 4]> = self
             .intervals()
