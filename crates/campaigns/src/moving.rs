@@ -143,7 +143,7 @@ pub(crate) fn add(table: &mut Table, spec: &TrackerSpec, frames: &[Frame], arith
         TrackerSpec::Verlet { rule, .. } if spec.may_miss() => format!("{rule}{CONTROL}"),
         TrackerSpec::Verlet { skin: Skin::Auto, .. } => "skin=auto".to_owned(),
         TrackerSpec::Verlet { rule, .. } => rule.to_string(),
-        TrackerSpec::EveryStep(_) => "every-step".to_owned(),
+        other => other.parts().0.to_owned(),
     };
     table.add(&kind, arithmetic.name(), counts);
 }

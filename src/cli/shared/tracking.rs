@@ -66,13 +66,9 @@ fn common(followed: &Followed) -> Option<&DetectorSpec> {
     all.all(|other| other == first).then_some(first)
 }
 
-/// A tracker in a table; without its detector where that is the same for all.
+/// Returns the name of a tracker in a table, without its detector if `common`.
 fn label(spec: &TrackerSpec, common: bool) -> String {
-    match spec {
-        _ if !common => spec.to_string(),
-        TrackerSpec::EveryStep(_) => "every step".into(),
-        TrackerSpec::Verlet { skin, rule, .. } => format!("{rule}, {skin}"),
-    }
+    if common { spec.setting() } else { spec.to_string() }
 }
 
 /// What is said of all of them.

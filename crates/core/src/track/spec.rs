@@ -73,6 +73,14 @@ impl TrackerSpec {
         }
     }
 
+    /// Returns the tracker without its detector, such as `top-two, 0.1`.
+    pub fn setting(&self) -> String {
+        match self {
+            TrackerSpec::EveryStep(_) => "every step".into(),
+            TrackerSpec::Verlet { skin, rule, .. } => format!("{rule}, {skin}"),
+        }
+    }
+
     /// Returns the detector.
     pub fn detector(&self) -> &DetectorSpec {
         match self {
