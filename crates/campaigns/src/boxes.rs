@@ -31,7 +31,6 @@ use crate::predicate::{FAR, OFFSETS};
 use crate::whole::Whole;
 use crate::{Counts, Plan, Table, What, in_batches};
 
-/// Memory limit for images and for lists, in bytes.
 const LIMIT: u64 = 1 << 28;
 /// Distance between pairs, in reaches.
 const PITCH: i64 = 6;
@@ -41,12 +40,9 @@ const ALSO: usize = 8;
 /// How many box vectors the image that represents a particle is away.
 const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
 
-/// Kind of box.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shape {
-    /// No box.
     Open,
-    /// Edges along the axes.
     Straight,
     /// Vectors in lower triangular form, each tilted by up to a whole edge of the others.
     Tilted,
@@ -56,12 +52,10 @@ enum Shape {
     Small,
 }
 
-/// Runs every detector on pairs at the borders of cells.
 pub fn detectors(plan: Plan) -> Table {
     rows(plan, &[(Shape::Open, "borders")], &OFFSETS)
 }
 
-/// Runs every detector on pairs in periodic boxes.
 pub fn boxes(plan: Plan) -> Table {
     let shapes = [
         (Shape::Straight, "straight boxes"),
@@ -93,7 +87,6 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
     })
 }
 
-/// Common properties of the scenes of one row.
 struct Row<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
@@ -235,7 +228,6 @@ impl<const D: usize> Row<'_, D> {
         (whole, exponent)
     }
 
-    /// Runs all detectors on scene number `index`.
     fn run(&self, index: usize, test: Test, draw: &mut Draw) -> Counts
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -309,7 +301,6 @@ fn library(periodic: &Periodic<'_>, expected: &[(ImagePair, Ordering)]) -> Count
     counts
 }
 
-/// Runs one detection and compares its contacts with the expected ones.
 fn compare(
     detector: &mut dyn AnyDetector,
     finder: &mut Finder,

@@ -6,7 +6,6 @@ use contactbench_core::sink::splitmix64;
 pub struct Draw(u64);
 
 impl Draw {
-    /// Creates the sequence of a seed and a stream.
     pub fn new(seed: u64, stream: u64) -> Draw {
         Draw(splitmix64(seed ^ splitmix64(stream)))
     }
@@ -85,7 +84,6 @@ impl<const D: usize> Sphere<D> {
         Sphere { length, points }
     }
 
-    /// Returns a random vector.
     pub fn any(&self, draw: &mut Draw) -> [i64; D] {
         self.points[draw.below(self.points.len() as i64) as usize]
     }

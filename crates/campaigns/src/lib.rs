@@ -27,12 +27,9 @@ pub struct Plan {
     pub test: Test,
 }
 
-/// A quantity that is counted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum What {
-    /// Pairs decided.
     Pairs,
-    /// Pairs by label.
     Tangent,
     Overlap,
     Apart,
@@ -63,11 +60,9 @@ pub enum What {
     /// Labels of the construction that differ from rational arithmetic: an error of the campaign
     /// itself.
     Construction,
-    /// Refused scenes or frames.
     Refused,
 }
 
-/// Name of each kind of [`What`].
 const NAMES: [&str; 19] = [
     "pairs",
     "tangent",
@@ -90,7 +85,6 @@ const NAMES: [&str; 19] = [
     "refused",
 ];
 
-/// Number of occurrences of each kind.
 #[derive(Clone, Copy, Default)]
 pub struct Counts([u64; NAMES.len()]);
 
@@ -103,7 +97,6 @@ impl Counts {
         self.0[what as usize]
     }
 
-    /// Returns the sum of all errors.
     pub fn errors(&self) -> u64 {
         self.0[What::Missed as usize..].iter().sum()
     }

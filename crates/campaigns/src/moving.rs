@@ -13,9 +13,7 @@ use contactbench_scenes::spec::Spec;
 use crate::draw::Draw;
 use crate::{CONTROL, Counts, Plan, Table, What, in_batches};
 
-/// The safe rules.
 pub const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
-/// Memory limit for lists, in bytes.
 const LIMIT: u64 = 1 << 28;
 
 /// Packed, loose and clustered, of one size and of many, and far from the origin.

@@ -20,7 +20,6 @@ use crate::{Counts, Plan, Table, What, in_batches};
 pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
 /// Least magnitude of coordinates at an offset, in units; one unit is one ulp.
 pub const FAR: i64 = 1 << 52;
-/// Pairs per batch.
 const BATCH: u64 = 4096;
 /// Interval, in pairs, at which labels are compared with rational arithmetic.
 const SAMPLE: u64 = 997;
@@ -31,7 +30,6 @@ const NEEDLES: usize = 9;
 
 const FAMILIES: [&str; 3] = ["grid", "long sum", "needle"];
 
-/// Runs the contact test on pairs.
 pub fn run(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();

@@ -28,7 +28,6 @@ use crate::{Plan, Table, What, in_batches};
 /// A few particles in consecutive frames; two of them are the pair under test.
 #[derive(Debug)]
 pub struct Couple<const D: usize> {
-    /// Name of the family.
     pub name: &'static str,
     /// Centres by frame, in units.
     frames: Vec<Vec<[i64; D]>>,
@@ -48,10 +47,8 @@ pub struct Couple<const D: usize> {
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
 /// Half-skin with a rounded comparison: contacts are missed only by rounding.
 const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
-/// Pairs per piece of work.
 const COUPLES: usize = 200;
 
-/// Runs pairs at the limit of the skin.
 pub fn couples(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let detectors = detectors();
@@ -70,7 +67,6 @@ pub fn couples(plan: Plan) -> Table {
 }
 
 impl<const D: usize> Couple<D> {
-    /// Builds the next pair.
     pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
         let mut couple = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
         couple.exponent = match draw.below(4) {
@@ -91,7 +87,6 @@ impl<const D: usize> Couple<D> {
         self.frames.len()
     }
 
-    /// Returns the centres and radii in frame `k`.
     pub fn bodies(&self, k: usize) -> (Vec<[f64; D]>, Vec<f64>) {
         let (unit, half) = (power(self.exponent), power(self.exponent - 1));
         let centres = self.frames[k].iter().map(|x| x.map(|x| x as f64 * unit)).collect();

@@ -19,7 +19,6 @@ pub struct Whole<const D: usize> {
     pub vectors: [[i64; D]; 3],
     pub periodic: [bool; 3],
     pub fine: i32,
-    /// All pairs that touch or nearly touch.
     pub meetings: Vec<Meeting>,
 }
 

@@ -70,7 +70,6 @@ impl<'a> Arrays<'a> {
         })
     }
 
-    /// Returns a copy of the scene.
     pub fn owned(&self) -> Result<AnyScene<'static>, Failure> {
         Ok(self.scene()?.stored(Storage::F64)?)
     }

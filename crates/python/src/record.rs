@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 use crate::failure::{Failure, by_threads, work};
 use crate::given::{Edges, Made, made};
 
-/// Values of a column; `None` if absent.
 #[derive(IntoPyObject)]
 pub enum Values {
     Text(Vec<Option<String>>),

@@ -130,7 +130,6 @@ enum Finder {
 
 type Working = (Finder, Option<ThreadPool>);
 
-/// Statistics of a tracker.
 #[derive(Clone, Copy, Default)]
 struct Done {
     steps: u64,
@@ -204,7 +203,6 @@ impl Search {
         Ok(Search { spec, arithmetic, threads, memory_limit, finder, done })
     }
 
-    /// The name with its parameters.
     #[getter]
     fn name(&self) -> String {
         match &self.spec {
@@ -283,7 +281,6 @@ impl Search {
         })
     }
 
-    /// Makes the next frame count as the first.
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
         self.patient(py, true, |(finder, _)| {
             if let Finder::Tracker(tracker) = finder {

@@ -54,7 +54,6 @@ impl<const D: usize> Numbered<D> {
         Ok(reserve(&mut self.radii, if radii { further } else { 0 })?)
     }
 
-    /// Bytes of one particle in a message.
     pub const fn bytes(radii: bool) -> usize {
         size_of::<u32>() + (D + radii as usize) * size_of::<f64>()
     }
@@ -127,7 +126,6 @@ impl<const D: usize> Numbered<D> {
         Ok(letters)
     }
 
-    /// Appends the particles of all messages.
     pub fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Failure> {
         let size = Self::bytes(radii);
         self.reserve(letters.iter().map(|letter| letter.len() / size).sum(), radii)?;

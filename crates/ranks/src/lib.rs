@@ -47,7 +47,6 @@ pub struct Setting<'a> {
 pub struct Row {
     /// The scene as named on the command line.
     pub scene: String,
-    /// Number of particles in all ranks.
     pub n: u64,
     pub dim: usize,
     pub detector: String,
@@ -96,7 +95,6 @@ pub struct Row {
     pub machine: String,
 }
 
-/// The contacts that one process finds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Whole {
     pub pairs: u64,

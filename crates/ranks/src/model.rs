@@ -51,11 +51,9 @@ impl std::str::FromStr for Network {
     }
 }
 
-/// A predicted step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Step {
     pub ranks: u64,
-    /// Number of particles in all ranks.
     pub n: f64,
     pub halo: f64,
     pub ms: f64,

@@ -105,7 +105,6 @@ impl World for Processes {
     }
 }
 
-/// Memory for messages.
 struct Room {
     received: Vec<Vec<u8>>,
     /// Bytes sent in one round of an exchange.

@@ -31,10 +31,8 @@ use crate::bodies::Numbered;
 use crate::slabs::Slabs;
 use crate::world::World;
 
-/// The reason why all ranks end without an answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
-    /// This rank refuses.
     #[error(transparent)]
     Here(#[from] Refusal),
     /// Another rank refuses, and prints why.
@@ -93,7 +91,6 @@ pub struct Traffic {
 pub struct Rank<const D: usize> {
     slabs: Slabs<D>,
     lattice: Option<Lattice>,
-    /// The radius of all particles, if they share one.
     radius: Option<f64>,
     bodies: Numbered<D>,
     own: usize,

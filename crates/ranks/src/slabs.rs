@@ -87,7 +87,6 @@ impl<const D: usize> Slabs<D> {
         world.largest(&mut self.largest);
     }
 
-    /// Returns the rank that owns the place of `x`.
     pub fn owner(&self, x: &[f64; D]) -> usize {
         let place = self.along.place(x);
         self.borders.partition_point(|&border| border <= place)

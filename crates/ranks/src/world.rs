@@ -101,7 +101,6 @@ impl Shared {
 }
 
 impl Thread {
-    /// Waits until it is known whether all ranks were started.
     fn is_complete(&self) -> bool {
         let mut table = self.shared.table();
         loop {
@@ -112,7 +111,6 @@ impl Thread {
         }
     }
 
-    /// Waits for all ranks.
     fn wait(&self) {
         let mut table = self.shared.table();
         let round = table.round;

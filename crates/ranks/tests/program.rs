@@ -27,7 +27,6 @@ fn finished(mut command: Command) -> Ended {
     Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// Runs the program, which must succeed.
 fn good(folder: &Path, words: &[&str]) -> Ended {
     let ended = finished(program(folder, words));
     assert_eq!(ended.code, Some(0), "{words:?}: {}{}", ended.stdout, ended.stderr);
@@ -38,7 +37,6 @@ fn scene(folder: &Path, text: &str, file: &str) {
     write::scene(&folder.join(file), &Spec::parse(text).unwrap().given().unwrap()).unwrap();
 }
 
-/// Returns the rows of a run with one step.
 fn rows(folder: &Path, words: &[&str]) -> Vec<Value> {
     let json = folder.join("rows");
     let _ = std::fs::remove_file(&json);

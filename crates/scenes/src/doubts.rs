@@ -30,7 +30,6 @@ const NESTED: f64 = 1.8;
 /// A spacing of f32 coordinates above this many mean radii is suspicious.
 const COARSE: f64 = 1e-3;
 
-/// Statistics of the contacts of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Touching {
     /// Contacts per particle; estimated if there are too many to find.
@@ -52,12 +51,10 @@ impl Touching {
         Touching { each, ..Touching::default() }
     }
 
-    /// Examines contacts in open space.
     pub fn open(scene: &AnyScene<'_>, pairs: &[[u32; 2]]) -> Touching {
         Touching::over(scene, pairs, |&pair| (pair, overlap(scene, pair)))
     }
 
-    /// Examines contacts in a periodic box.
     pub fn boxed(periodic: &Periodic<'_>, pairs: &[ImagePair]) -> Touching {
         let depth = |&pair: &ImagePair| ([pair.i, pair.j], periodic::depth(periodic, pair));
         Touching::over(periodic.scene(), pairs, depth)
@@ -212,7 +209,6 @@ pub fn is_scaled(n: usize, dim: usize, centre: impl Fn(usize) -> [f64; 3]) -> bo
         && (0..dim).all(|axis| high[axis] - low[axis] > 0.9)
 }
 
-/// Returns the smallest and the largest radius.
 fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
     with_scene!(scene, scene => match scene.radii() {
         Radii::Uniform(r) => [r.wide(); 2],

@@ -19,7 +19,6 @@ pub enum Order {
 impl Order {
     pub const ALL: [Order; 3] = [Order::Shuffled, Order::Generated, Order::Morton];
 
-    /// The name in experiment files and records.
     pub fn name(self) -> &'static str {
         match self {
             Order::Shuffled => "shuffled",

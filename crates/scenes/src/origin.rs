@@ -13,7 +13,6 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// Reads the file, or makes the scene.
     pub fn whole(&self) -> anyhow::Result<Given> {
         match self {
             Origin::Made(spec) => spec.given(),

@@ -28,7 +28,6 @@ pub struct Spec {
     pub course: Option<Course>,
 }
 
-/// The motion of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
     pub motion: Motion,

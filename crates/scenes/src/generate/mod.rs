@@ -64,7 +64,6 @@ const OFFSET: Parameter = number(
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );
 
-/// Parameters of generators that have sizes and a box.
 const OF_BODIES: &[Parameter] = &[
     DIAMETER,
     OFFSET,

@@ -61,7 +61,6 @@ const TRIES_EACH: u64 = 1_000;
 const STEP: f64 = 2.0;
 /// Most cells of a layer per particle.
 const CELLS: f64 = 4.0;
-/// No particle.
 const NONE: u32 = u32::MAX;
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
@@ -203,7 +202,6 @@ impl<const D: usize> Placed<D> {
                 if !centre.iter().all(|x| (-reach..=self.edge + reach).contains(x)) {
                     return true;
                 }
-                // Cells are wider than `reach`.
                 let [low, high] = [-1_isize, 1].map(|step| {
                     centre.map(|x| {
                         layer.cell(x / self.edge).saturating_add_signed(step).min(layer.count - 1)
@@ -231,7 +229,6 @@ impl<const D: usize> Placed<D> {
             })
     }
 
-    /// Adds the next particle to the last layer.
     fn put(&mut self, centre: [f64; D]) {
         let body = self.centres.len() as u32;
         let Some(layer) = self.layers.last_mut() else { return };

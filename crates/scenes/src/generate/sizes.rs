@@ -106,7 +106,6 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     );
     let (n, least) = (inputs.n, LARGEST / ratio);
     let mut radii = room(n)?;
-    // Rounding might leave the range.
     let inside = |radius: f64| radius.clamp(least, LARGEST);
     match kind {
         None => {
@@ -170,7 +169,6 @@ fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
     }
 }
 
-/// Returns the number of large particles among `n`.
 fn large(n: u64, share: f64, ratio: f64, dim: u32) -> u64 {
     let small_for_each =
         share / (1.0 - share) * if dim == 2 { ratio * ratio } else { ratio * ratio * ratio };

@@ -25,14 +25,12 @@ pub static GENERATORS: [Generator; 11] = [
     hard::GENERATOR,
 ];
 
-/// Makes a scene with the particles in generated order.
 pub type Make = fn(&Inputs<'_>) -> anyhow::Result<Given>;
 
 #[derive(Clone, Copy)]
 pub struct Generator {
     /// The name in experiments, in records and on the command line.
     pub name: &'static str,
-    /// The supported dimensions.
     pub dims: &'static [u32],
     /// A phrase for lists and help.
     pub summary: &'static str,
@@ -42,7 +40,6 @@ pub struct Generator {
     pub make: Make,
 }
 
-/// A parameter with a number as its default.
 pub const fn number(
     name: &'static str,
     kind: Kind,
@@ -52,7 +49,6 @@ pub const fn number(
     Parameter { name, kind, default: [Preset::Number(default); 2], meaning }
 }
 
-/// A parameter without a default.
 pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
     Parameter { name, kind, default: [Preset::Absent; 2], meaning }
 }
@@ -67,14 +63,12 @@ pub struct Parameter {
     pub meaning: &'static str,
 }
 
-/// The values that a parameter accepts.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A finite number that passes the test; the text describes the test.
     Number(&'static str, fn(f64) -> bool),
     /// A whole number that passes the test; the text describes the test.
     Whole(&'static str, fn(u64) -> bool),
-    /// True or false.
     Yes,
     /// Periodic axes, or true for all, or none.
     Axes,
@@ -85,13 +79,11 @@ pub enum Kind {
     Case,
 }
 
-/// The value of a parameter that is not given.
 #[derive(Clone, Copy, Debug)]
 pub enum Preset {
     Number(f64),
     Whole(u64),
     Word(&'static str),
-    /// No value.
     Absent,
     Required,
 }
@@ -131,7 +123,6 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
-    /// Defaults for the fields that most generators share.
     pub(crate) const PLAIN: Generator = Generator {
         name: "",
         dims: &[2, 3],
@@ -151,7 +142,6 @@ impl Generator {
         self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
     }
 
-    /// The parameters that have a default in this dimension.
     pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
         let preset = |it: &Parameter| {
             Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
@@ -227,7 +217,6 @@ impl Kind {
     pub const COUNT: Kind = Kind::Whole("a whole number of at least 1", |k| k >= 1);
     pub const DIM: Kind = Kind::Whole("2 or 3", |k| k == 2 || k == 3);
 
-    /// Describes the accepted values.
     pub fn accepts(&self, dim: u32) -> String {
         match self {
             Kind::Number(must, _) | Kind::Whole(must, _) => (*must).into(),

@@ -49,7 +49,6 @@ fn the_catalogue_is_complete() {
     }
 }
 
-/// The exact truth of the last step.
 fn truth(steps: &[Given], arithmetic: Arithmetic) -> Result<Digest, NoTruth> {
     let last = &steps[steps.len() - 1];
     match last.periodic().unwrap() {
@@ -165,7 +164,6 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
             }
         }
     }
-    // Every allowed refusal occurs.
     for case in cases().filter(|case| !case.allows.is_empty()) {
         let occurs = refused.iter().any(|(name, ..)| *name == case.name);
         assert!(occurs, "{}: nothing is refused", case.name);

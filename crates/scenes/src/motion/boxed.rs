@@ -92,7 +92,6 @@ impl<const D: usize> Boxed<D> {
         Ok(Lattice::new(std::array::from_fn(slid), periodic, self.first.origin())?)
     }
 
-    /// Returns the image of a place in the box of frame 0.
     pub fn in_first(&self, at: &Point<f64, D>) -> Point<f64, D> {
         brought(&self.first, at)
     }

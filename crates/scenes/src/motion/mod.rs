@@ -20,7 +20,6 @@ use contactbench_io::Given;
 use contactbench_terms::grammar::Spec;
 use contactbench_terms::nearest::hint;
 
-/// A kind of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Rest,
@@ -87,7 +86,6 @@ const TABLE: [(Kind, &str, &str); 8] = [
 ];
 
 impl Kind {
-    /// All kinds that can be made.
     pub const ALL: [Kind; 8] = {
         let (mut all, mut k) = ([Kind::Rest; 8], 0);
         while k < 8 {
@@ -130,7 +128,6 @@ pub struct Motion {
 
 /// The default. A particle needs about a hundred frames to move by its diameter.
 pub const SPEED: f64 = 0.01;
-/// The default seed.
 pub const SEED: u64 = 1;
 
 impl FromStr for Motion {
@@ -170,7 +167,6 @@ impl fmt::Display for Motion {
     }
 }
 
-/// The frames of a scene in motion.
 pub struct Frames(Box<dyn FnMut(u64) -> anyhow::Result<Given>>);
 
 impl Frames {

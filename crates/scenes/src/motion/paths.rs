@@ -145,7 +145,6 @@ impl<const D: usize> Paths<D> {
         })
     }
 
-    /// Returns the place of a particle after the displacement `way`.
     fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         match &self.boxed {
             None => self.reflected(first, way),

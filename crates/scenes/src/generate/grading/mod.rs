@@ -123,7 +123,6 @@ impl Curve {
         self.0.windows(2).rev().map(interval).filter(|[_, _, percent]| *percent > 0.0)
     }
 
-    /// Returns the ratio of the largest to the smallest size of particles.
     fn ratio(&self) -> f64 {
         let ends = |(_, largest): (f64, f64), [low, high, _]: [f64; 3]| (low, largest.max(high));
         let (least, largest) = self.intervals().fold((1.0, 0.0), ends);

@@ -63,7 +63,6 @@ fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
     assert!(found[2900] <= 0.125 && found[2990] >= 0.5);
     assert_eq!(radii("packed:n=1,sizes=grading,grading=1 0,2 100"), [1.0]);
     assert!(made("packed:n=0,sizes=grading,grading=1 0,2 100").is_empty());
-    // The largest allowed ratio.
     let wide = radii("loose:dim=3,n=1000,sizes=grading,grading=1e-50 0,1e50 100");
     assert!(wide.iter().all(|r| (1e-100..=1.0).contains(r)) && wide[999] == 1.0);
 }
