@@ -1,4 +1,4 @@
-/* Three discs, a box, and a list that is held to the truth. */
+/* Three discs, a periodic box, and a list that is compared with the truth. */
 
 #include <math.h>
 #include <stdio.h>
@@ -21,7 +21,7 @@ int main(void) {
     contactbench_detector *detector;
     check(contactbench_new(NULL, "exact", 1, 0, &detector));
 
-    /* In open space the first two touch; as in a simulation, the detector is kept. */
+    /* In open space the first two touch. The detector is kept for the next scene. */
     for (int step = 0; step < 2; step++) {
         check(contactbench_contacts(detector, &scene));
         printf("step %d:", step);
@@ -33,10 +33,10 @@ int main(void) {
     }
     x[2] = 1.0;
 
-    /* In a channel of length 4 the last one meets the first, too. */
+    /* In a channel of length 4 the last one also touches the first. */
     contactbench_box channel = {
         .vectors = {4.0, 0.0, 0.0, 0.0, 1.0},
-        .periodic = {1, 0, 1}, /* the third vector is not looked at for discs */
+        .periodic = {1, 0, 1}, /* discs ignore the third vector */
     };
     scene.bounds = &channel;
     check(contactbench_contacts(detector, &scene));
@@ -48,7 +48,7 @@ int main(void) {
                (int)images[2 * k], (int)images[2 * k + 1]);
     printf("\n");
 
-    /* While particles move, a tracker keeps a list of near pairs from step to step. */
+    /* A tracker keeps a list of near pairs while particles move. */
     contactbench_tracker *tracker;
     check(contactbench_tracker_new("verlet(streamed-nbs,skin=0.5)", NULL, 1, 0, &tracker));
     for (int step = 0; step < 3; step++) {
@@ -60,7 +60,7 @@ int main(void) {
     x[2] = 1.0;
     contactbench_tracker_free(tracker);
 
-    /* A list that misses it. */
+    /* A list that misses a contact. */
     contactbench_errors errors;
     uint32_t listed[] = {1, 0};
     int32_t none[] = {0, 0};
@@ -68,7 +68,7 @@ int main(void) {
     printf("list: %u of %u missed, by %g mean radii\n", (unsigned)errors.missed,
            (unsigned)errors.contacts, errors.deepest_miss);
 
-    /* What is wrong is said. */
+    /* A failed call leaves its reason. */
     x[1] = NAN;
     if (contactbench_contacts(detector, &scene) != CONTACTBENCH_INVALID) return 1;
     printf("error: %s\n", contactbench_last_error());

@@ -1,4 +1,4 @@
-! Three discs, a box, and a list that is held to the truth.
+! Three discs, a periodic box, and a list that is compared with the truth.
 program contacts
     use contactbench
     implicit none
@@ -27,7 +27,7 @@ program contacts
     call c_f_pointer(contactbench_pairs(detector), pairs, [2_c_size_t, contactbench_count(detector)])
     print '(a, *(2x, i0, ",", i0))', "open:", pairs
 
-    ! In a channel of length 4 the last one meets the first, too.
+    ! In a channel of length 4 the last one also touches the first.
     channel%vectors = reshape([4d0, 0d0, 0d0, 0d0, 1d0, 0d0, 0d0, 0d0, 1d0], [3, 3])
     channel%periodic = [1, 0, 0]
     scene%bounds = c_loc(channel)
@@ -38,7 +38,7 @@ program contacts
         print '(a, i0, ",", i0, a, i0, ",", i0)', "channel: ", pairs(:, k), "  image ", images(:, k)
     end do
 
-    ! While particles move, a tracker keeps a list of near pairs from step to step.
+    ! A tracker keeps a list of near pairs while particles move.
     call check(contactbench_tracker_new("verlet(streamed-nbs,skin=0.5)" // c_null_char, &
         c_null_char, 1_c_size_t, 0_c_int64_t, tracker))
     do k = 0, 1
@@ -50,7 +50,7 @@ program contacts
     x(1, 2) = 1d0
     call contactbench_tracker_free(tracker)
 
-    ! A list that misses it.
+    ! A list that misses a contact.
     call check(contactbench_verify(scene, 1_c_size_t, [1, 0], c_loc(none), errors))
     print '(a, i0, a, i0, a)', "list: ", errors%missed, " of ", errors%contacts, " missed"
     call contactbench_free(detector)

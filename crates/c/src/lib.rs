@@ -186,7 +186,7 @@ unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
     }
     // SAFETY: the pointer is not null, and the caller promises that the text ends with a NUL.
     let text = unsafe { CStr::from_ptr(text) };
-    let text = text.to_str().map_err(|_| Failure::invalid("a name is not of UTF-8"))?;
+    let text = text.to_str().map_err(|_| Failure::invalid("a name is not valid UTF-8"))?;
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
@@ -293,7 +293,7 @@ pub unsafe extern "C" fn contactbench_verify(
         let given = unsafe { Given::new(scene) }?;
         if given.lattice.is_some() == images.is_null() && count > 0 {
             return Err(Failure::invalid(
-                "images are given for scenes in boxes, and for no others",
+                "give images for a scene in a box, and NULL in open space",
             ));
         }
         // SAFETY: promised by the caller.

@@ -19,7 +19,7 @@ fn ask(begin: *mut u8, size: usize) {
     if size < LARGE || begin.is_null() {
         return;
     }
-    // Whole pages, for any page size of the machine.
+    // A multiple of the page size of any machine.
     const PAGE: usize = 1 << 16;
     let skipped = begin.align_offset(PAGE);
     let len = size.saturating_sub(skipped) / PAGE * PAGE;

@@ -70,7 +70,7 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
     // 4 bytes for a number, 8 for each coordinate.
     assert!(number(&made[1], "sent") > 100);
     assert_eq!(number(&made[1], "sent_bytes"), 28 * number(&made[1], "sent"));
-    // From a file that is read completely; in a periodic box with sizes.
+    // Also from a file, and in a periodic box with mixed sizes.
     scene(folder, packed, "scene.csv");
     let read = rows(folder, &["scene.csv", "--ranks", "3"]);
     assert_eq!(read[0]["digest"], made[0]["digest"]);

@@ -9,7 +9,7 @@ const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
 const SIZES_STREAM: u64 = 2;
 const ORDER_OF_SIZES_STREAM: u64 = 3;
-/// The first of the frames' streams, which are the last ones.
+/// Streams from this one on belong to frames of a motion.
 const MOTION_STREAM: u64 = 1 << 32;
 
 pub struct Draw {

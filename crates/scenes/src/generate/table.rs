@@ -252,7 +252,7 @@ impl Kind {
                 };
                 value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
             }
-            // Records hold parameters that are not numbers as words.
+            // Records store parameters other than numbers as words.
             Kind::Yes => match value.as_bool() {
                 Some(yes) => Some(yes.to_string().into()),
                 None => text(&|text| ["true", "false"].contains(&text)),
