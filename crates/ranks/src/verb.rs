@@ -52,8 +52,7 @@ pub struct Ranks {
         value_parser = values::whole::<usize>
     )]
     ranks: Vec<usize>,
-    /// Make a scene per rank with its own seed, side by side along x; the whole grows with the
-    /// number of ranks
+    /// Make a scene per rank, side by side along x: the whole grows with the ranks
     #[arg(long)]
     each: bool,
     /// Number of timed steps, after one warm-up step
@@ -62,7 +61,7 @@ pub struct Ranks {
     /// Skip the comparison with one process, for scenes too large for one machine
     #[arg(long)]
     unchecked: bool,
-    /// Also predict steps on up to 64 times the measured ranks, with equal particles per rank
+    /// Also predict steps on up to 64 times the measured ranks, at equal load per rank
     #[arg(long)]
     model: bool,
     /// Network of the model: latency in seconds, bytes per second of a rank
