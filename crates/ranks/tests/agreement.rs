@@ -54,7 +54,7 @@ fn ranks_find_the_contacts_of_one_process() {
         let setting = Setting { spec: &direct, memory_limit: MEMORY, steps: 1 };
         // Skips scenes that no process can list.
         let Ok(truth) = whole(&given, setting) else { continue };
-        // Every other one with three ranks, and one of them with every other number.
+        // Every second detector runs with three ranks, and one detector with all other numbers.
         let turn = detectors[k % detectors.len()];
         let others = [1, 2, 4, 8].map(|ranks| (turn, ranks));
         let half = detectors.iter().skip(k % 2).step_by(2).map(|&name| (name, 3));

@@ -36,7 +36,7 @@ where
         let mut rank = Rank::new(world, bodies, lattice)?;
         let mut searcher = Searcher::new(&spec, OPTIONS);
         let mut contacts = Contacts::default();
-        // Repeatedly, as in a simulation.
+        // Two steps, as in a simulation.
         let mut traffic = Traffic::default();
         for _ in 0..2 {
             traffic = rank.refresh(world)?;
@@ -216,7 +216,7 @@ fn tangent_particles_many_boxes_away_are_sent() {
     }
 }
 
-/// Twice the largest double overflows.
+/// The extent of the scene overflows.
 #[test]
 fn slabs_lie_along_the_longest_axis_however_long() {
     let centres = [[-1.2e308, -1.7e308], [1.2e308, 1.7e308]].map(nalgebra::Point::from);

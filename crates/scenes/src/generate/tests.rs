@@ -236,8 +236,7 @@ fn sizes_have_the_requested_distribution() {
     let even = radii("packed:n=2000,size-ratio=5");
     let mean = even.iter().sum::<f64>() / 2000.0;
     assert!(even.iter().all(|r| (0.2..=1.0).contains(r)) && (mean - 0.6).abs() < 0.02, "{mean}");
-    // If the smallest radius is 1, density r^-3 and ratio 10 make (1 - r^-2) / (1 - 10^-2) the
-    // quantile of radius r.
+    // If radii from 1 to 10 have the density r^-3, the part (1 - r^-2) / (1 - 10^-2) is below r.
     let mut power = radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
     power.sort_by(f64::total_cmp);
     assert_eq!((power[0], power[1000]), (0.1, 1.0));
