@@ -1,5 +1,4 @@
-//! contactbench: an instrumented research testbed for contact detection among discs (2D) and
-//! spheres (3D).
+//! contactbench measures and checks contact detectors for discs (2D) and spheres (3D).
 //!
 //! Which algorithm, for which scene: how fast, how much memory, how many operations, and how wrong?
 //! Every detector gets exactly the same input, and every measurement becomes one row with time,
