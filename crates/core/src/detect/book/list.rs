@@ -39,7 +39,6 @@ pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
 
 /// Number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
 pub trait Index: Copy {
-    /// Returns the number as an array index.
     fn at(self) -> usize;
 }
 
@@ -144,7 +143,6 @@ impl Heads {
         self.0[list.at()] = particle;
     }
 
-    /// Makes `list` empty and unmarked.
     #[inline(always)]
     pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
         probe.count(Op::ListReset);
@@ -152,7 +150,6 @@ impl Heads {
         probe.note(|| Event::Reset { heads: self.1, list: list.at() });
     }
 
-    /// Returns the heads as stored, for tests and traces.
     pub fn raw(&self) -> &[u32] {
         &self.0
     }
@@ -163,7 +160,6 @@ fn listed(raw: u32) -> Option<u32> {
 }
 
 impl<const L: usize> Links<L> {
-    /// Makes room for particles 0 to `count - 1`.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
             if count > self.0.capacity() {
@@ -174,7 +170,6 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Makes `next` the particle after `particle`.
     #[inline(always)]
     pub fn set(&mut self, particle: u32, kind: usize, next: u32) {
         self.0[particle as usize][kind] = next;

@@ -4,7 +4,7 @@ pub mod binary_tree;
 pub mod direct;
 #[cfg(test)]
 mod golden;
-pub mod list;
+pub(super) mod list;
 pub mod mask;
 pub mod nbs;
 pub mod nbs_levels;

@@ -5,7 +5,7 @@
 //! 1. Every particle has a key: its coordinates in 2^21 steps (2^32 in 2D) along the longest edge
 //!    of the scene, with bits interleaved. Keys are sorted and particles copied in their order,
 //!    which is the order of the leaves of a quadtree or octree.
-//! 2. [`super::tree`] builds boxes and finds the pairs.
+//! 2. `tree.rs` builds boxes and finds the pairs.
 //!
 //! * Cost: N log N key comparisons for N particles. The search visits some nodes for every leaf of
 //!   at most 16 particles; in a dense packing this number hardly depends on N.

@@ -21,21 +21,16 @@ use crate::sink::Sink;
 /// A copy of one particle.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<const D: usize> {
-    /// Centre.
     pub position: [f64; D],
     /// Radius, rounded to f32.
     pub radius: f32,
-    /// Number of the particle.
     pub id: u32,
 }
 
 impl<const D: usize> Record<D> {
-    /// Filling for an array before its records are known.
     pub const NONE: Record<D> = Record { position: [0.0; D], radius: 0.0, id: 0 };
-    /// Size of a record in bytes.
     pub const BYTES: u64 = size_of::<Record<D>>() as u64;
 
-    /// Copies particle `id`.
     #[inline(always)]
     pub fn new<T: Real>(bodies: &impl Bodies<T, D>, id: u32) -> Record<D> {
         Record { position: bodies.position(id), radius: bodies.radius(id) as f32, id }
@@ -71,7 +66,6 @@ pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
 
 /// The squared distances that decide, for the radii of two records.
 pub trait Nearness: Copy + Sync {
-    /// Returns the limits for records with these radii.
     fn near(&self, a: f32, b: f32) -> Near;
     /// Returns a half-reach: two particles that touch are at most the sum of their half-reaches
     /// apart.
@@ -89,7 +83,6 @@ pub struct One {
 }
 
 impl One {
-    /// Creates the limits for particles of this radius.
     pub fn new(radius: f64, slack: Slack) -> One {
         One { near: Near::new(2.0 * radius, slack), half: half(radius, slack) }
     }
@@ -117,7 +110,6 @@ impl Nearness for One {
 pub struct Each(Slack);
 
 impl Each {
-    /// Creates the limits for a test with this slack, and radii in f32.
     pub fn new(slack: Slack) -> Each {
         const RELATIVE: f64 = 1.0 / (1u64 << 22) as f64;
         const ABSOLUTE: f64 = f64::from_bits((1023 - 147) << 52);
@@ -154,10 +146,8 @@ fn half(radius: f64, slack: Slack) -> f64 {
 /// only, so that the search among records is compiled only once.
 pub type Touch<'a, P> = &'a (dyn Fn(u32, u32, &mut P) -> bool + Sync);
 
-/// Decides contacts of records.
 pub struct Judge<'a, P, N> {
     touch: Touch<'a, P>,
-    /// The squared distances that decide.
     pub nearness: N,
 }
 
@@ -173,18 +163,15 @@ pub const STRIDE: usize = 64;
 impl Found {
     const ROOM: usize = 256;
 
-    /// Creates an empty buffer.
     pub fn none() -> Found {
         Found { pairs: [[0; 2]; Found::ROOM], count: 0 }
     }
 
-    /// Returns the number of pairs.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Returns whether there is space for [`STRIDE`] more pairs.
     #[inline(always)]
     pub fn has_room(&self) -> bool {
         self.count <= Found::ROOM - STRIDE
@@ -203,7 +190,6 @@ impl Found {
         }
     }
 
-    /// Passes all pairs on and empties the buffer.
     pub fn flush(&mut self, sink: &mut impl Sink) {
         sink.contacts(&self.pairs[..self.count]);
         self.count = 0;
@@ -211,12 +197,10 @@ impl Found {
 }
 
 impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
-    /// Creates a judge with the contact test of the same particles.
     pub fn new(touch: Touch<'a, P>, nearness: N) -> Judge<'a, P, N> {
         Judge { touch, nearness }
     }
 
-    /// Tests `a` against each of `others`.
     #[inline(always)]
     pub fn against<const D: usize>(
         &self,
@@ -290,24 +274,19 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<const D: usize> {
-    /// Lower corner.
     pub low: [f64; D],
-    /// Upper corner.
     pub high: [f64; D],
 }
 
 impl<const D: usize> Bounds<D> {
-    /// The empty box.
     pub const NONE: Bounds<D> = Bounds { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
 
-    /// Returns the box around the centres.
     pub fn around(records: &[Record<D>]) -> Bounds<D> {
         let mut bounds = Bounds::NONE;
         records.iter().for_each(|record| bounds.widen(record.position, record.position));
         bounds
     }
 
-    /// Enlarges the box to contain another.
     #[inline(always)]
     pub fn widen(&mut self, low: [f64; D], high: [f64; D]) {
         for k in 0..D {
@@ -316,7 +295,6 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
-    /// Returns whether two boxes overlap or touch.
     #[inline(always)]
     pub fn meets(&self, other: &Bounds<D>) -> bool {
         (0..D).fold(true, |meet, k| {

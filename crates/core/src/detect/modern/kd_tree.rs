@@ -4,7 +4,7 @@
 //!
 //! 1. Copies are divided at the median along the longest axis, and each half likewise, down to
 //!    buckets of at most 16.
-//! 2. [`super::tree`] builds boxes and finds the pairs.
+//! 2. `tree.rs` builds boxes and finds the pairs.
 //!
 //! * Cost: N log N key comparisons for N particles. The search visits some nodes for every bucket;
 //!   in a dense packing this number hardly depends on N.

@@ -2,11 +2,11 @@
 
 pub mod bvh;
 pub mod cell_grid;
-pub mod copies;
-pub mod crowd;
+pub(super) mod copies;
+pub(super) mod crowd;
 pub mod hash_grid;
 pub mod hgrid;
 pub mod kd_tree;
-pub mod rows;
+pub(super) mod rows;
 pub mod sweep;
-pub mod tree;
+pub(super) mod tree;

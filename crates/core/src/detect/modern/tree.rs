@@ -20,7 +20,6 @@ pub const LEAF: usize = 16;
 
 /// Sorted records, and boxes around them.
 pub struct Tree<const D: usize> {
-    /// Records in the order of the leaves.
     pub records: Vec<Record<D>>,
     /// Boxes by node number; number 0 is unused.
     boxes: Vec<Bounds<D>>,
@@ -34,12 +33,10 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// Creates the distribution for a number of records.
     pub fn new(n: usize) -> Leaves {
         Leaves { n, levels: n.div_ceil(LEAF).max(1).next_power_of_two().trailing_zeros() }
     }
 
-    /// Returns the number of leaves.
     pub fn count(self) -> usize {
         1 << self.levels
     }
@@ -53,18 +50,15 @@ impl Leaves {
 }
 
 impl<const D: usize> Tree<D> {
-    /// Creates a tree without records.
     pub fn empty() -> Tree<D> {
         Tree { records: Vec::new(), boxes: Vec::new() }
     }
 
-    /// Returns the bytes of a tree for a number of records.
     pub fn bytes(n: usize) -> u64 {
         Record::<D>::BYTES * n as u64
             + 2 * size_of::<Bounds<D>>() as u64 * Leaves::new(n).count() as u64
     }
 
-    /// Returns the bytes for the current records.
     pub fn formula_bytes(&self) -> u64 {
         Record::<D>::BYTES * self.records.len() as u64
             + size_of::<Bounds<D>>() as u64 * self.boxes.len() as u64
@@ -76,7 +70,6 @@ impl<const D: usize> Tree<D> {
         room(&mut self.boxes, 2 * Leaves::new(n).count(), Bounds::NONE);
     }
 
-    /// Builds the boxes and finds the contacts.
     pub fn search<P: Probe, S: Sink>(
         &mut self,
         judge: Judge<'_, P, impl Nearness>,
@@ -87,7 +80,6 @@ impl<const D: usize> Tree<D> {
         self.walk(judge, probe, sink);
     }
 
-    /// Builds the boxes around particles with these half-reaches.
     pub(crate) fn enclose(&mut self, halves: impl Nearness) {
         let leaves = Leaves::new(self.records.len());
         let first = leaves.count();
