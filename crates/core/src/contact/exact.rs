@@ -18,9 +18,9 @@
 //!
 //! A value v = c·x passes two checks: |v| < 2^62, so that `v as i64` truncates and never saturates;
 //! and the integer converted back equals v, so that nothing was truncated. NaN and infinities fail.
-//! If the h and l of a sum pass, the sum in units of 1/c is the sum of their integers, at most 2^62
-//! + 2^62 in magnitude, which does not overflow `i64`. An l is at most half an ulp of its h, so
-//! below 2^62 · 2^-53. The integers are therefore below 2^62 + 2^9, their squares below 2^124 +
+//! If the h and l of a sum pass, the sum in units of 1/c is the sum of their integers, at most
+//! 2^62 + 2^62 in magnitude, which does not overflow `i64`. An l is at most half an ulp of its h,
+//! so below 2^62 · 2^-53. The integers are therefore below 2^62 + 2^9, their squares below 2^124 +
 //! 2^73, and the sum of up to 15 squares below 2^128. Every step is exact, so the comparison is
 //! exact.
 

@@ -47,9 +47,9 @@
 //! farther apart than ri + rj + e, where e = 2·rmax·relative + absolute follows from its [`Slack`]
 //! and is 0 for the exact test. A list with a skin s = 2h holds the pairs that touch, by the exact
 //! test, with each radius enlarged to ri + h + e/2, rounded up. So a pair that is not listed was
-//! farther apart than ri + rj + s + e when the list was built. It is farther apart than ri + rj + s
-//! + e - di - dj after its centres have moved by di and dj on any path. Hence: **while di + dj <= s
-//! for every pair, the listed pairs that the test accepts are all that it accepts.** This also
+//! farther apart than ri + rj + s + e when the list was built. It is farther apart than ri + rj +
+//! s + e - di - dj after its centres have moved by di and dj on any path. Hence: **while di + dj <=
+//! s for every pair, the listed pairs that the test accepts are all that it accepts.** This also
 //! holds right after the list is built, even for skin 0. A rule is safe if it discards the list
 //! before the inequality fails:
 //!
@@ -79,18 +79,18 @@
 //! ```
 //!
 //! and with c such that |F v| >= c |v|, a triple that is not listed is farther apart than c (ri +
-//! rj + s + E) - di - dj. This exceeds ri + rj while di + dj <= s + E - t, with t = (1 - c) (2 rmax
-//! + s + E). So the rules of 7 hold for a skin of s - t, as long as no two displacements together
-//! are computed too short by more than E.
+//! rj + s + E) - di - dj. This exceeds ri + rj while di + dj <= s + E - t, with t = (1 - c) (2
+//! rmax + s + E). So the rules of 7 hold for a skin of s - t, as long as no two displacements
+//! together are computed too short by more than E.
 //!
-//! F is 1 + the sum over the vectors of (Hv - H0v) gv, with gv the duals of H0. c is the root of 1
-//! + 2a with a <= 0 and a at most the least eigenvalue of the symmetric part of F - 1. The products
-//! of the computed duals with H0 show how far they are from exact duals. In a box that keeps its
-//! vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from the skin, however
-//! large the box is. (LAMMPS uses the displacements of the box corners, `neighbor.cpp`, and counts
-//! those of particles including the motion of the box.) The sum of the displacements in each frame
-//! concerns z, not z - F y. *Summed* still holds, since it is clamped at the largest displacement
-//! from F y; it also counts motion with the box.
+//! F is 1 + the sum over the vectors of (Hv - H0v) gv, with gv the duals of H0. c is the root of
+//! 1 + 2a with a <= 0 and a at most the least eigenvalue of the symmetric part of F - 1. The
+//! products of the computed duals with H0 show how far they are from exact duals. In a box that
+//! keeps its vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from the skin,
+//! however large the box is. (LAMMPS uses the displacements of the box corners, `neighbor.cpp`, and
+//! counts those of particles including the motion of the box.) The sum of the displacements in each
+//! frame concerns z, not z - F y. *Summed* still holds, since it is clamped at the largest
+//! displacement from F y; it also counts motion with the box.
 
 pub mod bounds;
 pub mod cells;
