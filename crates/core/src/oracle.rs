@@ -219,7 +219,7 @@ impl Sample {
 }
 
 /// Returns the detectors that may establish the truth of a scene, in order of preference.
-fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
+pub fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     let differ = with_scene!(scene, scene => {
         let large = 0.5 * scene.largest_radius().wide();
         (0..scene.len()).any(|k| scene.radius(k).wide() < large)
@@ -322,24 +322,28 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Radii, Scene};
+    use crate::detect::any::Both;
+    use crate::detect::control::Nothing;
+    use crate::detect::table::{Group, Judge, Role, Speed};
 
-    #[test]
-    fn scenes_of_one_large_body_are_judged_without_its_cells() {
-        let with = |small: f64| {
-            let centres = [0.0, 3.0].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
-            let scene: AnyScene<'_> =
-                Scene::new(centres, Radii::Each(vec![1.0, small].into())).unwrap().into();
-            judges(&scene)[0]
-        };
-        let first = [1.0, 0.5, 0.499, 0.0].map(|part| with(part).name);
-        assert_eq!(first, ["nbs", "nbs", "kd-tree", "kd-tree"]);
-    }
+    static JUDGE: Entry = Entry {
+        name: "judge",
+        role: Role::Detector,
+        group: Group::Controls,
+        summary: "",
+        cost: "",
+        memory: "",
+        limits: "",
+        threads: false,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
+        parameters: &[],
+        constructor: Both::<Nothing, Nothing>::boxed,
+    };
 
     #[test]
     fn judges_must_agree_with_each_other_and_with_the_sample() {
         const RIGHT: [[u32; 2]; 2] = [[0, 1], [2, 3]];
-        let judges = table::judges(|it| it.boxed);
         let agreed = |second: &[[u32; 2]], tested: &[[u32; 2]]| {
             let asked = std::cell::Cell::new(0);
             let ask = |_: &mut dyn AnyDetector| {
@@ -347,7 +351,7 @@ mod tests {
                 Ok(if asked.get() == 1 { RIGHT.to_vec() } else { second.to_vec() })
             };
             let sample = Sample { n: 4, particles: 4 };
-            sample.agreed(&judges, 1 << 20, ask, |_| Ok(tested.to_vec()), |pair| pair)
+            sample.agreed(&[&JUDGE; 2], 1 << 20, ask, |_| Ok(tested.to_vec()), |pair| pair)
         };
         assert_eq!(agreed(&RIGHT, &RIGHT).unwrap().unwrap(), RIGHT);
         let disagree = agreed(&RIGHT[..1], &RIGHT).unwrap_err();
@@ -356,45 +360,5 @@ mod tests {
             let found = agreed(&RIGHT, tested).unwrap_err();
             assert!(matches!(found, NoTruth::Sample { .. }), "{tested:?}: {found}");
         }
-    }
-
-    #[test]
-    fn errors_are_counted_apart() {
-        let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
-        let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
-        let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;
-        assert_eq!(
-            truth,
-            [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4], [3, 5], [4, 5], [5, 6]]
-        );
-        assert_eq!(compare(&truth, &truth, &scene), Errors::default());
-        let mut reported = [
-            [2, 0],
-            [0, 2],
-            [2, 1],
-            [3, 1],
-            [3, 2],
-            [4, 2],
-            [4, 3],
-            [6, 4],
-            [4, 5],
-            [0, 0],
-            [6, 3],
-            [6, 5],
-        ];
-        let errors = Errors {
-            missed: 2,
-            spurious: 2,
-            duplicate: 1,
-            self_pairs: 1,
-            deepest_miss: 0.5,
-            widest_false: 1.0,
-        };
-        normalise(&mut reported);
-        assert_eq!(compare(&reported, &truth, &scene), errors);
-        // Tangent pairs are missed at depth 0.
-        let without: Vec<[u32; 2]> =
-            truth.iter().copied().filter(|&pair| pair != [0, 2] && pair != [2, 4]).collect();
-        assert_eq!(compare(&without, &truth, &scene), Errors { missed: 2, ..Errors::default() });
     }
 }

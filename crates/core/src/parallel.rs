@@ -81,14 +81,8 @@ pub fn bytes(lists: &[Pairs]) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point;
-
     use super::*;
-    use crate::contact::Test;
-    use crate::detect::Options;
-    use crate::detect::table::TABLE;
-    use crate::scene::{AnyScene, Radii, Scene};
-    use crate::sink::{Sink, normalise, splitmix64};
+    use crate::sink::Sink;
 
     #[test]
     fn every_thing_is_in_one_share_and_results_are_in_order() {
@@ -104,28 +98,5 @@ mod tests {
         let mut squares = [0; 5];
         for_each(&mut squares, |k, square| *square = k * k);
         assert_eq!(squares, [0, 1, 4, 9, 16]);
-    }
-
-    /// From 30,000 particles on, `streamed-nbs` uses several threads.
-    #[test]
-    fn several_threads_find_the_contacts_of_one() {
-        for entry in TABLE.iter().filter(|entry| entry.threads) {
-            let n = if entry.name == "direct" { 1500 } else { 31_000 };
-            let centre = |k: u32| {
-                let at = |salt: u64| (splitmix64(u64::from(k) ^ salt << 40) % 2900) as f64 / 20.0;
-                Point::from([at(1), at(2)])
-            };
-            let scene = Scene::new((0..n).map(centre).collect::<Vec<_>>(), Radii::Uniform(0.3));
-            let scene = AnyScene::from(scene.unwrap());
-            let found = [1, 2, 3].map(|threads| {
-                let mut pairs = Vec::new();
-                let options = Options { threads, ..Options::default() };
-                entry.make(options).list(&scene, Test::Exact, &mut pairs).unwrap();
-                normalise(&mut pairs);
-                pairs
-            });
-            assert!(found[0].len() > 10, "{}: {}", entry.name, found[0].len());
-            assert!(found[0] == found[1] && found[0] == found[2], "{}", entry.name);
-        }
     }
 }

@@ -10,8 +10,6 @@ pub mod control;
 mod entry;
 pub mod modern;
 pub mod peers;
-#[cfg(test)]
-mod sizes;
 pub mod spec;
 pub mod streamed;
 pub mod table;

@@ -146,6 +146,3 @@ impl ImagePair {
         ImagePair { i: i.min(j), j: i.max(j), image: if reversed { reverse } else { image } }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -152,7 +152,7 @@ where
 }
 
 /// Tests all pairs, or those of the chosen particles, and returns contacts in ascending order.
-pub(super) fn tested<const D: usize>(
+fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
     chosen: Option<&[bool]>,

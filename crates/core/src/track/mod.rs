@@ -34,16 +34,12 @@
 
 mod answer;
 mod around;
-#[cfg(test)]
-mod box_tests;
 mod cells;
 mod kept;
 mod pass;
 mod places;
 mod rule;
 mod spec;
-#[cfg(test)]
-mod tests;
 mod travel;
 mod tuner;
 mod verlet;

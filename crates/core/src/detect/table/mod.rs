@@ -388,6 +388,3 @@ pub fn all_names() -> impl Iterator<Item = &'static str> {
     let peers = peers::PEERS.iter().map(|peer| peer.name).filter(|name| find(name).is_none());
     TABLE.iter().map(|entry| entry.name).chain(peers)
 }
-
-#[cfg(test)]
-mod tests;

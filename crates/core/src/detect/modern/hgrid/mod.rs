@@ -435,6 +435,3 @@ impl<const D: usize> HGrid<D> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

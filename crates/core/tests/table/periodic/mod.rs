@@ -8,18 +8,16 @@ mod golden;
 mod predicate;
 mod relations;
 
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::any::AnyDetector;
+use contactbench_core::detect::table::{Entry, TABLE};
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::periodic::{Contacts, Finder, ImagePair, Periodic, contacts, truth};
+use contactbench_core::probe::Tally;
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::sink::Digest;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use super::truth::tested;
-use super::*;
-use crate::contact::Arithmetic;
-use crate::detect::any::AnyDetector;
-use crate::detect::table::{Entry, TABLE};
-use crate::detect::{Options, Refusal};
-use crate::probe::Tally;
-use crate::scene::{Radii, Scene, Stored};
-use crate::sink::Digest;
 
 const LIMIT: u64 = 1 << 28;
 /// A low memory limit, because larger grids take too long.

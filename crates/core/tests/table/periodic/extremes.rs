@@ -1,5 +1,8 @@
 //! Extreme scenes and boxes: each gets a correct result or a clear refusal.
 
+use contactbench_core::periodic::{IMAGE_PAIR_BYTES, PeriodicError, depth};
+use contactbench_core::scene::LatticeError;
+
 use super::*;
 
 fn of(centres: &[[f64; 3]], radius: f64, vectors: [[f64; 3]; 3]) -> Bag<3> {

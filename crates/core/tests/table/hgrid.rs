@@ -1,10 +1,10 @@
-use super::*;
-use crate::contact::Test;
-use crate::detect::sizes::scene;
-use crate::detect::table;
-use crate::probe::Tally;
-use crate::scene::AnyScene;
-use crate::sink::Digest;
+use contactbench_core::contact::Test;
+use contactbench_core::detect::{Options, table};
+use contactbench_core::probe::{Op, Tally};
+use contactbench_core::scene::AnyScene;
+use contactbench_core::sink::Digest;
+
+use crate::sizes::scene;
 
 fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
     let mut tally = Tally::default();

@@ -1,27 +1,28 @@
+mod boxes;
+mod spec;
+
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::oracle;
+use contactbench_core::periodic::{self, Contacts, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::sink::{normalise, splitmix64};
+use contactbench_core::track::{Frame, Step, Tracker, parse};
 use nalgebra::Point;
 
-use super::*;
-use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::detect::table::TABLE;
-use crate::oracle;
-use crate::periodic;
-use crate::periodic::Periodic;
-use crate::scene::{Lattice, Radii, Scene};
-use crate::sink::{normalise, splitmix64};
-
 /// Random numbers, uniform in [-1, 1), from a counter.
-pub(super) struct Draw(pub(super) u64);
+struct Draw(u64);
 
 impl Draw {
-    pub(super) fn symmetric(&mut self) -> f64 {
+    fn symmetric(&mut self) -> f64 {
         self.0 += 1;
         (splitmix64(self.0) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Motion {
+enum Motion {
     Flight,
     /// Oscillation about the first position.
     Swing,
@@ -30,7 +31,7 @@ pub(super) enum Motion {
 }
 
 /// Frames of discs or spheres in a box in which each touches a few others.
-pub(super) fn frames<const D: usize>(
+fn frames<const D: usize>(
     n: usize,
     sizes: bool,
     motion: Motion,
@@ -65,7 +66,7 @@ where
 }
 
 /// Counts missed and actual contacts, summed over frames. Reported pairs must touch under any rule.
-pub(super) fn missed(
+fn missed(
     tracker: &mut dyn Tracker,
     frames: &[AnyScene<'_>],
     arithmetic: Arithmetic,
@@ -85,7 +86,7 @@ pub(super) fn missed(
     [missed, all]
 }
 
-pub(super) fn tracker(text: &str) -> Box<dyn Tracker> {
+fn tracker(text: &str) -> Box<dyn Tracker> {
     parse(text).unwrap().make(Options { memory_limit: 1 << 26, threads: 1 })
 }
 
@@ -98,7 +99,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
                 frames::<2>(70, sizes, motion, seed as u64),
                 frames::<3>(70, sizes, motion, 7 + seed as u64),
             ];
-            for entry in TABLE.iter().filter(|it| it.role == crate::detect::table::Role::Detector) {
+            for entry in TABLE.iter().filter(|it| it.role == Role::Detector) {
                 for arithmetic in Arithmetic::ALL {
                     for rule in ["half-skin", "top-two", "summed"] {
                         for skin in ["0", "0.02", "0.5", "auto"] {
@@ -225,7 +226,7 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
 }
 
 /// 49 discs of diameter 2 on a square lattice with this spacing.
-pub(super) fn grid(apart: f64) -> AnyScene<'static> {
+fn grid(apart: f64) -> AnyScene<'static> {
     let at = |k: i32| Point::from([k % 7, k / 7].map(|x| apart * f64::from(x)));
     Scene::new((0..49).map(at).collect::<Vec<_>>(), Radii::Uniform(1.0)).unwrap().into()
 }

@@ -1,28 +1,23 @@
 //! Tests of the detectors that divide particles by size, on scenes with many size distributions.
 
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::{Options, table};
+use contactbench_core::oracle;
+use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::sink::Digest;
 use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{Options, table};
-use crate::contact::Arithmetic;
-use crate::oracle;
-use crate::scene::{AnyScene, Radii, Scene};
-use crate::sink::Digest;
-
 /// Returns particles at random positions in a square or cube with this edge.
-pub fn random<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> Scene<'static, f64, D> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
-    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
-    Scene::new(centres, Radii::Each(radii.into())).unwrap()
-}
-
 pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    random(radii, edge, seed).into()
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
+    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
+    Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
 }
 
 /// Returns size distributions that could break size classes, with names.

@@ -1,7 +1,8 @@
 //! Boxes smaller than the reach: work is linear in the number of contacts, and excess is predicted.
 
+use contactbench_core::probe::Op;
+
 use super::*;
-use crate::probe::Op;
 
 /// Two discs in a box so tilted or flat that rows of images are `step` apart.
 fn two(step: f64) -> Bag<2> {
@@ -52,7 +53,8 @@ fn small_boxes_have_the_true_contacts() {
             assert!(found.as_deref() == Ok(&truth[..]), "{name}");
         }
         for arithmetic in [Arithmetic::F32, Arithmetic::F64] {
-            let rounded = super::super::truth(&bag.periodic(), arithmetic, LIMIT).unwrap();
+            let rounded =
+                contactbench_core::periodic::truth(&bag.periodic(), arithmetic, LIMIT).unwrap();
             let found = ask(&mut *table("nbs"), &bag.periodic(), arithmetic).unwrap();
             assert!(found == rounded.pairs, "{arithmetic:?}");
         }
@@ -83,5 +85,5 @@ fn too_many_contacts_are_foreseen_in_a_box() {
 }
 
 fn table(name: &str) -> Box<dyn AnyDetector> {
-    crate::detect::table::find(name).unwrap().make(OPTIONS)
+    contactbench_core::detect::table::find(name).unwrap().make(OPTIONS)
 }

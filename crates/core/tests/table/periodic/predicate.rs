@@ -3,11 +3,11 @@
 
 use std::cmp::Ordering;
 
+use contactbench_core::contact::depth::depth_of_image;
+use contactbench_core::contact::image::{Shift, compare};
 use num_bigint::BigInt;
 
 use super::*;
-use crate::contact::depth::depth_of_image;
-use crate::contact::image::{Shift, compare};
 
 /// A double in units of 2^-1074.
 fn integer(x: f64) -> BigInt {

@@ -1,11 +1,13 @@
 //! Parameters of detectors, and their ranks for the truth.
 
+use contactbench_core::contact::Test;
+use contactbench_core::detect::table::{
+    DEFAULT, Judge, Parameter, Params, Role, TABLE, find, judges, parse,
+};
+use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::sink::normalise;
 use nalgebra::Point;
-
-use super::*;
-use crate::contact::Test;
-use crate::scene::{AnyScene, Radii, Scene};
-use crate::sink::normalise;
 
 fn lattice() -> AnyScene<'static> {
     let centre = |k: u32| Point::from([f64::from(k % 40), f64::from(k / 40)]);
@@ -41,7 +43,7 @@ fn parameters_change_no_contact() {
 fn missing_instructions_are_refused_and_available_ones_listed() {
     let params = Params::from([("level".to_string(), "neon".to_string())]);
     let mut pairs = Vec::new();
-    let refusal = streamed(&params, Options::default())
+    let refusal = (find(DEFAULT).unwrap().constructor)(&params, Options::default())
         .list(&lattice(), Test::Exact, &mut pairs)
         .unwrap_err()
         .to_string();

@@ -1,13 +1,13 @@
 //! Every detector finds the truth in every arithmetic, whatever it searched before.
 
-use super::super::frame::Frame;
-use super::super::images::Images;
-use super::super::stored::stored;
+use contactbench_core::contact::{Bodies, any_bodies};
+use contactbench_core::periodic::frame::Frame;
+use contactbench_core::periodic::images::Images;
+use contactbench_core::probe::{Op, Silent};
+use contactbench_core::scene::array;
+use contactbench_core::with_scene;
+
 use super::*;
-use crate::contact::{Bodies, any_bodies};
-use crate::probe::{Op, Silent};
-use crate::scene::array;
-use crate::with_scene;
 
 #[derive(Debug, Default)]
 struct Seen {
@@ -118,7 +118,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
             }
         }
         let open = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
-        let Ok(open) = stored(&open, arithmetic) else { return 0 };
+        let Ok(open) = open.stored(arithmetic) else { return 0 };
         let mut found = Vec::new();
         let pair = |a: u32, b: u32| {
             let ((i, from), (j, to)) = (names[a as usize], names[b as usize]);
@@ -188,7 +188,7 @@ fn images_are_made_near_the_faces_only() {
 /// In larger scenes the detectors are the truth, checked by a sample.
 #[test]
 fn detectors_agree_on_the_truth_of_large_scenes() {
-    let n = crate::oracle::BRUTE_FORCE + 1;
+    let n = contactbench_core::oracle::BRUTE_FORCE + 1;
     let random = &mut ChaCha8Rng::seed_from_u64(4);
     let bag = Bag {
         centres: (0..n).map(|_| [0, 1].map(|_| 100.0 * random.random::<f64>())).collect(),

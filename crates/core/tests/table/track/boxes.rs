@@ -1,10 +1,10 @@
+use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::track::{Frame, Tracker};
 use nalgebra::Point;
 
-use super::tests::{Draw, tracker};
-use super::*;
-use crate::contact::Arithmetic;
-use crate::periodic::{self, ImagePair, Periodic};
-use crate::scene::{Lattice, Radii, Scene};
+use super::{Draw, tracker};
 
 const LIMIT: u64 = 1 << 28;
 
