@@ -1,5 +1,5 @@
-//! What people look at: pictures of scenes ([`draw`]), frames that play ([`film`]), and the steps
-//! of the book's detectors ([`trace`]), as SVG and as pages of HTML that need nothing else.
+//! Pictures of scenes ([`draw`]), frames that play ([`film`]), and the steps of the book's
+//! detectors ([`trace`]), as SVG and self-contained HTML pages.
 
 pub mod draw;
 pub mod film;
@@ -8,7 +8,6 @@ pub mod trace;
 
 use std::fmt::Write;
 
-/// A number of pixels with two decimals at most.
 fn px(x: f64) -> String {
     let mut text = format!("{x:.2}");
     if text.contains('.') {
@@ -19,7 +18,6 @@ fn px(x: f64) -> String {
 
 /// Appends `M x y L x y` to the data of a path.
 fn segment(path: &mut String, a: [f64; 2], b: [f64; 2]) {
-    // Writing to a string cannot fail.
     let _ = write!(path, "M{} {}L{} {}", px(a[0]), px(a[1]), px(b[0]), px(b[1]));
 }
 

@@ -1,4 +1,4 @@
-//! The bodies of a picture: the particles, and behind them the images that a pair touches.
+//! Circles of a picture: the particles, then the images that a pair touches.
 
 use std::collections::HashMap;
 
@@ -8,25 +8,22 @@ use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Real, array};
 use contactbench_core::with_scene;
 
-/// A particle, or an image of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     pub particle: u32,
-    /// Where the image is, in vectors of the box; 0 for the particle itself.
+    /// Shift of the image in box vectors; 0 for the particle itself.
     pub image: [i32; 3],
-    /// In the plane the third coordinate is 0.
+    /// The third coordinate is 0 in the plane.
     pub centre: [f64; 3],
     pub r: f64,
 }
 
 impl Body {
-    /// Whether it is an image of a particle.
     pub fn is_image(&self) -> bool {
         self.image != [0; 3]
     }
 }
 
-/// The particles of a scene, in their order.
 pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
     with_scene!(scene, scene => {
         let centre = |k: usize| {
@@ -44,17 +41,14 @@ pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
 }
 
 pub struct Bodies {
-    /// The particles, and behind them the images.
+    /// The particles, then the images.
     pub all: Vec<Body>,
-    /// The place of each image.
     images: HashMap<(u32, [i32; 3]), u32>,
 }
 
 impl Bodies {
-    /// The particles, and the images that these pairs need, whose places are rounded.
-    ///
-    /// # Errors
-    /// An image beyond the range of f64.
+    /// Collects the particles and the images that these pairs need, at rounded positions. Fails for
+    /// an image beyond the range of f64.
     pub fn new<'a>(
         periodic: &Periodic<'_>,
         pairs: impl Iterator<Item = &'a ImagePair>,
@@ -79,7 +73,7 @@ impl Bodies {
         Ok(Bodies { all, images })
     }
 
-    /// The lines that show a pair: one, or through a face of the box one from either side.
+    /// Returns the lines of a pair: one, or one from either side if it crosses a face of the box.
     pub fn lines(&self, pair: ImagePair) -> impl Iterator<Item = [u32; 2]> + use<> {
         let ImagePair { i, j, image } = pair;
         let to = |of: u32, image: [i32; 3]| self.images.get(&(of, image)).copied();

@@ -15,12 +15,10 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! There is one path for all boundaries: open space is a box that repeats along no vector. Lengths
-//! in the picture are relative to the scene's extent, so that offsets and scales do not matter.
-//! Particles count from 0.
+//! Open space is drawn as a box that is periodic along no vector. Lengths in the picture are relative
+//! to the scene's extent, so that offsets and scales do not matter. Particles count from 0.
 //!
-//! * `pairs`: what is drawn between particles, and where it comes from; `bodies`: the particles,
-//!   and the images that a pair touches.
+//! * `pairs`: pairs to be drawn; `bodies`: particles, and the images that a pair touches.
 //! * `plane`: spheres become circles in the plane of the slice; `outline`: the faces of the box.
 //! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
 
@@ -41,26 +39,24 @@ use sheet::Sheet;
 use contactbench_core::periodic::Periodic;
 use contactbench_terms::number::number;
 
-/// The largest number of particles that is drawn: more are a grey surface, and a file that no
-/// viewer opens.
+/// Most particles of a picture: more become a grey surface, in a file that no viewer opens.
 pub const MOST_PARTICLES: usize = 200_000;
-/// The largest number of lines between particles.
+/// Most lines between particles.
 pub const MOST_LINES: usize = 2_000_000;
-/// Up to here particles are labelled with their numbers.
+/// Up to this number, particles are labelled.
 pub const LABELLED: usize = 60;
 
-/// What a picture shows beside particles and pairs.
+/// What a picture shows besides particles and pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub title: String,
-    /// The numbers of the particles; if not said, up to [`LABELLED`] particles.
+    /// Labels particles; by default up to [`LABELLED`] of them.
     pub labels: Option<bool>,
-    /// The cells of a detector.
     pub grid: bool,
-    /// Where spheres are cut; if not said, through the worst pair that a list got wrong, else
-    /// through the middle along z.
+    /// Where spheres are cut; by default through the worst mistake of a list, else through the
+    /// middle along z.
     pub slice: Option<Slice>,
-    /// All of the scene, also where what a list got wrong is too small to be seen.
+    /// Shows the whole scene, even if the mistake is too small to be seen.
     pub whole: bool,
 }
 
@@ -70,11 +66,9 @@ impl Look {
     }
 }
 
-/// The picture as SVG.
-///
-/// # Errors
-/// More than [`MOST_PARTICLES`] particles in the plane or the slice, more than [`MOST_LINES`] pairs
-/// of them, a slice through discs or beside all spheres, and the cells of a box that repeats.
+/// Returns the picture as SVG. Fails for more than [`MOST_PARTICLES`] particles or [`MOST_LINES`]
+/// pairs in the plane, a slice through discs or beside all spheres, and the cells of a periodic
+/// box.
 pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
     ensure!(
         !look.grid || !periodic.lattice().repeats(),

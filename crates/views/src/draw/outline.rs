@@ -1,20 +1,19 @@
-//! The faces of a box where they cross the plane that is drawn.
+//! The faces of a box where they cross the drawn plane.
 
 use crate::draw::plane::{Plane, Rectangle, hull};
 use contactbench_core::scene::Lattice;
 
-/// A piece of a face, from here to there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
     pub ends: [[f64; 2]; 2],
-    /// The box repeats there.
+    /// True for a periodic face.
     pub repeats: bool,
 }
 
-/// A corner, and whether the edge from it is a face, and of which kind.
+/// A corner, and the kind of face that begins there, if any.
 type Corner = ([f64; 2], Option<bool>);
 
-/// The faces of a box in a plane, as far as they lie within `view`, or all.
+/// Returns the faces of a box in a plane, within `view` if it is given.
 pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<Face> {
     let view = view.unwrap_or_else(|| around(plane, lattice));
     let [[x, y], [right, top]] = view;
@@ -29,7 +28,7 @@ pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<F
             None if repeats => lattice.dual(vector),
             None => continue,
         };
-        // How far along the vector, from 0 to 1 within the box.
+        // Distance along the vector, from 0 to 1 within the box.
         let along = |point: [f64; 2]| {
             let mut at = lattice.origin();
             plane.axes.iter().zip(point).for_each(|(&axis, x)| at[axis] = x / plane.factor);
@@ -48,7 +47,6 @@ pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<F
     faces.filter(|face| face.ends.as_flattened().iter().all(|x| x.is_finite())).collect()
 }
 
-/// The box with faces along all of its vectors, where it has them.
 fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
     let mut vectors = *lattice.vectors();
     if !space {
@@ -57,8 +55,8 @@ fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
     Lattice::new(vectors, [true; 3], lattice.origin()).ok()
 }
 
-/// A rectangle around the circles and all corners of the box, and a little more, so that no face
-/// lies in its rim.
+/// Returns a rectangle around the circles and all corners of the box, with a margin, so that no
+/// face lies on its edge.
 fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
     let corner = |corner: usize| {
         let vectors = lattice.vectors().iter().enumerate();
@@ -75,8 +73,7 @@ fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
     [[0, 1].map(|k| low[k] - more(k)), [0, 1].map(|k| high[k] + more(k))]
 }
 
-/// What of a convex polygon lies where a linear function is not negative. The edge that is new is a
-/// face.
+/// Clips a convex polygon where a linear function is negative. The new edge is a face.
 fn cut(polygon: &[Corner], repeats: bool, inside: impl Fn([f64; 2]) -> f64) -> Vec<Corner> {
     let mut left = Vec::new();
     for (k, &(a, edge)) in polygon.iter().enumerate() {

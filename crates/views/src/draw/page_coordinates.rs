@@ -1,26 +1,21 @@
 //! From lengths of the scene to pixels of the page.
 
-/// The drawing's place on the sheet, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PageCoordinates {
     low: [f64; 2],
-    /// Pixels per length.
     scale: f64,
-    /// Left and bottom of the drawing.
     corner: [f64; 2],
-    /// Width and height of the drawing.
     pub size: [f64; 2],
 }
 
 impl PageCoordinates {
-    /// Fits a box into at most `most` pixels, below a header of `top` pixels; with a margin all
-    /// around.
+    /// Fits a box into at most `most` pixels below a header of `top` pixels, with a margin.
     pub fn around([low, high]: [[f64; 2]; 2], most: [f64; 2], top: f64) -> PageCoordinates {
         const MARGIN: f64 = 14.0;
         const LEAST: [f64; 2] = [420.0, 60.0];
         let extent = [high[0] - low[0], high[1] - low[1]];
         let longest = extent[0].max(extent[1]);
-        // A single point: any scale will do.
+        // A single point has any scale.
         let extent = if longest > 0.0 { extent } else { [1.0, 1.0] };
         let fits = |k: usize| if extent[k] > 0.0 { most[k] / extent[k] } else { f64::INFINITY };
         let scale = fits(0).min(fits(1));
@@ -30,7 +25,7 @@ impl PageCoordinates {
         PageCoordinates { low, scale, corner, size }
     }
 
-    /// Where a point is; y points up in the scene and down on the sheet.
+    /// Converts a point; y points up in the scene and down on the page.
     pub fn at(&self, point: [f64; 2]) -> [f64; 2] {
         [
             self.corner[0] + (point[0] - self.low[0]) * self.scale,
@@ -38,7 +33,6 @@ impl PageCoordinates {
         ]
     }
 
-    /// How long a length is.
     pub fn length(&self, length: f64) -> f64 {
         length * self.scale
     }

@@ -1,4 +1,4 @@
-//! The pairs of a picture: contacts, near misses, and what a list got wrong.
+//! The pairs of a picture: contacts, near misses, and the mistakes of a list.
 
 use std::collections::HashMap;
 
@@ -9,42 +9,36 @@ use contactbench_io::boxes;
 use contactbench_io::pairs::List;
 use contactbench_scenes::touching::{contacts, nearest, nearly};
 
-/// Two particles are nearly tangent if the overlap or the gap is under this part of their mean
-/// radius.
+/// Two particles are nearly tangent if overlap or gap is below this share of their mean radius.
 pub const NEAR: f64 = 1e-6;
 
-/// Pairs of particles, each kind of its own look. Particles count from 0.
+/// Pairs of particles by kind. Particles count from 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Highlighted {
-    /// Pairs that touch, and were not missed.
+    /// Contacts that were not missed.
     pub contacts: Vec<ImagePair>,
-    /// Pairs that just do not touch.
+    /// Pairs with a tiny gap.
     pub near: Vec<ImagePair>,
-    /// Pairs that touch, and that a list lacks.
+    /// Contacts that a list lacks.
     pub missed: Vec<ImagePair>,
-    /// Pairs that do not touch, and that a list has; also a particle with itself.
+    /// Pairs in a list that do not touch, or join a particle with itself.
     pub spurious: Vec<ImagePair>,
-    /// Pairs that a list has more than once, once for each time too many.
+    /// Repeated pairs of a list, once for each repetition.
     pub duplicates: Vec<ImagePair>,
 }
 
 impl Highlighted {
-    /// The contacts of a scene, decided exactly, and the pairs that just do not touch. A list of
-    /// pairs may take `limit` bytes.
-    ///
-    /// # Errors
-    /// Contacts that cannot be found within the limit.
+    /// Finds the contacts of a scene, decided exactly, and pairs with a tiny gap. Fails if the list
+    /// of pairs needs more than `limit` bytes.
     pub fn from_scene(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Highlighted> {
         let contacts = contacts(periodic, limit)?;
         let near = nearly(periodic, NEAR, limit);
         Ok(Highlighted { contacts, near, ..Highlighted::default() })
     }
 
-    /// The same, and what a list of pairs has missed or added. Of a list without images a pair
-    /// stands for all of its contacts, or where it has none, for the nearest image.
-    ///
-    /// # Errors
-    /// As [`Highlighted::from_scene`]; particles and images that the scene does not have.
+    /// The same, with the mistakes of a list of pairs. In a list without images a pair stands for
+    /// all of its contacts, or for the nearest image if it has none. Fails for particles and images
+    /// that the scene lacks.
     pub fn compare(
         periodic: &Periodic<'_>,
         list: &List,
@@ -55,7 +49,7 @@ impl Highlighted {
         Ok(pairs.against(reported))
     }
 
-    /// What these contacts, in any order, have missed or added of those of the scene.
+    /// Compares contacts, in any order, with those of the scene.
     pub fn against(mut self, mut reported: Vec<ImagePair>) -> Highlighted {
         reported.sort_unstable();
         for same in reported.chunk_by(|a, b| a == b) {
@@ -74,8 +68,8 @@ impl Highlighted {
         [contacts, near, missed, spurious, duplicates].into_iter().flatten()
     }
 
-    /// The pair that a list got wrong by most: the deepest that it missed, else the widest apart
-    /// that it has, or one that it has twice.
+    /// Returns the worst mistake: the deepest missed pair, else the spurious pair with the widest
+    /// gap, else a repeated pair.
     pub fn worst(&self, periodic: &Periodic<'_>) -> Option<ImagePair> {
         let depth = |pair: &ImagePair| depth(periodic, *pair).abs();
         let by_depth = |a: &&ImagePair, b: &&ImagePair| depth(a).total_cmp(&depth(b));
@@ -85,7 +79,6 @@ impl Highlighted {
     }
 }
 
-/// The contacts that a list names.
 fn reported(
     periodic: &Periodic<'_>,
     list: &List,
@@ -126,8 +119,8 @@ fn reported(
     Ok(pairs)
 }
 
-/// Pairs without images as contacts: each pair stands for all of its images that touch, or for the
-/// nearest one. Only what is listed more often than that is listed twice.
+/// Turns pairs without images into contacts: each pair stands for all of its images that touch, or
+/// for the nearest one. Only further repetitions are listed twice.
 fn through_images(
     periodic: &Periodic<'_>,
     pairs: Vec<ImagePair>,

@@ -1,4 +1,4 @@
-//! Discs as they are; spheres as circles in the plane of a slice.
+//! Discs, and spheres as circles in the plane of a slice.
 
 use std::str::FromStr;
 
@@ -6,18 +6,16 @@ use anyhow::{Context, bail, ensure};
 
 use crate::draw::bodies::Body;
 
-/// A plane across one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     /// The axis that the plane cuts: 0, 1 or 2.
     pub axis: usize,
-    /// The coordinate of the plane along it.
     pub at: f64,
 }
 
 impl Slice {
-    /// Through both bodies of a pair, where one plane meets both: across the axis along which
-    /// they are nearest, by their radii.
+    /// Returns a plane through both particles of a pair, if there is one: across the axis along
+    /// which they are nearest, relative to their radii.
     pub fn through([a, b]: [&Body; 2]) -> Slice {
         let apart = |axis: usize| (a.centre[axis] - b.centre[axis]).abs();
         let axis = [2, 1, 0].into_iter().min_by(|&k, &l| apart(k).total_cmp(&apart(l)));
@@ -26,7 +24,7 @@ impl Slice {
         Slice { axis, at: a.centre[axis] * (1.0 - part) + b.centre[axis] * part }
     }
 
-    /// The lowest and the highest coordinate of the bodies along the axis that it cuts.
+    /// Returns the lowest and the highest coordinate of the particles along the cut axis.
     pub fn range(&self, bodies: &[Body]) -> [f64; 2] {
         let ends =
             bodies.iter().map(|body| [-1.0, 1.0].map(|s| body.centre[self.axis] + s * body.r));
@@ -43,7 +41,7 @@ impl Slice {
 impl FromStr for Slice {
     type Err = anyhow::Error;
 
-    /// As on the command line: `z=0.5`.
+    /// Parses `z=0.5`.
     fn from_str(text: &str) -> anyhow::Result<Slice> {
         let (name, at) = text
             .split_once('=')
@@ -63,28 +61,24 @@ impl FromStr for Slice {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// The place of its body.
     pub id: u32,
     pub at: [f64; 2],
-    /// The radius in the plane.
     pub r: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// Circle of each particle, in the order of particles; `None` if a particle has none.
+    /// Circle of each particle, in the order of particles.
     circles: Vec<Option<Circle>>,
-    /// For spheres: the slice.
     pub slice: Option<Slice>,
     pub axes: [usize; 2],
-    /// Coordinates are those of the scene times this power of two, so that no difference overflows,
-    /// and none vanishes.
+    /// Power of two by which coordinates are scaled, so that no difference overflows or vanishes.
     pub factor: f64,
 }
 
 impl Plane {
-    /// All discs, or the spheres that meet the slice. If none is given, it goes through the middle
-    /// of the first `count` bodies.
+    /// Returns all discs, or the spheres that meet the slice: by default through the middle of the
+    /// first `count` particles.
     pub fn new(bodies: &[Body], dim: usize, slice: Option<Slice>, count: usize) -> Plane {
         let sizes = bodies.iter().flat_map(|body| body.centre.into_iter().chain([body.r]));
         let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
@@ -122,12 +116,11 @@ impl Plane {
         self.circles.iter().flatten()
     }
 
-    /// The circle of a body, if it has one.
     pub fn circle(&self, body: u32) -> Option<&Circle> {
         self.circles.get(body as usize)?.as_ref()
     }
 
-    /// Leaves the neighbourhood of a pair; all circles where one of the two has none.
+    /// Keeps the neighbourhood of a pair; all circles if one of the two has none.
     pub fn zoom(&mut self, [i, j]: [u32; 2]) {
         let (Some(a), Some(b)) = (self.circle(i), self.circle(j)) else { return };
         let apart = [0, 1].map(|k| (a.at[k] - b.at[k]).abs());
@@ -149,13 +142,12 @@ impl Plane {
 /// The lower left and the upper right corner.
 pub type Rectangle = [[f64; 2]; 2];
 
-/// Returns the smallest rectangle around the circles, or `None` if there are no circles.
+/// Returns the smallest rectangle around the circles; `None` without circles.
 pub fn bounds<'a>(circles: impl IntoIterator<Item = &'a Circle>) -> Option<Rectangle> {
     let around = |circle: &Circle| [-1.0, 1.0].map(|side| circle.at.map(|x| x + side * circle.r));
     hull(circles.into_iter().map(around))
 }
 
-/// Returns the smallest rectangle around others.
 pub fn hull(all: impl Iterator<Item = Rectangle>) -> Option<Rectangle> {
     all.reduce(|[least, most], [low, high]| {
         [[0, 1].map(|k| least[k].min(low[k])), [0, 1].map(|k| most[k].max(high[k]))]
@@ -182,11 +174,10 @@ mod tests {
         let r = |body: u32| plane.circle(body).map(|circle| circle.r);
         assert!((r(0).unwrap() - 5.0).abs() < 1e-14 && (r(1).unwrap() - 4.0).abs() < 1e-14);
         assert_eq!([r(2), r(9)], [None, None]);
-        // Through the middle: z = 4.
         assert_eq!(cut(None).circles().count(), 4);
         let plane = cut(Some(Slice { axis: 0, at: 31.0 }));
         assert_eq!((plane.axes, plane.circles().next().unwrap().at), ([1, 2], [0.0, 8.0]));
-        // A plane that touches a sphere meets it in a point.
+        // A plane tangent to a sphere meets it in a point.
         assert_eq!(cut(Some(Slice { axis: 0, at: 35.0 })).circles().next().unwrap().r, 0.0);
     }
 

@@ -1,5 +1,5 @@
-//! Frames as one HTML page that plays them and needs nothing else: discs or a slice through spheres
-//! with their contacts, when a tracker built its list, and what it missed.
+//! Frames as one self-contained HTML page that plays them: discs or a slice through spheres with
+//! their contacts, when a tracker built its list, and what it missed.
 
 mod page;
 
@@ -15,21 +15,20 @@ use crate::draw::{Highlighted, Slice};
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_terms::number::{number, plural};
 
-/// The largest page, in bytes: larger ones are slow to open.
+/// Size of the largest page, in bytes: larger pages are slow to open.
 pub const MOST_BYTES: usize = 5_000_000;
-/// The most circles of a frame: their numbers have 16 bits, and more are not seen while they move.
+/// Most circles of a frame: their numbers have 16 bits.
 pub const MOST_CIRCLES: usize = 20_000;
-/// Bytes of the page for a circle whose radius stays, for one whose does not, and for a pair: 16
-/// bits for each number, four letters for three bytes.
+/// Bytes of the page for a circle of constant radius, for any other circle, and for a pair. A
+/// number has 16 bits; base64 needs four letters for three bytes.
 const CIRCLE: [usize; 2] = [6, 8];
 const PAIR: usize = 6;
-/// Bytes of the first frame's picture, as text, for a circle and for a pair; bytes of a frame; and
-/// bytes of the page without frames.
+/// Bytes of the first picture for a circle and for a pair, bytes of a frame, and bytes of the page
+/// without frames.
 const DRAWN: [usize; 2] = [64, 40];
 const FRAME: usize = 64;
 const EMPTY: usize = 20_000;
 
-/// Frames that are to be played.
 #[derive(Default)]
 pub struct Film {
     title: String,
@@ -39,43 +38,36 @@ pub struct Film {
     slice: Option<Slice>,
     frames: Vec<Frame>,
     space: bool,
-    /// Circles have other radii than in the first frame.
+    /// True if radii change after the first frame.
     own_radii: bool,
     particles: usize,
     factor: f64,
-    /// Number of circles in all frames.
     circles: usize,
-    /// Number of pairs in all frames.
     pairs: usize,
 }
 
 struct Frame {
     circles: Vec<Circle>,
-    /// Pairs of places in that list: those that were reported, and behind them those that were
-    /// missed.
+    /// Pairs of places in that list: the reported ones, then the missed ones.
     pairs: Vec<[u16; 2]>,
-    /// How many of those were missed.
     missed_here: usize,
-    /// Contacts of all particles, and those that were missed.
+    /// Number of contacts of all particles, and of missed ones.
     contacts: usize,
     missed: usize,
     built: bool,
 }
 
 impl Film {
-    /// Without frames. Spheres are cut where it is said, else through the middle of the first
-    /// frame.
+    /// Begins without frames. Spheres are cut at the given plane, else through the middle of the
+    /// first frame.
     pub fn new(title: &str, motion: &str, tracker: &str, slice: Option<Slice>) -> Film {
         let [title, motion, tracker] = [title, motion, tracker].map(String::from);
         Film { title, motion, tracker, slice, ..Film::default() }
     }
 
-    /// One more frame, with its contacts and what was missed of them, and whether the list was
-    /// built in it.
-    ///
-    /// # Errors
-    /// A page of more than [`MOST_BYTES`], more than [`MOST_CIRCLES`] in a frame, a slice through
-    /// discs, and a frame of another scale than the first.
+    /// Adds a frame with its contacts, the missed ones, and whether the list was built in it. Fails
+    /// beyond [`MOST_BYTES`] or [`MOST_CIRCLES`], for a slice through discs, and for a frame of
+    /// another scale than the first.
     pub fn take(
         &mut self,
         periodic: &Periodic<'_>,
@@ -135,7 +127,6 @@ impl Film {
         }
     }
 
-    /// The size of the page, about.
     fn bytes(&self) -> usize {
         let circle = CIRCLE[usize::from(self.own_radii)];
         let first = self.frames.first();
@@ -148,7 +139,6 @@ impl Film {
             + DRAWN[1] * drawn[1]
     }
 
-    /// What there is to see, in a sentence.
     pub fn summary(&self) -> String {
         let Film { tracker, particles, motion, .. } = self;
         let bodies = if self.space { "spheres" } else { "discs" };

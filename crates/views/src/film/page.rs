@@ -1,4 +1,4 @@
-//! The page: the first frame as a picture, all frames as numbers, and what draws them.
+//! The page: the first frame as a picture, all frames as numbers, and the script that draws them.
 
 use std::fmt::Write;
 
@@ -12,10 +12,9 @@ use crate::{px, segment};
 use contactbench_terms::text;
 
 const MOST: [f64; 2] = [1200.0, 900.0];
-/// Numbers of the page for a pixel: what is finer is not seen.
+/// Numbers of the page per pixel: smaller distances are not seen.
 const FINE: f64 = 32.0;
 
-/// The page of a film.
 pub fn html(film: &Film) -> String {
     let (page, first) = (page(film), film.frames.first());
     let radii = first
@@ -47,15 +46,14 @@ pub fn html(film: &Film) -> String {
     text::fill(include_str!("page.html"), &values)
 }
 
-/// Around the circles of all frames.
 fn page(film: &Film) -> PageCoordinates {
     let circles = film.frames.iter().flat_map(|frame| &frame.circles);
     PageCoordinates::around(bounds(circles).unwrap_or([[0.0; 2], [1.0; 2]]), MOST, 0.0)
 }
 
-/// A length of the page as the data have it.
+/// Returns a length in numbers of the page.
 fn fine(pixels: f64) -> u16 {
-    // What is out of range stops at the end of it.
+    // Saturates.
     (pixels * FINE).round() as u16
 }
 
@@ -70,13 +68,12 @@ fn numbers(film: &Film, frame: &Frame, page: &PageCoordinates) -> Value {
     json!([base64(circles), pairs, missed_here, contacts, missed, u8::from(built)])
 }
 
-/// The first frame as data of paths: circles, contacts, and what was missed of those.
+/// Returns the first frame as data of paths: circles, contacts, missed contacts.
 fn picture(frame: &Frame, page: &PageCoordinates) -> [String; 3] {
     let [mut discs, mut contacts, mut missed] = [const { String::new() }; 3];
     for circle in &frame.circles {
         let ([x, y], r) = (page.at(circle.at), page.length(circle.r).max(0.5));
         let (left, y, r, across) = (px(x - r), px(y), px(r), px(2.0 * r));
-        // Writing to a string cannot fail.
         let _ = write!(discs, "M{left} {y}a{r} {r} 0 1 0 {across} 0a{r} {r} 0 1 0 -{across} 0");
     }
     let reported = frame.pairs.len() - frame.missed_here;
@@ -87,7 +84,7 @@ fn picture(frame: &Frame, page: &PageCoordinates) -> [String; 3] {
     [discs, contacts, missed]
 }
 
-/// Returns strokes on the time line, one for each marked frame.
+/// Returns a stroke on the time line for each marked frame.
 fn marks(film: &Film, is_marked: impl Fn(&Frame) -> bool, stroke: &str) -> String {
     let marked = film.frames.iter().enumerate().filter(|(_, frame)| is_marked(frame));
     marked.map(|(k, _)| format!("M{k} {stroke}")).collect()
@@ -97,12 +94,12 @@ fn colours() -> String {
     let variables = "{--ground:@ground;--ink:@ink;--line:@line;--disc:@disc;--rim:@rim;\
                      --accent:@accent;--contact:@contact;--missed:@missed}\n";
     let [bright, dark] = [false, true].map(|dark| painted(variables, dark));
-    // Without JavaScript nobody says that it is dark.
+    // Without JavaScript the page stays light.
     let wish = format!("@media (prefers-color-scheme:dark){{:root:not(.js){dark}}}\n");
     format!(":root{bright}{wish}:root.dark{dark}")
 }
 
-/// Numbers of 16 bits, the low byte first, in base64.
+/// Encodes 16-bit numbers in base64, low byte first.
 fn base64(numbers: impl Iterator<Item = u16>) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bytes: Vec<u8> = numbers.flat_map(u16::to_le_bytes).collect();

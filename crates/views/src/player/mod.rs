@@ -1,16 +1,12 @@
-//! What pages that step share: buttons, keys, swipes, the address, light and dark. A page puts both
-//! into itself, so that it needs nothing else.
+//! Shared by pages with steps: buttons, keys, swipes, the address, light and dark mode.
 
-/// The rules of how such a page looks.
 pub const STYLE: &str = include_str!("player.css");
-/// What such a page does.
 pub const SCRIPT: &str = include_str!("player.js");
 
-/// The colours of pages that step, and of pictures of their steps: on paper and in bright rooms,
-/// and on dark screens.
+/// Colours of pages with steps and of their pictures, for light and dark screens.
 const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@ground", ["#ffffff", "#12151a"]),
-    // Text, and text that matters less.
+    // Text, and less important text.
     ("@ink", ["#1b1f26", "#eef1f5"]),
     ("@faint", ["#6b7480", "#98a2af"]),
     ("@line", ["#c3cad2", "#434c58"]),
@@ -18,11 +14,11 @@ const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@border", ["#f0f1f3", "#1c2128"]),
     ("@disc", ["#c9dcf0", "#2f4a69"]),
     ("@rim", ["#46688c", "#9cc2ea"]),
-    // The central row, the one below it, and the cell whose particles are tested.
+    // The central row, the row below it, and the cell whose particles are tested.
     ("@row", ["#fff2c9", "#3d350f"]),
     ("@below", ["#fbf7ea", "#262313"]),
     ("@central", ["#ffd152", "#8a6a00"]),
-    // What is read, and what the step is about.
+    // Read values, and the subject of the step.
     ("@look", ["#d8c9f2", "#513f80"]),
     ("@accent", ["#d05a00", "#ff9a3d"]),
     ("@contact", ["#0b4f9e", "#7fbcff"]),
@@ -30,7 +26,7 @@ const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@missed", ["#d11507", "#ff6b5e"]),
 ];
 
-/// Data in a script of a page: nothing but its end tag must be avoided.
+/// Escapes data for a script element: only its end tag must be avoided.
 pub fn data(value: &serde_json::Value) -> String {
     value.to_string().replace("</", "<\\/")
 }

@@ -8,35 +8,30 @@ use crate::trace::tree::Tree;
 use crate::trace::{Algorithm, Trace};
 
 pub const WIDTH: f64 = 900.0;
-/// Values side by side.
 const PER_LINE: usize = 20;
-/// The widest box of a value, and the height of all.
+/// Largest width of a value's box, and height of all boxes.
 const VALUE: [f64; 2] = [80.0, 38.0];
-/// Height of the number above a value.
 const CAPTION: f64 = 16.0;
 const LINE: f64 = VALUE[1] + CAPTION + 6.0;
 const TITLE: f64 = 26.0;
 
-/// Contents of one block of the panel.
 #[derive(Clone, Copy)]
 pub enum Kind {
-    /// The first particles of lists that lie along an axis.
+    /// The first particles of lists along an axis.
     Heads(usize),
     /// The first particles of the lists of all cells.
     Matrix,
-    /// One particle for each particle or place.
     Particles,
     /// A column (0) or row (1) for each place.
     Keys(usize),
     Tree,
 }
 
-/// Letter, kind and title of an array.
+/// Letter, kind and title.
 pub type Array = (char, Kind, &'static str);
 
 const NEXT: Array = ('E', Kind::Particles, "E: next particle in the cell");
 
-/// The arrays of an algorithm, one below the other.
 pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
     match algorithm {
         Algorithm::Nbs => &[
@@ -59,12 +54,10 @@ pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
     }
 }
 
-/// The arrays of a trace, one below the other.
 pub struct Arrays<'a> {
     trace: &'a Trace,
-    /// The blocks, and where they begin.
+    /// Blocks with their tops.
     blocks: Vec<(Array, f64)>,
-    /// Without nodes where the algorithm has none.
     tree: Tree,
     width: f64,
     pub height: f64,
@@ -74,7 +67,7 @@ impl<'a> Arrays<'a> {
     pub fn new(trace: &'a Trace) -> Arrays<'a> {
         let (tree, n) = (Tree::new(trace), trace.discs.len());
         let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
-        // As wide as lets the longest array stand in one line, or in lines of equal length.
+        // The longest array fits on one line, or on lines of equal length.
         let longest = n.max(columns).max(rows).clamp(1, PER_LINE);
         let width = (WIDTH / longest as f64).min(VALUE[0]);
         let lines = |values: usize| values.div_ceil(PER_LINE) as f64 * LINE;
@@ -112,7 +105,6 @@ impl<'a> Arrays<'a> {
         self.blocks.iter().map(draw).collect()
     }
 
-    /// Values side by side, and below one another where they are many.
     fn row(&self, step: &Step, letter: char, kind: Kind) -> String {
         let (names, slots) = (&self.trace.names, step.state.array(letter));
         let (numbers, first) = match kind {
@@ -143,20 +135,17 @@ impl<'a> Arrays<'a> {
     }
 }
 
-/// A place of an array: its letter, its number if it is there, and what stands in it.
 type Place = (char, Option<usize>, Slot);
 
-/// The box of a value.
 fn value(step: &Step, place: Place, at: [f64; 2], size: [f64; 2], more: &str) -> String {
     rect(&format!("v{}", class(step, place)), at, size, more)
 }
 
-/// The value in it.
 fn text_of(step: &Step, place: Place, at: [f64; 2], size: f64, text: String) -> String {
     label(&format!("t{}", class(step, place)), at, Some(size), text)
 }
 
-/// How a place of an array looks: written or read in this step, in the range, empty, marked old.
+/// Returns the classes of a place: written or read in this step, in the range, empty, marked old.
 fn class(step: &Step, (letter, at, slot): Place) -> String {
     let marks = &step.marks;
     let holds = |places: &[(char, usize)]| at.is_some_and(|at| places.contains(&(letter, at)));
@@ -177,7 +166,7 @@ fn matrix_cell(trace: &Trace) -> [f64; 2] {
     [((WIDTH - 34.0) / nx).min(60.0), (640.0 / ny).clamp(15.0, 36.0)]
 }
 
-/// The heads of all cells, as they lie in the plane.
+/// Draws the heads of all cells as they lie in the plane.
 fn matrix(trace: &Trace, step: &Step) -> String {
     let ([width, height], names) = (matrix_cell(trace), &trace.names);
     let heads = step.state.array('C');
@@ -196,7 +185,7 @@ fn matrix(trace: &Trace, step: &Step) -> String {
             let at = at.filter(|&at| inside && at < heads.len());
             let place = ('C', at, at.map_or(Slot::default(), |at| heads[at]));
             svg += &value(step, place, [x, y], [width - 2.0, height - 2.0], "");
-            // Most cells are empty: their -1 only where there is room for it.
+            // Most cells are empty; their -1 is drawn only if there is room for it.
             if place.2.value.is_some() || height > 20.0 {
                 let at = [x + 0.5 * width - 1.0, y + 0.5 * height + 0.34 * size];
                 svg += &text_of(step, place, at, size, names.maybe(place.2.value));

@@ -12,12 +12,11 @@ use contactbench_core::scene::{AnyScene, Radii, Scene};
 pub struct Example {
     pub name: &'static str,
     centres: &'static [(f64, f64)],
-    /// Added to the number of a cell to have the book's: our cells begin at the lowest centre.
+    /// Added to our cell numbers to give the book's: our cells begin at the lowest centre.
     pub shift: [u32; 2],
 }
 
-/// The ten particles of NBS, p103-110. The book does not show the column of particle 9; any will
-/// do.
+/// The ten particles of NBS, p103-110. The book does not show the column of particle 9.
 #[rustfmt::skip]
 const TEN: [(f64, f64); 10] = [
     (32.0, 68.0), (41.0, 74.0), (31.0, 56.0), (46.0, 67.0), (36.0, 40.0),
@@ -43,8 +42,7 @@ pub fn example(algorithm: Algorithm) -> Example {
 impl Example {
     pub fn scene(&self) -> AnyScene<'static> {
         let centres: Vec<_> = self.centres.iter().map(|&(x, y)| Point::from([x, y])).collect();
-        // Finite centres and a positive radius: cannot fail; an empty scene would be seen by the
-        // tests.
+        // Cannot fail: centres are finite and radii positive.
         let scene = Scene::new(centres, Radii::Uniform(5.0))
             .or_else(|_| Scene::new(Vec::new(), Radii::Uniform(5.0)));
         scene.map_or_else(|error| unreachable!("an empty scene is valid: {error}"), AnyScene::from)

@@ -1,5 +1,4 @@
-//! What the detectors of the book do, step by step, on small scenes in the plane: for lectures, and
-//! to understand.
+//! The detectors of the book step by step, on small scenes in the plane, for lectures.
 //!
 //! ```
 //! use contactbench_views::trace::{Algorithm, example, trace};
@@ -11,13 +10,12 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! The steps are told by the detectors themselves ([`contactbench_core::event`]): a [`recorder`] is
-//! given to them as a probe, in the place of the tally that counts their operations, and counts
-//! them as well.
+//! The detectors report their steps as events ([`contactbench_core::event`]) to a [`recorder`], a
+//! probe that also counts their operations.
 //!
-//! * [`state`]: what stands in the arrays; `words`: what a step does, in a sentence.
-//! * `picture`: the scene and the arrays of a step as SVG; [`page`]: all steps as one HTML page;
-//!   [`still`]: each as a file.
+//! * [`state`]: contents of the arrays; `words`: a sentence for each step.
+//! * `picture`: scene and arrays of a step as SVG; [`page`]: all steps as one HTML page; [`still`]:
+//!   one file per step.
 
 mod arrays;
 pub mod example;
@@ -42,24 +40,18 @@ use contactbench_core::filter::Cells;
 use contactbench_core::probe::{Op, Silent, Tally};
 use contactbench_core::scene::{AnyScene, Stored, array};
 
-/// The most particles that can be shown.
 pub const MOST_PARTICLES: usize = 60;
-/// The most cells along an axis that can be shown, borders included.
+/// Most cells along an axis that can be shown, borders included.
 pub const MOST_CELLS: u32 = 40;
-/// The most steps that can be shown.
 pub const MOST_STEPS: usize = 3000;
 
-/// A detector that tells its steps.
+/// A detector that reports its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Algorithm {
-    /// Munjiza-NBS
     #[default]
     Nbs,
-    /// Sorting with binary search
     Sorting,
-    /// Screening: a list for every cell
     Screening,
-    /// The binary tree
     BinaryTree,
 }
 
@@ -78,45 +70,38 @@ impl Algorithm {
 pub struct Disc {
     pub at: [f64; 2],
     pub r: f64,
-    /// Column and row, as the detector numbers them.
+    /// Column and row in the numbering of the detector.
     pub cell: [u32; 2],
 }
 
-/// A detection, step by step.
 #[derive(Clone, Debug)]
 pub struct Trace {
     pub algorithm: Algorithm,
     pub discs: Vec<Disc>,
     pub cells: Cells<2>,
-    /// How particles and cells are numbered where they are shown.
     pub names: Names,
-    /// The steps. The first is the beginning, the last the end.
+    /// The first step is the beginning, the last the end.
     pub steps: Vec<Step>,
     pub parts: Vec<String>,
-    /// The pairs that the detector reported, as it did.
+    /// The pairs in the order in which the detector reported them.
     pub contacts: Vec<[u32; 2]>,
-    /// All operations, as the counted form counts them.
     pub tally: Tally,
 }
 
 impl Trace {
-    /// What stands above the trace of a scene with this name.
     pub fn title(&self, name: &str) -> String {
         format!("{}: {name}", self.algorithm.name())
     }
 
-    /// The operations that this detector has, with the words for them.
     pub fn ops(&self) -> Vec<(Op, String)> {
         let used = self.tally.iter().filter(|&(_, count)| count > 0);
         used.map(|(op, _)| (op, op.name().replace('_', " "))).collect()
     }
 }
 
-/// Lets a detector work on a scene, or on the book's example of it, and tell what it does. Contacts
-/// are decided exactly.
-///
-/// Refuses spheres, more than [`MOST_PARTICLES`] particles, [`MOST_CELLS`] cells along an axis or
-/// [`MOST_STEPS`] steps, and what the detector refuses.
+/// Runs a detector on a scene, or on the book's example of it, and records its steps. Contacts are
+/// decided exactly. Refuses spheres, more than [`MOST_PARTICLES`] particles, [`MOST_CELLS`] cells
+/// along an axis or [`MOST_STEPS`] steps, and what the detector refuses.
 pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Result<Trace> {
     let example = example::example(algorithm);
     let (scene, names) = match scene {

@@ -1,8 +1,5 @@
-//! All steps as one HTML page, which needs nothing else: it steps with the keys of a keyboard or a
-//! presenter, with buttons, and by touch.
-//!
-//! Pictures are drawn here; the page only exchanges them. What is the same in many steps is in it
-//! once.
+//! All steps as one self-contained HTML page, worked by keys, a presenter, buttons or touch.
+//! Pictures are drawn here; the page only exchanges them. What several steps share is in it once.
 
 use std::collections::HashMap;
 
@@ -14,10 +11,8 @@ use crate::trace::arrays::Arrays;
 use crate::trace::picture::{Scene, style};
 use contactbench_terms::text;
 
-/// The page of a trace of a scene with this name.
 pub fn html(trace: &Trace, name: &str) -> String {
     let (scene, arrays, ops) = (Scene::new(trace), Arrays::new(trace), trace.ops());
-    // Texts, each once.
     let (mut texts, mut numbers) = (Vec::new(), HashMap::new());
     let mut number = |text: String| {
         *numbers.entry(text).or_insert_with_key(|text| {

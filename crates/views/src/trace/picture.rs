@@ -1,4 +1,4 @@
-//! The scene of a step as SVG, and the rules by which pictures of steps are coloured.
+//! The scene of a step as SVG, and the style rules of pictures of steps.
 
 use crate::player::painted;
 use crate::px;
@@ -6,11 +6,10 @@ use crate::trace::arrays::{Arrays, WIDTH};
 use crate::trace::recorder::Step;
 use crate::trace::{Algorithm, Trace};
 
-/// Longest side of the grid.
 const SIDE: f64 = 700.0;
 const MARGIN: f64 = 36.0;
 
-/// A rectangle of this class, from its left upper corner; `more` are further attributes.
+/// Draws a rectangle of this class from its upper left corner; `more` holds further attributes.
 pub fn rect(class: &str, [x, y]: [f64; 2], [width, height]: [f64; 2], more: &str) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!(
@@ -18,25 +17,23 @@ pub fn rect(class: &str, [x, y]: [f64; 2], [width, height]: [f64; 2], more: &str
     )
 }
 
-/// A text of this class and height in pixels, or of the height that its class has.
 pub fn label(class: &str, at: [f64; 2], size: Option<f64>, text: impl ToString) -> String {
     let [x, y] = at.map(px);
     let style = size.map_or(String::new(), |size| format!(" style=\"font-size:{}px\"", px(size)));
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{style}>{}</text>", text.to_string())
 }
 
-/// The scene of a trace: what stays, and how lengths become pixels.
+/// The scene of a trace: what all steps share, and the scale.
 pub struct Scene<'a> {
     trace: &'a Trace,
     edge: f64,
     first: [i64; 2],
     cells: [usize; 2],
-    /// Width and height of the panel.
     size: [f64; 2],
 }
 
 impl Trace {
-    /// The cells that are shown along an axis, as the detector numbers them.
+    /// The shown cells along an axis, in the numbering of the detector.
     pub fn shown(&self, axis: usize) -> std::ops::Range<i64> {
         let shift = i64::from(self.names.shift[axis]);
         if self.names.book { 1 - shift..11 - shift } else { 0..i64::from(self.cells.count[axis]) }
@@ -51,7 +48,7 @@ impl<'a> Scene<'a> {
         Scene { trace, edge, first: [0, 1].map(|axis| trace.shown(axis).start), cells, size }
     }
 
-    /// Returns the template values of a scene and its arrays that are the same in all steps.
+    /// Returns the template values that are the same in all steps.
     pub fn values(&self, arrays: &Arrays<'_>) -> [(&'static str, String); 7] {
         let panel = |[width, height]: [f64; 2]| format!("0 0 {} {}", px(width), px(height));
         [
@@ -65,7 +62,6 @@ impl<'a> Scene<'a> {
         ]
     }
 
-    /// Left and top of a cell.
     fn corner(&self, [column, row]: [i64; 2]) -> [f64; 2] {
         [
             MARGIN + (column - self.first[0]) as f64 * self.edge,
@@ -86,7 +82,7 @@ impl<'a> Scene<'a> {
         self.trace.shown(1).flat_map(move |row| columns.clone().map(move |column| [column, row]))
     }
 
-    /// The border cells, which hold no particles: what lies below everything.
+    /// Draws the border cells, which hold no particles, below everything.
     fn ground(&self) -> String {
         let count = self.trace.cells.count.map(i64::from);
         let border = |cell: &[i64; 2]| (0..2).any(|k| cell[k] <= 0 || cell[k] >= count[k] - 1);
@@ -94,7 +90,6 @@ impl<'a> Scene<'a> {
         cells.map(|cell| self.cell(cell, "border")).collect()
     }
 
-    /// The lines between cells, and the numbers of columns and rows.
     fn grid(&self) -> String {
         let mut svg: String = self.all_cells().map(|cell| self.cell(cell, "cell")).collect();
         let size = (0.34 * self.edge).clamp(9.0, 17.0);
@@ -121,7 +116,7 @@ impl<'a> Scene<'a> {
         rect(class, [MARGIN, y], [width, self.edge], "")
     }
 
-    /// A disc; none of a particle that is not there.
+    /// Draws a disc; empty if the particle is absent.
     fn disc(&self, k: u32, class: &str) -> String {
         let Some(disc) = self.trace.discs.get(k as usize) else { return String::new() };
         let [x, y] = self.at(disc.at).map(px);
@@ -138,8 +133,7 @@ impl<'a> Scene<'a> {
         (0..).zip(self.trace.discs.iter().map(|disc| disc.at)).map(number).collect()
     }
 
-    /// What changes from step to step, in two layers: below the discs, and above them. Contacts are
-    /// between.
+    /// Draws what changes from step to step, in two layers: below the discs, and above contacts.
     pub fn layers(&self, step: &Step) -> [String; 2] {
         let (marks, discs) = (&step.marks, &self.trace.discs);
         let (mut under, mut over) = (String::new(), String::new());
@@ -166,14 +160,13 @@ impl<'a> Scene<'a> {
         [under, over]
     }
 
-    /// The line between two particles, as the data of a path.
     pub fn line(&self, pair: [u32; 2]) -> String {
         let [a, b] = pair.map(|k| self.at(self.trace.discs[k as usize].at).map(px));
         format!("M{} {}L{} {}", a[0], a[1], b[0], b[1])
     }
 }
 
-/// The rules of a style sheet, each selector after `scope`.
+/// Returns the rules of a style sheet with `scope` before each selector.
 pub fn style(dark: bool, scope: &str) -> String {
     let rules = include_str!("trace.css").lines().map(|rule| format!("{scope}{rule}\n"));
     painted(&rules.collect::<String>(), dark)

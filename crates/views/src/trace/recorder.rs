@@ -5,14 +5,13 @@ use crate::trace::{Algorithm, Disc, MOST_STEPS, words};
 use contactbench_core::event::{Event, Part};
 use contactbench_core::probe::{Op, Probe, Tally};
 
-/// How particles and cells are numbered where they are shown.
+/// How particles and cells are numbered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Names {
-    /// The number of the first particle: 1 in the book, else 0.
+    /// Number of the first particle: 1 in the book, else 0.
     pub first: u32,
-    /// Added to columns and rows.
     pub shift: [u32; 2],
-    /// An example of the book, in 10 x 10 cells.
+    /// True for an example of the book, in 10 x 10 cells.
     pub book: bool,
 }
 
@@ -21,17 +20,17 @@ impl Names {
         k + self.first
     }
 
-    /// A particle's number, or -1 for none.
+    /// Returns a particle's number, or -1 for none.
     pub fn maybe(&self, k: Option<u32>) -> String {
         k.map_or("-1".into(), |k| self.particle(k).to_string())
     }
 
-    /// A place of sorting: places are numbered as particles are.
+    /// Returns a place in the sorted order, numbered as particles are.
     pub fn place(&self, at: usize) -> u32 {
         self.particle(at as u32)
     }
 
-    /// A range of places, from the first to the one after the last.
+    /// Formats a half-open range of places.
     pub fn places(&self, [from, to]: [usize; 2]) -> String {
         match to - from {
             1 => format!("place {}", self.place(from)),
@@ -48,22 +47,19 @@ impl Names {
     }
 }
 
-/// What is marked in the picture of a step.
+/// Marks in the picture of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Marks {
     pub row: Option<u32>,
     pub central: Option<[u32; 2]>,
     pub cell: Option<[u32; 2]>,
     pub particle: Option<u32>,
-    /// A pair that is tested, and whether it touches.
+    /// The tested pair, and whether it touches.
     pub pair: Option<(u32, u32, bool)>,
-    /// Array and place of what was written.
     pub written: Vec<(char, usize)>,
-    /// Array and place of what was read.
     pub read: Vec<(char, usize)>,
-    /// Places of sorting that are spoken of.
+    /// Places in the sorted order that the sentence names.
     pub range: Option<[usize; 2]>,
-    /// Nodes of the tree that were visited.
     pub path: Vec<u32>,
 }
 
@@ -72,13 +68,12 @@ pub struct Step {
     pub words: String,
     pub part: usize,
     pub marks: Marks,
-    /// The arrays after it.
+    /// The arrays after the step.
     pub state: State,
-    /// The operations up to it.
+    /// The operations up to and with the step.
     pub tally: Tally,
 }
 
-/// Listens to a detector.
 #[derive(Default)]
 pub struct Recorder {
     pub(super) algorithm: Algorithm,
@@ -86,18 +81,17 @@ pub struct Recorder {
     pub(super) count: [u32; 2],
     pub(super) discs: Vec<Disc>,
     pub(super) state: State,
-    /// Where the detector is.
     pub(super) row: Option<u32>,
     pub(super) central: Option<[u32; 2]>,
     pub(super) visiting: Option<u32>,
-    /// What has been visited since the last step: places of a search, nodes of a tree.
+    /// Visited since the last step: places of a search, nodes of a tree.
     pub(super) places: Vec<usize>,
     pub(super) path: Vec<u32>,
     pub(super) made: usize,
     pub(super) tally: Tally,
     pub(super) parts: Vec<String>,
     pub(super) steps: Vec<Step>,
-    /// The number of steps, also of those beyond the limit.
+    /// Number of steps, also of those beyond the limit.
     pub(super) all: usize,
 }
 
@@ -128,7 +122,6 @@ impl Recorder {
         recorder
     }
 
-    /// Takes the last step.
     pub(super) fn end(&mut self) {
         self.part("The end".into());
         (self.row, self.central) = (None, None);
@@ -151,7 +144,7 @@ impl Recorder {
         marks.path.append(&mut self.path);
         self.made = 0;
         self.places.clear();
-        // An equation is not broken at the end of a line.
+        // An equation must not break at the end of a line.
         let words = words.replace(" = ", "\u{a0}=\u{a0}");
         let (part, state) = (self.parts.len() - 1, self.state.clone());
         self.steps.push(Step { words, part, marks, state, tally: self.tally });
@@ -204,7 +197,7 @@ impl Recorder {
     fn central(&mut self, cell: [u32; 2]) {
         self.central = Some(cell);
         match (self.algorithm, self.steps.last_mut()) {
-            // The step that found it is about it.
+            // Belongs to the step that found it.
             (Algorithm::Nbs | Algorithm::Screening, Some(step)) => step.marks.central = Some(cell),
             (Algorithm::BinaryTree, _) => {
                 let cell = self.names.cell(cell);
@@ -217,7 +210,7 @@ impl Recorder {
         }
     }
 
-    /// The cell of a list, by the letter of its heads.
+    /// Returns the cell of a list by the letter of its heads.
     pub(super) fn cell_of(&self, heads: char, list: usize) -> Option<[u32; 2]> {
         let list = list as u32;
         match heads {
@@ -228,7 +221,6 @@ impl Recorder {
         }
     }
 
-    /// The particles of a list as they are shown.
     pub(super) fn chain(&self, links: char, first: Option<u32>) -> String {
         let names = self.state.chain(links, first).into_iter().map(|k| self.names.particle(k));
         names.map(|name| name.to_string()).collect::<Vec<_>>().join(" \u{2192} ")

@@ -1,4 +1,4 @@
-//! What stands in a detector's arrays: a copy that follows the writes of its events.
+//! Contents of a detector's arrays: a copy that follows the writes in its events.
 
 use std::collections::BTreeMap;
 
@@ -8,9 +8,8 @@ use contactbench_core::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {
-    /// A particle, or a key of sorting; none is shown as -1.
+    /// A particle, or a key of sorting; `None` is shown as -1.
     pub value: Option<u32>,
-    /// Whether a head is marked old.
     pub old: bool,
 }
 
@@ -30,16 +29,15 @@ pub struct Node {
     pub children: [Child; 2],
 }
 
-/// The arrays of an algorithm, with the contacts found so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// Arrays by letter; [`blocks`] lists the letters.
+    /// Arrays by letter, as listed by [`blocks`].
     arrays: BTreeMap<char, Vec<Slot>>,
     pub nodes: Vec<Node>,
     pub contacts: Vec<[u32; 2]>,
 }
 
-/// The letter of the links of lists whose heads have this letter.
+/// Returns the letter of the links of lists whose heads have this letter.
 pub fn links(heads: char) -> char {
     match heads {
         'B' => 'Y',
@@ -65,12 +63,12 @@ impl State {
             };
             state.arrays.insert(letter, vec![Slot::default(); length]);
         }
-        // Array D, which only sorting has, begins with all particles in ascending order.
+        // Array D of sorting begins with all particles in ascending order.
         (0..n).for_each(|k| state.set('D', k, Some(k as u32)));
         state
     }
 
-    /// Does what the event tells.
+    /// Applies an event.
     pub fn apply(&mut self, event: &Event) {
         match *event {
             Event::Push { heads, list, particle, next } => {
@@ -122,19 +120,18 @@ impl State {
         }
     }
 
-    /// The array of this letter; empty if the algorithm has none.
+    /// Returns the array of this letter; empty if the algorithm has none.
     pub fn array(&self, letter: char) -> &[Slot] {
         self.arrays.get(&letter).map_or(&[], Vec::as_slice)
     }
 
-    /// What stands at a place of an array.
     pub fn value(&self, letter: char, at: usize) -> Option<u32> {
         self.array(letter).get(at)?.value
     }
 
-    /// The particles of the list that begins with `first`.
+    /// Returns the particles of the list that begins with `first`.
     pub fn chain(&self, links: char, first: Option<u32>) -> Vec<u32> {
-        // No list is longer than there are particles.
+        // No list is longer than the number of particles.
         let most = self.array(links).len();
         std::iter::successors(first, |&k| self.value(links, k as usize)).take(most).collect()
     }

@@ -6,21 +6,18 @@ use crate::trace::arrays::Arrays;
 use crate::trace::picture::{Scene, style};
 use contactbench_terms::text;
 
-/// Letters in a line of the sentence.
+/// Letters per line of the sentence.
 const LINE: usize = 92;
 
-/// What pictures of one trace share.
 pub struct Stills<'a> {
     trace: &'a Trace,
     scene: Scene<'a>,
     arrays: Arrays<'a>,
     template: String,
-    /// Template values that are the same in all steps.
     values: Vec<(&'static str, String)>,
 }
 
 impl<'a> Stills<'a> {
-    /// For a trace of a scene with this name.
     pub fn new(trace: &'a Trace, name: &str) -> Stills<'a> {
         let (scene, arrays) = (Scene::new(trace), Arrays::new(trace));
         let mut values = scene.values(&arrays).to_vec();
@@ -30,7 +27,7 @@ impl<'a> Stills<'a> {
         Stills { trace, scene, arrays, template, values }
     }
 
-    /// The picture of step `k`, from 0, as SVG; none if there is no such step.
+    /// Returns the picture of step `k`, from 0, as SVG; `None` if there is no such step.
     pub fn svg(&self, k: usize) -> Option<String> {
         let (trace, step) = (self.trace, self.trace.steps.get(k)?);
         let [under, over] = self.scene.layers(step);
@@ -56,7 +53,7 @@ impl<'a> Stills<'a> {
     }
 }
 
-/// A sentence in lines, broken at spaces that may be broken at.
+/// Breaks a sentence into lines at breakable spaces.
 fn lines(text: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

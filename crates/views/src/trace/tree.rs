@@ -1,5 +1,4 @@
-//! The binary tree of a step as SVG: every node and leaf at the place that it has in the whole
-//! tree.
+//! The binary tree of a step as SVG. Each node stands where it stands in the final tree.
 
 use crate::trace::Trace;
 use crate::trace::arrays::WIDTH;
@@ -8,20 +7,18 @@ use crate::trace::recorder::Step;
 use crate::trace::state::{Child, Node};
 use crate::{px, segment};
 
-/// Where the nodes and leaves stand.
 #[derive(Default)]
 pub struct Tree {
     nodes: Vec<[f64; 2]>,
-    /// The place of the leaf in each half of each node, where there is one in the end.
+    /// Place of the leaf in each half of each node, if the final tree has one.
     leaves: Vec<[[f64; 2]; 2]>,
-    /// Pixels between two levels.
     level: f64,
     leaf: f64,
     pub height: f64,
 }
 
 impl Tree {
-    /// Finds a place for every node that there will be.
+    /// Finds a place for each node of the final tree.
     pub fn new(trace: &Trace) -> Tree {
         let nodes = trace.steps.last().map_or(&[][..], |last| &last.state.nodes);
         let Some(deepest) = nodes.iter().map(|node| node.level).max() else {
@@ -42,8 +39,8 @@ impl Tree {
         tree
     }
 
-    /// Places a node above the middle of what is below it, and returns where that is. As deep as
-    /// the tree: twice 6 levels at most.
+    /// Places a node above the middle of its children, and returns that place. Recurses as deep as
+    /// the tree: at most twice 6 levels.
     fn place(&mut self, nodes: &[Node], node: usize, next: &mut f64) -> f64 {
         let (mut below, level) = (Vec::new(), nodes[node].level as f64);
         for (half, child) in nodes[node].children.into_iter().enumerate() {
@@ -66,7 +63,7 @@ impl Tree {
         x
     }
 
-    /// The nodes and leaves that there are at this step.
+    /// Draws the nodes and leaves of this step.
     pub fn draw(&self, trace: &Trace, step: &Step) -> String {
         let visited = |node: usize| step.marks.path.contains(&(node as u32));
         let cell = step.marks.cell.or(step.marks.central);

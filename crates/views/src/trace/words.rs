@@ -1,5 +1,3 @@
-//! What a step does, in plain words.
-
 use crate::trace::Algorithm;
 use crate::trace::recorder::{Marks, Names, Recorder};
 use crate::trace::state::links;
@@ -71,7 +69,7 @@ pub fn tree(halvings: u32) -> String {
     )
 }
 
-/// A step for an event, if it is one; `was_empty`: a head that is reset was empty before.
+/// Returns the step of an event, if it is one. `was_empty`: a head that is reset was empty before.
 pub fn sentence(recorder: &Recorder, was_empty: bool, event: &Event) -> Option<(String, Marks)> {
     let mut marks = Marks::default();
     let words = of_list(recorder, was_empty, event, &mut marks)
@@ -80,7 +78,7 @@ pub fn sentence(recorder: &Recorder, was_empty: bool, event: &Event) -> Option<(
     Some((words, marks))
 }
 
-/// A head, as B[7] or C(4, 7), and a place for it, as "row 7" or "cell (4, 7)".
+/// Formats a head as B[7] or C(4, 7), and its place as "row 7" or "cell (4, 7)".
 fn head(recorder: &Recorder, heads: char, list: usize) -> (String, String) {
     let (names, at) = (&recorder.names, list as u32);
     let cell = recorder.cell_of(heads, list).map_or(String::new(), |cell| names.cell(cell));
@@ -92,7 +90,6 @@ fn head(recorder: &Recorder, heads: char, list: usize) -> (String, String) {
     }
 }
 
-/// Events of heads and links.
 fn of_list(
     recorder: &Recorder,
     was_empty: bool,
@@ -144,7 +141,7 @@ fn of_list(
     })
 }
 
-/// A head was looked at, and marked old if it was new and not empty.
+/// A head was read, and marked old if it was new and not empty.
 fn take(
     recorder: &Recorder,
     (heads, list): (char, usize),
@@ -174,7 +171,6 @@ fn take(
     }
 }
 
-/// Events of sorting, and of the search of cells among the sorted places.
 fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<String> {
     let (names, state) = (&recorder.names, &recorder.state);
     let (letter, cells) = (['X', 'Y'], ["column", "row"]);
@@ -230,7 +226,6 @@ fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<St
     })
 }
 
-/// The places of a cell's particles are known.
 fn found(recorder: &Recorder, cell: [u32; 2], places: [usize; 2], marks: &mut Marks) -> String {
     let (names, [from, to]) = (&recorder.names, places);
     marks.read = recorder.places.iter().flat_map(|&at| [('X', at), ('Y', at)]).collect();
@@ -256,7 +251,6 @@ fn found(recorder: &Recorder, cell: [u32; 2], places: [usize; 2], marks: &mut Ma
     format!("Mask cell {name}: a binary search looks at place{s} {looked}: {found}.")
 }
 
-/// Events of the tree, and tests of pairs.
 fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<String> {
     let names = &recorder.names;
     Some(match *event {
@@ -309,7 +303,6 @@ fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option
     })
 }
 
-/// A length with four digits.
 fn short(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x) {
         return format!("{x:.3e}");

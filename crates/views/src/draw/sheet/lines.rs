@@ -9,17 +9,16 @@ const CONTACT: &str = "#0b5394";
 const ACROSS: &str = "#0f8577";
 const TANGENT: &str = "#7b2d8e";
 
-/// The line of a pair: its particles, and their centres on the page.
+/// Particles of a pair, and their centres on the page.
 type Line = ([u32; 2], [[f64; 2]; 2]);
 
-/// Marks of one kind where pairs are tangent, and the number of those pairs.
+/// Marks of tangent pairs of one kind, and the number of those pairs.
 #[derive(Default)]
 struct Marks {
     at: Vec<[f64; 2]>,
     pairs: usize,
 }
 
-/// Contacts within the box, or across it.
 #[derive(Default)]
 struct Contacts {
     all: usize,
@@ -28,7 +27,7 @@ struct Contacts {
 }
 
 impl Picture<'_> {
-    /// The lines of a pair of which both ends are on the sheet.
+    /// Returns the lines of a pair if both ends are on the sheet.
     fn seen(&self, pair: ImagePair) -> Vec<Line> {
         let at = |body: u32| Some(self.page.at(self.sheet.plane.circle(body)?.at));
         let ends = |[a, b]: [u32; 2]| Some(([a, b], [at(a)?, at(b)?]));
@@ -97,7 +96,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Marks the points where the bodies of these lines touch.
+    /// Marks the points where these pairs touch.
     fn mark(&self, marks: &mut Marks, lines: &[Line]) {
         marks.pairs += usize::from(!lines.is_empty());
         for &(bodies, [a, b]) in lines {
@@ -108,7 +107,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Lines that must be seen: what a list got wrong.
+    /// Draws the mistakes of a list, which must be seen.
     pub(super) fn wrong(&mut self, pairs: &[ImagePair], colour: &str, dash: &str, meaning: &str) {
         if pairs.is_empty() {
             return;
@@ -122,7 +121,7 @@ impl Picture<'_> {
                     segment(&mut lines, a, b);
                     continue;
                 }
-                // A particle with itself, or two in one place: a ring, as a path of two arcs.
+                // A particle with itself, or two in one place: a ring of two arcs.
                 let circle = self.sheet.plane.circle(bodies[0]);
                 let r = circle.map_or(0.0, |circle| self.page.length(circle.r));
                 let r = (0.6 * r).max(4.0);

@@ -17,34 +17,32 @@ use contactbench_io::boxes::{along, outside};
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
 
-/// The most pixels of the drawing, without margins and text.
+/// Most pixels of the drawing along an axis, without margins and text.
 const MOST: [f64; 2] = [960.0, 720.0];
 const HEADER: f64 = 46.0;
 const ROW: f64 = 22.0;
-/// From one line of the title to the next, and from one of other text.
+/// Heights of a line of the title and of other text.
 const TITLE: f64 = 20.0;
 const LINE: f64 = 17.0;
-/// Pixels that a letter takes, in the title and elsewhere; and the left and right of the legend.
+/// Widths in pixels: a letter of the title, other letters, and both sides of the legend.
 const TITLE_LETTER: f64 = 11.0;
 const LETTER: f64 = 8.0;
 const LEGEND: f64 = 74.0;
-/// Circles with a smaller radius than this many pixels are not seen among others.
+/// Smallest radius in pixels at which a circle is seen among others.
 const SEEN: f64 = 6.0;
-/// From here on, circles have no outline and lines are thin.
+/// From this number on, circles have no outline and lines are thin.
 const CROWD: usize = 3000;
-/// More grid lines than this along an axis are a surface.
+/// More grid lines than this along an axis look like a surface.
 const MOST_LINES: f64 = 400.0;
 
 const DISC: &str = "#dde6f0";
 const RIM: &str = "#73859c";
-/// The images of particles in a box, and the box.
 const IMAGE: &str = "#f6f3ea";
 const IMAGE_RIM: &str = "#b3a987";
 const BOX: &str = "#555";
 const MISSED: &str = "#d11507";
 const SPURIOUS: &str = "#e07b00";
 
-/// The drawing.
 pub struct Sheet<'a> {
     pub periodic: &'a Periodic<'a>,
     pub bodies: &'a Bodies,
@@ -55,11 +53,10 @@ pub struct Sheet<'a> {
     pub detail: Option<[u32; 2]>,
 }
 
-/// A picture that is being drawn.
 struct Picture<'a> {
     sheet: &'a Sheet<'a>,
     page: PageCoordinates,
-    /// Rows below the drawing: a mark, and what it means.
+    /// Rows below the drawing: a mark and its meaning.
     rows: Vec<(String, String)>,
     body: String,
 }
@@ -135,7 +132,7 @@ impl Sheet<'_> {
     }
 }
 
-/// The rows below the drawing, from here, and where they end.
+/// Draws the rows below the drawing, and returns their lower end.
 fn legend(rows: &[(String, String)], width: f64, mut y: f64) -> (String, f64) {
     let most = ((width - LEGEND) / LETTER) as usize;
     let mut legend = String::new();
@@ -175,14 +172,12 @@ impl Picture<'_> {
         }
     }
 
-    /// Draws lines, unless there are none.
     fn path(&mut self, lines: &str, look: &str) {
         if !lines.is_empty() {
             self.body += &format!("<path d=\"{lines}\" {look} fill=\"none\"/>\n");
         }
     }
 
-    /// Adds a row that explains lines of this look.
     fn meaning(&mut self, look: &str, meaning: String) {
         self.rows.push((format!("<path d=\"M0 0H32\" {look} fill=\"none\"/>"), meaning));
     }
@@ -190,7 +185,7 @@ impl Picture<'_> {
     fn circles(&mut self) {
         let circles = self.sheet.plane.circles();
         let crowd = circles.clone().count() > CROWD;
-        // Points, and discs too small to be seen, are dots.
+        // Points and very small discs are dots.
         let least = if crowd { 0.5 } else { 1.6 };
         for (images, fill, rim, dash) in
             [(true, IMAGE, IMAGE_RIM, "\" stroke-dasharray=\"4 3"), (false, DISC, RIM, "")]
@@ -216,7 +211,6 @@ impl Picture<'_> {
         }
     }
 
-    /// The outline of the box.
     fn faces(&mut self, faces: &[Face]) {
         for (repeats, look, meaning) in [
             (true, "stroke-width=\"1.6\"", "faces of the box"),
@@ -278,7 +272,7 @@ impl Picture<'_> {
     }
 }
 
-/// Is a pair too small to be seen in a picture of all circles?
+/// Returns whether a pair is too small to be seen in a picture of all circles.
 pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
     let Some(bounds) = plane.bounds() else { return false };
     let page = PageCoordinates::around(bounds, MOST, HEADER);
@@ -286,8 +280,7 @@ pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
     page.length(radii[0].min(radii[1])) < SEEN
 }
 
-/// The lowest corner of the cells that detectors use, and their edge; none where there are no
-/// cells.
+/// Returns the lowest corner and the edge of a detector's cells; `None` if there are no cells.
 fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
     fn corner<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
         let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
