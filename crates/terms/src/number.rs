@@ -29,6 +29,15 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// Formats a time with three significant digits: most intervals support no more.
+pub fn short(value: f64) -> String {
+    let whole = value.abs().log10().floor() as i32;
+    match value.is_finite() && (0..3).contains(&whole) {
+        true => format!("{value:.*}", (2 - whole) as usize),
+        false => number(value),
+    }
+}
+
 /// Formats a depth or a gap, given in mean radii of the two particles.
 pub fn mean_radii(depth: f64) -> String {
     format!("{} mean radii", number(depth))

@@ -243,7 +243,7 @@ fn a_record_made_before_copies_were_sealed_is_sealed_once() {
     fields.remove("check");
     let text = seal::sealed(&serde_json::to_string_pretty(fields).unwrap());
     at.file("a/provenance.json", text + "\n");
-    let words = "made before copies of experiments were sealed";
+    let words = "no checksums of its copies of experiments";
     at.ends(0, "report a", &[words]);
     at.ends(0, "compare whole a", &[words]);
     let sealed = at.good("report a --seal");

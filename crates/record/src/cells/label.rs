@@ -131,7 +131,8 @@ pub fn group(names: &[&str], all: &[&str]) -> String {
     }
 }
 
-/// For example `s = 2..200, n = 100..10000` for the numbers that vary, and counts of other values.
+/// For example `s = 2 to 200; n = 100 to 10000` for the numbers that vary, and counts of other
+/// values.
 pub fn over(cells: &[&Cell]) -> String {
     let mut parts = Vec::new();
     for name in varying(cells).iter().filter(|name| *name != "experiment") {
@@ -140,7 +141,7 @@ pub fn over(cells: &[&Cell]) -> String {
         let number = |value: Option<&AxisValue>| value.and_then(AxisValue::number);
         match (number(values.first()), number(values.last())) {
             (Some(low), Some(high)) if values.len() > 2 => {
-                parts.push(format!("{name} = {low}..{high}"))
+                parts.push(format!("{name} = {low} to {high}"))
             }
             _ if values.len() <= 3 => {
                 let list: Vec<String> = values.iter().map(AxisValue::to_string).collect();

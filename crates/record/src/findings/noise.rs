@@ -95,14 +95,10 @@ impl Noise {
         self.floors.iter().map(|(&n, &floor)| (n, floor))
     }
 
+    /// Returns whether this ratio of two times at N = `n` shows that one of them is larger.
     pub fn decides(&self, ratio: &Interval, n: u64) -> bool {
-        self.tells(ratio, 1.0, n)
-    }
-
-    /// Whether the ratio decides on which side of `limit` the true ratio is.
-    pub fn tells(&self, ratio: &Interval, limit: f64, n: u64) -> bool {
-        let beyond = distance(&ratio.scaled(1.0 / limit)) > self.floor_at(n).ln();
-        ratio.coverage >= SURE && ratio.excludes(limit) && beyond
+        let beyond = distance(ratio) > self.floor_at(n).ln();
+        ratio.coverage >= SURE && ratio.excludes(1.0) && beyond
     }
 
     pub fn slower(&self, ratio: Option<&Interval>, n: u64) -> bool {

@@ -31,8 +31,8 @@ pub fn unsealed<'a>(folder: &Path, provenances: impl Iterator<Item = &'a Value>)
     (!are_sealed(provenances)).then(|| {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         format!(
-            "the record {name} was made before copies of experiments were sealed: an edit of a \
-             claim or plan in {}/ would not be noticed",
+            "the record {name} has no checksums of its copies of experiments: an edit in {}/ would \
+             go unnoticed",
             folder::EXPERIMENTS
         )
     })

@@ -25,7 +25,6 @@ fn block_text(block: &Block) -> String {
     }
 }
 
-/// Words in HTML, without a paragraph around them.
 pub fn words(text: &Text) -> String {
     let around = [["<strong>", "</strong>"], ["<em>", "</em>"], ["<code>", "</code>"]];
     text.written(around, |_, text| escape(text))

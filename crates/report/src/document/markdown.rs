@@ -1,6 +1,5 @@
 use super::{Block, Style, Text};
 
-/// The blocks in Markdown, an empty line after each.
 pub fn markdown(blocks: &[Block]) -> String {
     blocks.iter().map(|block| block_text(block) + "\n").collect()
 }
@@ -13,7 +12,7 @@ fn block_text(block: &Block) -> String {
         Block::Paragraph(text) => words(text) + "\n",
         Block::Warning(text) => format!("> Warning: {}\n", words(text)),
         Block::List(items) => items.iter().map(|item| format!("* {}\n", words(item))).collect(),
-        // A fence longer than any in the text.
+        // The fence is longer than any in the text.
         Block::Code(text) => format!("````text\n{}\n````\n", text.replace("````", "'")),
         Block::Table(table) => table.markdown(),
         Block::Figure { title, path } => {
@@ -30,7 +29,7 @@ fn words(text: &Text) -> String {
     })
 }
 
-/// Text for Markdown: nothing that Markdown would take for markup, no line breaks.
+/// Escapes what Markdown would take for markup, and line breaks.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -43,7 +42,6 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// Returns whether this character would end a line of code.
 fn is_break(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
 }

@@ -1,5 +1,5 @@
-//! A report before it is written: headings, paragraphs, lists, tables and figures as values, which
-//! become Markdown, HTML or plain text.
+//! A report as values (headings, paragraphs, lists, tables, figures), to be written as Markdown,
+//! HTML or plain text.
 
 mod html;
 mod markdown;
@@ -13,26 +13,17 @@ pub use plain::{indented, plain};
 
 use crate::table::Table;
 
-/// A piece of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
-    /// A heading, 1 to 6.
     Heading(u8, Text),
     Paragraph(Text),
-    /// Something that the reader must not miss.
     Warning(Text),
     List(Vec<Text>),
-    /// Text as it is, a command, say.
     Code(String),
     Table(Table),
-    /// Title of a figure, and its file in the folder `figures`.
-    Figure {
-        title: String,
-        path: PathBuf,
-    },
+    Figure { title: String, path: PathBuf },
 }
 
-/// Words of a paragraph, each with its style.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Text(Vec<(Style, String)>);
 
@@ -41,7 +32,6 @@ enum Style {
     Plain,
     Strong,
     Emphasis,
-    /// Words of a program.
     Code,
 }
 
@@ -50,7 +40,6 @@ impl Text {
         Text::default()
     }
 
-    /// These words after it.
     pub fn plain(self, text: impl Into<String>) -> Text {
         self.and(Style::Plain, text)
     }
@@ -72,8 +61,7 @@ impl Text {
         self
     }
 
-    /// Writes the words in a language: `around` is put around each style except the plain one, and
-    /// `escape` escapes words.
+    /// Writes the words with `around` each style except the plain one; `escape` escapes words.
     fn written(&self, around: [[&str; 2]; 3], escape: impl Fn(Style, &str) -> String) -> String {
         let span = |(style, text): &(Style, String)| {
             let [open, close] = match style {

@@ -1,7 +1,8 @@
 use super::{Block, Text};
 use contactbench_terms::number::wrap;
 
-/// The blocks for a terminal of this many columns, an empty line between two. Figures are left out.
+/// Formats blocks for a terminal of this many columns, with an empty line between two. Figures are
+/// left out.
 pub fn plain(blocks: &[Block], width: usize) -> String {
     let texts: Vec<String> =
         blocks.iter().map(|block| block_text(block, width)).filter(|it| !it.is_empty()).collect();
@@ -21,7 +22,7 @@ fn block_text(block: &Block, width: usize) -> String {
     }
 }
 
-/// Wrapped after a head; all lines but the first are indented by as much as the head takes.
+/// Wraps text after a head; further lines are indented by the width of the head.
 pub fn indented(head: &str, text: &str, width: usize) -> String {
     let indent = head.chars().count();
     let mut out = String::new();

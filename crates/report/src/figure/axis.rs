@@ -7,16 +7,14 @@ pub struct Axis {
     high: f64,
 }
 
-/// A tick: its value, and its label if it has one.
 pub type Tick = (f64, Option<String>);
 
 impl Axis {
-    /// An axis that holds all these values with some room; on a logarithmic one only positive
-    /// values count.
+    /// Makes an axis that holds these values with some room. A logarithmic axis ignores values that
+    /// are not positive.
     pub fn new(values: impl Iterator<Item = f64>, log: bool) -> Axis {
         let usable = |value: &f64| value.is_finite() && (!log || *value > 0.0);
-        // far from the ends of f64, so that neither the room added nor the width of the range
-        // overflows
+        // Clamped, so that neither the room nor the width of the range overflows.
         let values = values
             .filter(usable)
             .map(|v| if log { v.clamp(1e-140, 1e140) } else { v.clamp(-1e140, 1e140) });
@@ -26,18 +24,19 @@ impl Axis {
             return Axis { log, low: if log { 1.0 } else { 0.0 }, high: 10.0 };
         }
         if log {
-            // never so narrow that fewer than two labels find a place
+            // At least two labels must fit.
             let decades = (high / low).log10();
             let room = (0.04 * decades).max(0.06).max(0.3 - decades / 2.0);
             return Axis { log, low: low * 10f64.powf(-room), high: high * 10f64.powf(room) };
         }
-        // a linear axis shows zero, unless the values are far from it
+        // A linear axis shows zero, unless the values are far from it.
         let low = if low > 0.0 && low < 0.6 * high { 0.0 } else { low };
         let room = if high > low { 0.05 * (high - low) } else { 0.5 * high.abs().max(1.0) };
         Axis { log, low: if low == 0.0 { 0.0 } else { low - room }, high: high + room }
     }
 
-    /// Where a value is, 0 at the low end and 1 at the high end; none if it has no place.
+    /// Returns the place of a value, 0 at the low end and 1 at the high end; `None` if it is not
+    /// positive on a logarithmic axis.
     pub fn place(&self, value: f64) -> Option<f64> {
         let place = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -55,7 +54,7 @@ impl Axis {
         }
     }
 
-    /// Ticks for an axis of this length where labels need `room` each.
+    /// Returns ticks for an axis of this length whose labels need `room` each.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         let most = (length / room.max(1.0)).floor().max(2.0);
         if !self.log {
@@ -67,7 +66,7 @@ impl Axis {
             let mut ticks = Vec::new();
             for power in first - 1..=last {
                 for digit in 1..10 {
-                    // parsed, because 10^-k times a digit is not the nearest number
+                    // Parsed, because 10^-k times a digit is not the nearest number.
                     let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
                     if value >= self.low && value <= self.high {
                         ticks.push((value, matches!(digit, 1 | 2 | 5).then(|| plain(value))));
@@ -103,7 +102,7 @@ impl Axis {
     }
 }
 
-/// 1000 as `1000`, 2e6 as `2·10⁶`.
+/// Formats 1000 as `1000` and 2e6 as `2·10⁶`.
 pub fn plain(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-3..1e6).contains(&size) {

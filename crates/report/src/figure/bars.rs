@@ -1,5 +1,5 @@
-//! Figures of bars: a panel per scene and N, a bar per contender, as long as its time over that of
-//! one of them.
+//! Figures of bars: a panel per scene and N, a bar per subject, as long as its time over that of
+//! the reference.
 
 use crate::figure::About;
 use crate::figure::axis::Axis;
@@ -13,15 +13,14 @@ use contactbench_terms::number::{number, times, wrap};
 
 const WIDTH: f64 = 1400.0;
 const GAP: f64 = 36.0;
-/// Height of a bar with the room around it, and of what stands above and below the bars.
+/// Height of a bar with the room around it, and heights above and below the bars.
 const BAR: f64 = 25.0;
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 34.0;
-/// Room for what is said behind a bar.
+/// Room for the numbers beside a bar.
 const SAID: f64 = 168.0;
 const NAME: Text = Text::new(16.0, INK).ending();
 
-/// A scene at one N, the fastest first.
 struct Panel<'a> {
     title: String,
     bars: Vec<Bar<'a>>,
@@ -31,12 +30,11 @@ struct Bar<'a> {
     name: &'a str,
     detector: &'a str,
     entry: &'a Entry,
-    /// What stands behind the bar.
     said: String,
 }
 
 impl<'a> Bar<'a> {
-    /// None for what is not compared.
+    /// `None` for a control.
     fn new(name: &'a str, detector: &'a str, entry: &'a Entry, n: u64) -> Option<Bar<'a>> {
         let per = |time: f64| format!("{} ns", number(time / n.max(1) as f64));
         let said = match (entry.outcome, entry.ratio, entry.time_ns) {
@@ -51,7 +49,7 @@ impl<'a> Bar<'a> {
         Some(Bar { name, detector, entry, said })
     }
 
-    /// What has no time comes last, and before it what is wrong.
+    /// Wrong answers come after right ones, and subjects without a time last.
     fn length(&self) -> f64 {
         match self.entry.ratio {
             Some(ratio) if self.entry.outcome.is_good() => ratio.median,
@@ -61,7 +59,6 @@ impl<'a> Bar<'a> {
     }
 }
 
-/// The panels of the scenes in which the reference has a time.
 fn panels(found: &Ratios) -> Vec<Panel<'_>> {
     let mut panels = Vec::new();
     for entries in found.scenes.iter().map(|scene| &scene.entries) {
@@ -79,7 +76,7 @@ fn panels(found: &Ratios) -> Vec<Panel<'_>> {
     panels
 }
 
-/// The figure as SVG; none if the reference has no time.
+/// Returns the figure as SVG; `None` if the reference has no time.
 pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> {
     let chosen = select::select(about.cells, &about.figure.filter)?;
     let Some(found) = Ratios::new(&chosen, &options.to) else { return Ok(None) };
@@ -89,8 +86,8 @@ pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> 
     }
     let columns = panels.len().min(2);
     let how = format!(
-        "{} Bars: time over that of {}, with its interval; behind them the ratio and the time per \
-         particle.",
+        "{} Each bar is a time over that of {}, with its interval; beside it stand that ratio and \
+         the time per particle.",
         about.experiment.question, found.reference
     );
     let subtitle = wrap(&how, 150);
@@ -120,7 +117,7 @@ pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> 
 struct Sheet<'a> {
     styles: &'a Styles,
     axis: Axis,
-    /// Room for names, and the width of a panel.
+    /// Room for names, and width of a panel.
     names: f64,
     across: f64,
 }
@@ -130,7 +127,7 @@ impl Sheet<'_> {
         let (from, room) = (left + self.names, self.across - self.names - SAID);
         let at = |ratio: f64| from + room * self.axis.place(ratio).unwrap_or(0.0).clamp(0.0, 1.0);
         let (first, last) = (top + ABOVE, top + ABOVE + BAR * panel.bars.len() as f64);
-        // Above the bars; a long one begins above the names, or is smaller.
+        // A long title begins above the names, or is smaller.
         let wide = width(&panel.title, 19.0, true);
         let begin = from.min(left + self.across - wide).max(left);
         let title = HEADING.of_size(19.0 * (self.across / wide).min(1.0));
@@ -161,7 +158,6 @@ impl Sheet<'_> {
     }
 }
 
-/// As high as the highest panel of a row.
 fn row_height(row: &[Panel<'_>]) -> f64 {
     let most = row.iter().map(|panel| panel.bars.len()).max().unwrap_or(0);
     ABOVE + BAR * most as f64 + BELOW

@@ -9,31 +9,25 @@ use plotters::style::{
 pub use crate::figure::font::width;
 use crate::figure::style::{Colour, FAINT, INK, Marker, WHITE, ink_on};
 
-/// A point, in layout units.
 pub type Point = (f64, f64);
 
-/// Where text is placed, and how.
 #[derive(Clone, Copy)]
 pub struct Text {
     size: f64,
     colour: Colour,
     bold: bool,
-    /// Which part of the text the point is.
     anchor: HPos,
     /// Reads from bottom to top.
     upright: bool,
 }
 
 impl Text {
-    /// Regular text that begins at the point.
     pub const fn new(size: f64, colour: Colour) -> Text {
         Text { size, colour, bold: false, anchor: HPos::Left, upright: false }
     }
-    /// The same, with the point at its centre.
     pub const fn centred(self) -> Text {
         Text { anchor: HPos::Center, ..self }
     }
-    /// Returns this style for a text that ends at its point.
     pub const fn ending(self) -> Text {
         Text { anchor: HPos::Right, ..self }
     }
@@ -64,15 +58,11 @@ pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String 
     text
 }
 
-/// The margin of a sheet.
 pub const MARGIN: f64 = 24.0;
-/// The title of a panel.
 pub const HEADING: Text = Text::new(19.0, INK).bold();
-/// The name of an axis.
 pub const AXIS: Text = Text::new(19.0, INK).centred();
 
 impl Canvas<'_> {
-    /// The title of a sheet, and the lines below it.
     pub fn heading(&mut self, title: &str, subtitle: &[String]) {
         self.text(title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold());
         for (k, line) in subtitle.iter().enumerate() {
@@ -119,7 +109,7 @@ impl Canvas<'_> {
         let _ = self.0.draw_circle(pixel(at), radius.round() as u32, &rgb(colour), true);
     }
 
-    /// One line of text, vertically centred on the point.
+    /// Draws one line of text, vertically centred on the point.
     pub fn text(&mut self, text: &str, at: Point, style: Text) {
         let face = if style.bold { FontStyle::Bold } else { FontStyle::Normal };
         let turn = if style.upright { FontTransform::Rotate270 } else { FontTransform::None };
@@ -132,7 +122,7 @@ impl Canvas<'_> {
         let _ = self.0.draw_text(text, &style, pixel(at));
     }
 
-    /// A letter in a disc: the mark of a cell without a value.
+    /// Draws a letter in a disc: the mark of a cell without a value.
     pub fn badge(&mut self, at: Point, letter: &str, colour: Colour) {
         self.disc(at, 7.5, colour);
         self.text(letter, at, Text::new(13.0, ink_on(colour)).bold().centred());
@@ -143,7 +133,7 @@ impl Canvas<'_> {
         self.line(&[c, d], colour, 2.0);
     }
 
-    /// A detector's marker, with a white rim that keeps crossing lines apart.
+    /// Draws a detector's marker, with a white rim that keeps crossing lines apart.
     pub fn marker(&mut self, (x, y): Point, r: f64, marker: Marker, colour: Colour) {
         let shape = |r: f64, corners: &[Point]| -> Vec<Point> {
             corners.iter().map(|corner| (x + corner.0 * r, y + corner.1 * r)).collect()
@@ -174,12 +164,11 @@ pub fn upright((x, y): Point, r: f64) -> [Point; 4] {
     [(x - r, y), (x + r, y), (x, y - r), (x, y + r)]
 }
 
-/// The corners of a rectangle, the first again at the end.
 fn corners(low: Point, high: Point) -> [Point; 5] {
     [low, (high.0, low.1), high, (low.0, high.1), low]
 }
 
-/// The cast saturates; not a number becomes 0.
+/// Saturates; NaN becomes 0.
 fn pixel((x, y): Point) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
@@ -192,7 +181,6 @@ fn rgb((r, g, b): Colour) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// The drawn pieces of a dashed line.
 fn dashes(points: &[Point], (on, off): Point) -> Vec<Vec<Point>> {
     let (mut pieces, mut phase) = (Vec::new(), 0.0);
     for pair in points.windows(2) {

@@ -5,17 +5,15 @@ use std::sync::LazyLock;
 
 use ttf_parser::Face;
 
-/// Plotters writes text of this height per em.
 const LINE_HEIGHT: f64 = 1.24;
 
-/// The regular and the bold face; that both can be read is tested.
 static FACES: LazyLock<[Option<Face<'static>>; 2]> = LazyLock::new(|| {
     let regular = include_bytes!("../../assets/DejaVuSans-subset.ttf");
     let bold = include_bytes!("../../assets/DejaVuSans-Bold-subset.ttf");
     [Face::parse(regular, 0).ok(), Face::parse(bold, 0).ok()]
 });
 
-/// The width of a text of this height, in layout units.
+/// Returns the width of a text of this height, in layout units.
 pub fn width(text: &str, size: f64, bold: bool) -> f64 {
     let Some(face) = &FACES[usize::from(bold)] else { return 0.0 };
     let scale = size / LINE_HEIGHT / f64::from(face.units_per_em());

@@ -1,6 +1,6 @@
-//! Figures of maps: a panel per scene, a tile per place with the name of the fastest and the factor
-//! to the next. A colour per contender, deeper where it is farther ahead; stripes of two where it
-//! is undecided; a line where another becomes the fastest.
+//! Maps: a panel per scene, a tile per place with the fastest detector and the time of the
+//! runner-up over its own. Each detector has a colour, deeper where it is farther ahead. Undecided
+//! tiles are striped; a line separates tiles where another detector becomes the fastest.
 
 use std::collections::BTreeMap;
 
@@ -13,15 +13,12 @@ use contactbench_record::experiment::MapAxes;
 use contactbench_record::findings::map::{Answer, Map, Panel, STEPS, Spot};
 use contactbench_terms::number::{times, wrap};
 
-/// The widest figure, and the narrowest.
 const WIDTH: (f64, f64) = (1400.0, 760.0);
-/// A tile: its height, and how wide it is for short names and for long ones.
+/// Height of a tile, and its width for short and for long names.
 const HIGH: f64 = 64.0;
 const WIDE: (f64, f64) = (112.0, 164.0);
-/// Beside the names in it.
 const ROOM: f64 = 18.0;
 const GAP: f64 = 30.0;
-/// Room for the title of a panel above it, and for values and the name of the axis below.
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 56.0;
 const STRIPE: f64 = 14.0;
@@ -30,11 +27,11 @@ const VALUE: Text = Text::new(SIZE, INK);
 const NOTE: Text = Text::new(SIZE, FAINT);
 const AXIS: Text = Text::new(16.0, FAINT).centred();
 
-/// How much of a contender's colour is white, by how clearly it wins: one for each of [`STEPS`],
-/// and for less than the first.
+/// Share of white in a detector's colour, by how clearly it wins: one for each of [`STEPS`], and
+/// for less than the first.
 const WHITENESS: [f64; STEPS.len() + 1] = [0.72, 0.5, 0.25, 0.0];
 
-/// The figure as SVG; none if no cell has a time: of a shard, say.
+/// Returns the figure as SVG; `None` if no cell has a time.
 pub fn svg(about: &About<'_>, axes: &MapAxes) -> anyhow::Result<Option<String>> {
     let About { figure, cells, .. } = about;
     if select::select(cells, &figure.filter)?.iter().all(|cell| cell.time().is_none()) {
@@ -44,7 +41,6 @@ pub fn svg(about: &About<'_>, axes: &MapAxes) -> anyhow::Result<Option<String>> 
     Ok(Some(drawn(&figure.title, axes, &found, about.styles)))
 }
 
-/// A map as SVG.
 pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String {
     let values = map.axes[1].values.iter().map(|value| width(value, SIZE, false) + 44.0);
     let left = values.fold(40.0, f64::max);
@@ -59,8 +55,8 @@ pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String 
     let columns = (fit as usize).min(map.panels.len()).max(1);
     let whole = 2.0 * MARGIN + columns as f64 * (across + GAP) - GAP;
     let whole = whole.max(WIDTH.1);
-    let how = "Each tile: who is the fastest, the time of the next over its own, and the interval \
-               of that ratio. Striped: undecided.";
+    let how = "Each tile names the fastest detector. The number is the time of the runner-up over \
+               its own, with the interval of that ratio. Striped: undecided.";
     let title = wrap(title, (whole / 16.0) as usize);
     let subtitle = wrap(how, (whole / 9.3) as usize);
     let lines = 34.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
@@ -88,9 +84,8 @@ pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String 
     })
 }
 
-/// Draws the legend of the shades; the tiles hold the names.
 fn legend(canvas: &mut Canvas, y: f64) {
-    let head = "the next takes, times as long:";
+    let head = "time of the runner-up / fastest:";
     canvas.text(head, (MARGIN, y), NOTE);
     let mut x = MARGIN + width(head, SIZE, false) + 12.0;
     for (k, white) in WHITENESS.into_iter().enumerate() {
@@ -109,7 +104,6 @@ struct Sheet<'a> {
     labels: [&'a str; 2],
     map: &'a Map,
     colours: BTreeMap<&'a str, Colour>,
-    /// Room for the values upwards, and the width of a tile.
     left: f64,
     tile: f64,
 }
@@ -136,7 +130,7 @@ impl Sheet<'_> {
         for (i, j) in all() {
             self.tile(canvas, spot(i, j), (across(i), down(j)));
         }
-        // Where another becomes the fastest for sure: nobody is among the fastest on both sides.
+        // No detector may be the fastest on both sides.
         let front = |i: usize, j: usize| spot(i, j).map(Spot::front).unwrap_or_default();
         let parted = |[a, b]: [(usize, usize); 2]| {
             let (a, b) = (front(a.0, a.1), front(b.0, b.1));
@@ -213,12 +207,11 @@ impl Sheet<'_> {
     }
 }
 
-/// The size at which a line fits into so much room.
+/// Returns the size at which a line fits into this width.
 fn fitted(line: &str, room: f64, size: f64, bold: bool) -> f64 {
     (size * room / width(line, size, bold).max(room)).max(7.0)
 }
 
-/// Slanted stripes over a tile so wide.
 fn stripes(canvas: &mut Canvas, (x, y): Point, wide: f64, colour: Colour) {
     let mut start = -HIGH;
     while start < wide {
@@ -234,7 +227,6 @@ fn stripes(canvas: &mut Canvas, (x, y): Point, wide: f64, colour: Colour) {
     }
 }
 
-/// As high as the highest panel of a row, with what stands above and below its tiles.
 fn row_height(row: &[Panel]) -> f64 {
     let most = row.iter().map(|panel| panel.values(1).len()).max().unwrap_or(0);
     ABOVE + HIGH * most as f64 + BELOW + 10.0

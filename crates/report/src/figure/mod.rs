@@ -21,7 +21,6 @@ use contactbench_record::cells::Cell;
 use contactbench_record::cells::machine::Machine;
 use contactbench_record::experiment::{Experiment, Figure, FigureKind};
 
-/// The data of a figure.
 pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub figure: &'a Figure,
@@ -42,10 +41,8 @@ impl About<'_> {
         Ok(Some(path))
     }
 
-    /// The figure as SVG; `None` if no cell has anything to show.
-    ///
-    /// # Errors
-    /// Variables and values that the record does not have.
+    /// Returns the figure as SVG; `None` if no cell has anything to show. Fails if the record lacks
+    /// a variable or value.
     fn svg(&self) -> anyhow::Result<Option<String>> {
         match &self.figure.kind {
             FigureKind::Lines(options) => lines::svg(self, options),
@@ -55,7 +52,8 @@ impl About<'_> {
         }
     }
 
-    /// The name of its file: `experiment-figure.svg`, of letters that are safe in names and links.
+    /// Returns the name of the file, `experiment-figure.svg`, with letters that are safe in names
+    /// and links.
     fn file(&self) -> String {
         let (experiment, figure) = (&*self.experiment.name, &*self.figure.name);
         let experiment = match figure.starts_with(experiment) {
@@ -66,7 +64,6 @@ impl About<'_> {
         format!("{experiment}{figure}").replace(|c| !safe(c), "-") + ".svg"
     }
 
-    /// The place of a cell's scene in the experiment.
     fn place(&self, cell: &Cell) -> usize {
         let scenes = &self.experiment.scenes;
         scenes.iter().position(|scene| scene.name == cell.id.scene).unwrap_or(scenes.len())

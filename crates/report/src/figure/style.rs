@@ -5,8 +5,9 @@
 //! differ in lightness where hues can be mistaken. The marker says the same again, so that a figure
 //! survives a grey printer. Controls are grey, thin and dashed.
 //!
-//! The name of a detector decides which of them it prefers, so that it mostly looks the same in
-//! all reports; where two names prefer one, the second in the alphabet gets the next that is free.
+//! The name of a detector decides which style it prefers, so that it mostly looks the same in all
+//! reports. If a style is taken, a detector gets the next free one. Detectors without parameters
+//! choose first.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,28 +20,26 @@ pub const WHITE: Colour = (255, 255, 255);
 pub const INK: Colour = (40, 40, 40);
 pub const FAINT: Colour = (110, 110, 110);
 pub const GRID: Colour = (228, 228, 228);
-/// The outline of a panel.
 pub const FRAME: Colour = (170, 170, 170);
-/// Lines where data outgrow a cache.
+/// Lines at the N where the coordinates outgrow a cache.
 pub const CACHE: Colour = (170, 160, 200);
 pub const CACHE_NAME: Colour = (115, 100, 160);
 pub const CONTROL: Colour = (150, 150, 150);
-/// The background of the strip for cells without a value.
+/// Background of the strip for cells without a value.
 pub const STRIP: Colour = (246, 246, 244);
 
-/// A colour of which so much is white, 0 to 1.
+/// Mixes a colour with this share of white, 0 to 1.
 pub fn lightened(colour: Colour, white: f64) -> Colour {
     let mix = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * white) as u8;
     (mix(colour.0), mix(colour.1), mix(colour.2))
 }
 
-/// What is read on a ground of this colour: dark letters on light colours.
+/// Returns the colour of letters on this ground.
 pub fn ink_on(ground: Colour) -> Colour {
     let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
     if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }
 }
 
-/// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
     Circle,
@@ -52,6 +51,16 @@ pub enum Marker {
     Plus,
 }
 
+const MARKERS: [Marker; 7] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Up,
+    Marker::Down,
+    Marker::Diamond,
+    Marker::Cross,
+    Marker::Plus,
+];
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
     pub colour: Colour,
@@ -59,7 +68,6 @@ pub struct Style {
     pub control: bool,
 }
 
-/// The styles of detectors.
 const PALETTE: [(Colour, Marker); 15] = [
     ((0, 0, 0), Marker::Square),
     ((230, 159, 0), Marker::Up),
@@ -77,7 +85,7 @@ const PALETTE: [(Colour, Marker); 15] = [
     ((204, 102, 119), Marker::Plus),
     ((90, 140, 90), Marker::Diamond),
 ];
-/// Rules by which trackers build their lists, as their names begin.
+/// Styles of the rules of trackers, by the beginning of the rule's name.
 const RULES: [(&str, Colour, Marker); 5] = [
     ("top-two", (0, 158, 115), Marker::Circle),
     ("half-skin", (86, 180, 233), Marker::Square),
@@ -85,21 +93,21 @@ const RULES: [(&str, Colour, Marker); 5] = [
     ("lammps-", (230, 159, 0), Marker::Diamond),
     ("every-", (213, 94, 0), Marker::Down),
 ];
-/// Style of the rule `auto`, which finds the skin while a list is used.
-const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
+/// Style of `skin=auto`; no detector has it, since both stand in one figure.
+const AUTO: (&str, Colour, Marker) = ("auto", (0, 0, 0), Marker::Down);
 
-/// The styles of all detectors of a record.
 #[derive(Clone, Debug, Default)]
 pub struct Styles(BTreeMap<String, Style>);
 
 impl Styles {
-    /// The styles of all contenders of these cells.
     pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
         let contenders: BTreeMap<String, bool> =
             cells.map(|cell| (cell.id.contender(), cell.role.is_control())).collect();
         let mut places: BTreeMap<String, usize> = BTreeMap::new();
         let mut styles = BTreeMap::new();
         let mut controls = 0;
+        let mut contenders = Vec::from_iter(contenders);
+        contenders.sort_by_key(|(name, _)| name.contains(':'));
         for (name, control) in contenders {
             let style = if control {
                 controls += 1;
@@ -112,8 +120,8 @@ impl Styles {
                 let place = places.get(&detector).copied().unwrap_or_else(|| {
                     let taken = |place: &usize| places.values().any(|other| other == place);
                     let first = preferred(&detector);
-                    let all = (0..PALETTE.len()).map(|k| (first + k) % PALETTE.len());
-                    all.clone().find(|place| !taken(place)).unwrap_or(first)
+                    let mut all = (first..PALETTE.len()).chain(0..first).chain(PALETTE.len()..);
+                    all.find(|place| !taken(place)).unwrap_or(first)
                 });
                 places.insert(detector, place);
                 of_place(place)
@@ -123,8 +131,8 @@ impl Styles {
         Styles(styles)
     }
 
-    /// Colours for the contenders of a map: first their own, then of all others those that are
-    /// farthest from the ones before.
+    /// Returns colours for the detectors of a map: their own if free, else the colour farthest from
+    /// those taken.
     pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
         let mut taken: Vec<Colour> = Vec::new();
         let mut own = |name: &String| {
@@ -143,30 +151,33 @@ impl Styles {
         found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
     }
 
-    /// The style of a contender; the one that its name prefers if it was not announced.
+    /// Returns the style of a detector; the one that its name prefers if [`Styles::new`] did not
+    /// see it.
     pub fn get(&self, name: &str) -> Style {
         let known = self.0.get(name).copied().or_else(|| of_rule(name));
         known.unwrap_or_else(|| of_place(preferred(&detector(name))))
     }
 }
 
+/// The style at a place of the palette; behind its end, the same colours with other markers.
 fn of_place(place: usize) -> Style {
-    let (colour, marker) = PALETTE[place];
-    Style { colour, marker, control: false }
+    let (round, (colour, own)) = (place / PALETTE.len(), PALETTE[place % PALETTE.len()]);
+    let first = MARKERS.iter().position(|marker| *marker == own).unwrap_or(0);
+    Style { colour, marker: MARKERS[(first + round) % MARKERS.len()], control: false }
 }
 
-/// The place in the palette that a name prefers (FNV-1a).
+/// Returns the place in the palette that a name prefers, by its FNV-1a hash.
 fn preferred(name: &str) -> usize {
     let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
     (name.bytes().fold(0x811c_9dc5, step) >> 8) as usize % PALETTE.len()
 }
 
-/// How far two colours are from each other: the largest of three differences.
+/// Returns the largest difference of the three channels.
 fn apart(a: Colour, b: Colour) -> u8 {
     a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
 }
 
-/// The style of the rule of a tracker, where the name says no skin but `auto`.
+/// Returns the style of a tracker's rule if its name holds no skin, or `skin=auto`.
 fn of_rule(name: &str) -> Option<Style> {
     let (_, params) = split_contender(name);
     let text = |key: &str| params.get(key).map(|value| value.to_string());
@@ -179,7 +190,7 @@ fn of_rule(name: &str) -> Option<Style> {
     Some(Style { colour, marker, control: false })
 }
 
-/// The detector of a contender, whose style a tracker without a rule has.
+/// Returns the name that has the style: a tracker without a rule has that of its detector.
 fn detector(name: &str) -> String {
     let (_, params) = split_contender(name);
     match params.get(OVER).filter(|_| !params.contains_key("rule")) {
@@ -188,7 +199,7 @@ fn detector(name: &str) -> String {
     }
 }
 
-/// The letter that marks a cell without a value, and its meaning.
+/// Returns the letter that marks a cell without a value, and its meaning.
 pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     match outcome {
         Outcome::Ok => ("", "ok"),
@@ -203,7 +214,7 @@ pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     }
 }
 
-/// Names in the order of legends: controls are last.
+/// Returns names in the order of legends: controls last.
 pub fn ranked<'a>(
     cells: impl IntoIterator<Item = &'a Cell>,
     name: impl Fn(&Cell) -> String,
@@ -229,7 +240,7 @@ mod tests {
 
     #[test]
     fn all_names_of_a_record_have_styles_of_their_own() {
-        let names: Vec<String> = (0..PALETTE.len()).map(|k| format!("detector-{k}")).collect();
+        let names: Vec<String> = (0..2 * PALETTE.len()).map(|k| format!("detector-{k}")).collect();
         let mut lab = Lab::new("e", "packed");
         names.iter().chain(&["every-step(detector-3)".to_string()]).for_each(|name| {
             lab.detector(name).time(&[1]);
@@ -240,6 +251,12 @@ mod tests {
             assert!(!style.control && names[..k].iter().all(|other| styles.get(other) != style));
         }
         assert_eq!(styles.get("every-step(detector-3)"), styles.get("detector-3"));
+        assert!(
+            names
+                .iter()
+                .all(|name| styles.get(name)
+                    != of_rule("verlet(nbs,rule=summed,skin=auto)").unwrap())
+        );
         for (k, a) in PALETTE.iter().enumerate() {
             assert!(PALETTE[..k].iter().all(|b| apart(a.0, b.0) >= 30), "{a:?}");
         }

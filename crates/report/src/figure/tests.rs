@@ -15,7 +15,6 @@ fn drawn(rows: &[Row], figures: &str) -> Vec<Option<String>> {
     experiment.figures.iter().map(|figure| about(figure).svg().unwrap()).collect()
 }
 
-/// The contents of all text elements of a figure.
 fn texts(svg: &Option<String>) -> Vec<String> {
     let document = roxmltree::Document::parse(svg.as_ref().unwrap()).unwrap();
     let texts = document.descendants().filter(|node| node.has_tag_name("text"));
@@ -148,7 +147,7 @@ fn a_map_stripes_what_is_undecided_and_needs_times() {
     let found = texts(&map[0]);
     all_in(&found, &["Who <is> the fastest", "2.00", "2.00 to 2.00", "or sorting", "1.5 to 2.5"]);
     assert_eq!(drawn(&[], MAP), [None]);
-    // Without the tile in which both take as long.
+    // Without the tile in which both detectors take as long.
     let polygons = |map: &[Option<String>]| map[0].as_ref().unwrap().matches("<polygon").count();
     lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
     let clear = drawn(&lab.rows(), MAP);

@@ -1,5 +1,5 @@
-//! The table of winners with a picture of each scene: all detectors at their multiple of the time
-//! of the fastest.
+//! The table of the fastest detectors, with a picture for each scene: all detectors at their ratio
+//! to the fastest.
 
 use std::fmt::Write as _;
 
@@ -7,19 +7,15 @@ use crate::figure::style::{Marker, Styles};
 use crate::page::marks;
 use crate::sections::winners;
 use contactbench_record::findings::winners::{Contender, Contest, Winners};
-use contactbench_terms::number::with_interval;
+use contactbench_terms::number::{short, with_interval};
 use contactbench_terms::text::html as escape;
 
-/// The ratio at the right edge of the picture; larger ones stand there, too.
+/// Ratio at the right edge of a picture; larger ratios stand there, too.
 const EDGE: f64 = 16.0;
-/// Width and height of the picture of a scene, in its units.
 const SIZE: (f64, f64) = (240.0, 22.0);
-/// The column of the pictures.
 const PICTURE: usize = 3;
-/// Ratios with a line.
 const RATIOS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, EDGE];
 
-/// The detectors, in the order of the legend, and their styles.
 pub struct Marks<'a> {
     pub detectors: &'a [&'a str],
     pub styles: &'a Styles,
@@ -32,29 +28,26 @@ impl Marks<'_> {
     }
 }
 
-/// The table of the report with marks and pictures.
 pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
     let contests = winners::shown(found);
-    let table = winners::table(&contests, true);
+    let table = winners::table(&contests, true, short);
     table.html_with("answer", &|row, column| match (row.map(|row| contests[row]), column) {
         (None, PICTURE) => format!("<span>time / fastest</span>{}", ruler("strip")),
         (Some(contest), 1) => {
             let (k, marker) = marks.find(&contest.first.line.detector);
             marks::chip(k, marker)
         }
-        // A narrow page has no heads: there each picture has its own axis.
+        // A narrow page hides the head, so each picture has its own axis.
         (Some(contest), PICTURE) => picture(contest, marks) + &ruler("strip own"),
         _ => String::new(),
     })
 }
 
-/// Where a ratio stands in a picture.
 fn across(ratio: f64) -> f64 {
     let share = ratio.clamp(0.5, EDGE).log2() / EDGE.log2();
     10.0 + share.max(-0.03) * (SIZE.0 - 24.0)
 }
 
-/// The axis of the pictures.
 fn ruler(class: &str) -> String {
     let mut out =
         format!("<svg class=\"{class}\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">", SIZE.0);
@@ -65,7 +58,8 @@ fn ruler(class: &str) -> String {
     out + "</svg>"
 }
 
-/// All detectors of a scene by their ratio to the fastest, with intervals, on a logarithmic axis.
+/// Draws all detectors of a scene by their ratio to the fastest, with intervals, on a logarithmic
+/// axis.
 fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
     let middle = SIZE.1 / 2.0;
     let said = |it: &Contender| Some(format!("{} {}", it.name, with_interval(it.ratio.as_ref()?)));

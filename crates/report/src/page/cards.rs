@@ -1,4 +1,4 @@
-//! The three answers at a glance: speed, correctness, claims.
+//! The cards at the top of a page: answer, correctness, claims.
 
 use std::collections::BTreeSet;
 
@@ -33,13 +33,12 @@ fn answer(parts: &[Part<'_>]) -> String {
     }
 }
 
-/// The names of these cells, each once.
 fn names<'a>(cells: &[&'a Cell], name: impl Fn(&'a Cell) -> &'a str) -> String {
     let names: BTreeSet<&str> = cells.iter().map(|cell| name(cell)).collect();
     escape(&names.into_iter().collect::<Vec<_>>().join(", "))
 }
 
-/// How many answers are right, and its class.
+/// Returns the class of the card, and how many answers are right.
 fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     let all: Vec<&Cell> = parts.iter().flat_map(|part| &part.cells).copied().collect();
     let such = |wanted: &dyn Fn(&&Cell) -> bool| -> Vec<&Cell> {
@@ -87,7 +86,7 @@ fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     (class, said)
 }
 
-/// How many claims hold, and the class of that.
+/// Returns the class of the card, and how many claims hold.
 fn claims(facts: &Facts<'_>) -> (&'static str, String) {
     let verdicts = &facts.verdicts;
     let count = |status: Status| verdicts.iter().filter(|it| it.status == status).count();
@@ -100,7 +99,7 @@ fn claims(facts: &Facts<'_>) -> (&'static str, String) {
         ),
     };
     let failed = claim::any_failed(verdicts);
-    let ours = if failed { "" } else { ", of times on this machine" };
+    let ours = if failed { "" } else { " (about times on this machine)" };
     let (fails, open) = (count(Status::Fails), count(Status::NotShown));
     let verb = if fails == 1 { "fails" } else { "fail" };
     for (count, words) in [

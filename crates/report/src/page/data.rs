@@ -1,4 +1,4 @@
-//! What the charts and the table of a page are made from: one row per cell, as JSON.
+//! Data of the charts and the table of a page: one row per cell, as JSON.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,6 @@ use contactbench_record::cells::{AxisValue, Cell, FIELDS, errors, label};
 use contactbench_record::record::column::Column;
 use contactbench_record::record::row::Pass;
 
-/// What was measured: names in rows. Text first.
 const MEASURES: [&str; 17] = [
     "outcome",
     "reason",
@@ -33,7 +32,7 @@ const MEASURES: [&str; 17] = [
 const WORDS: [&str; 7] =
     ["experiment", "scene", "order", "arithmetic", "detector", "outcome", "reason"];
 
-/// A number in its shortest form; null for none and for what JSON cannot say.
+/// Returns the number in its shortest form; null for `None` and for values that JSON lacks.
 fn number(value: Option<f64>) -> Value {
     match value {
         Some(value) if value == value.trunc() && value.abs() < 9e15 => json!(value as i64),
@@ -51,15 +50,13 @@ fn measure(cell: &Cell, name: &str) -> Option<f64> {
             Column::measured_by(Pass::Count).map(|column| cell.variable(&column.name, None)).sum()
         }
         "error_rate" => errors::rate(cell),
-        // Of a scene whose answers were compared with the truth.
         "true_contacts" => cell.errors.and_then(|_| cell.variable(name, None)),
         _ => cell.variable(name, None),
     }
 }
 
-/// The data of a page: `detectors` with their marks, names and titles of `experiments`, `columns`,
-/// `texts` and `rows`. Words stand in rows as their index in `texts`; what was not measured is
-/// null.
+/// Returns `detectors` with their marks, names and titles of `experiments`, `columns`, `texts` and
+/// `rows`. Words in rows are indices into `texts`; missing values are null.
 pub fn json(
     experiments: &[(&str, &str)],
     cells: &[Cell],
@@ -74,13 +71,12 @@ pub fn json(
         |name: &str| WORDS.contains(&name) || swept.iter().any(|it| it == name) && has_text(name);
     let keys = ["experiment", "scene", "dim"].into_iter().chain(swept.iter().map(String::as_str));
     let keys = keys.chain(["order", "n", "seed", "detector", "arithmetic", "threads"]);
-    // Name, whether it is of the cell's id, whether it is of words.
+    // Name; whether it belongs to the id of the cell; whether it holds words.
     let columns: Vec<(&str, bool, bool)> = keys
         .map(|name| (name, true, is_word(name)))
         .chain(MEASURES.map(|name| (name, false, is_word(name))))
         .collect();
     debug_assert!(FIELDS.iter().all(|field| columns.iter().any(|column| column.0 == *field)));
-    // The texts of all rows, each once.
     let (mut texts, mut places) = (Vec::new(), BTreeMap::new());
     let mut index = |text: String| {
         *places.entry(text).or_insert_with_key(|text| {

@@ -1,4 +1,4 @@
-//! Maps on a page: tables whose places are coloured, and tell their row on hover, press and focus.
+//! Maps on a page: tables with coloured places that show their row on hover, press and focus.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use contactbench_terms::number::times;
 use contactbench_terms::text::html as escape;
 
 const SCRIPT: &str = include_str!("../../assets/report/map.js");
-/// How much of a place is its colour, by how clearly one wins; letters must be read on it.
+/// Share of a detector's colour in a place, by how clearly it wins; letters must stay readable.
 const DEPTHS: [u32; STEPS.len() + 1] = [10, 20, 32, 46];
 
 pub fn section(maps: &[&Drawn], styles: &Styles) -> String {
@@ -76,7 +76,7 @@ fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -
     );
 }
 
-/// A name that may be broken before its parenthesis.
+/// Lets a name break before its parenthesis.
 fn broken(name: &str) -> String {
     escape(name).replace('(', "<wbr/>(")
 }

@@ -1,17 +1,15 @@
-//! Colours and markers of the figures, for a page: as CSS variables, with lighter ones on dark
-//! ground, and as small pictures.
+//! Colours and markers of the figures for a page: CSS variables, lighter on dark ground, and small
+//! pictures.
 
 use std::fmt::Write as _;
 
 use crate::figure::style::{Colour, Marker, Styles, lightened};
 
-/// The ground of a page in dark mode, as in the style sheet.
 const DARK: Colour = (22, 24, 29);
 /// Least contrast of a line to its ground: WCAG 2.2, success criterion 1.4.11.
 const CONTRAST: f64 = 3.0;
 
-/// The outline of a marker with radius 1 around 0, as an SVG path; crosses are lines without an
-/// inside.
+/// Returns the outline of a marker with radius 1 around 0, as an SVG path.
 pub fn outline(marker: Marker) -> &'static str {
     match marker {
         Marker::Circle => "M1.1 0A1.1 1.1 0 1 1-1.1 0A1.1 1.1 0 1 1 1.1 0Z",
@@ -38,18 +36,18 @@ fn contrast(a: Colour, b: Colour) -> f64 {
     if a > b { a / b } else { b / a }
 }
 
-/// The same hue, mixed with white until it is seen on dark ground.
+/// Mixes a colour with white until it has enough contrast on dark ground.
 pub fn on_dark(colour: Colour) -> Colour {
     let mixed = |step: u32| lightened(colour, f64::from(step) / 20.0);
     (0..=20).map(mixed).find(|&c| contrast(c, DARK) >= CONTRAST).unwrap_or((255, 255, 255))
 }
 
-/// `#0050c8`.
 pub fn hex((r, g, b): Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The colours of detectors 0, 1, ... as `--d0`, `--d1`, ..., for light and for dark ground.
+/// Returns the colours of detectors 0, 1, ... as `--d0`, `--d1`, ..., for light and for dark
+/// ground.
 pub fn css(names: &[&str], styles: &Styles) -> String {
     let list = |change: fn(Colour) -> Colour| {
         let entry =
@@ -63,7 +61,6 @@ pub fn css(names: &[&str], styles: &Styles) -> String {
     )
 }
 
-/// A marker as an element inside an SVG, at a place.
 pub fn mark(out: &mut String, index: usize, marker: Marker, (x, y): (f64, f64), radius: f64) {
     let line = matches!(marker, Marker::Cross | Marker::Plus);
     let _ = write!(
@@ -75,7 +72,6 @@ pub fn mark(out: &mut String, index: usize, marker: Marker, (x, y): (f64, f64), 
     );
 }
 
-/// A marker as a picture beside a name.
 pub fn chip(index: usize, marker: Marker) -> String {
     let mut out = String::from("<svg class=\"chip\" viewBox=\"-7 -7 14 14\" aria-hidden=\"true\">");
     mark(&mut out, index, marker, (0.0, 0.0), 4.0);

@@ -1,9 +1,6 @@
-//! Text into HTML: nothing that a record says can become markup.
-
 use std::fmt::Write as _;
 
-/// JSON inside a `script` element: no character of it can end the element or begin a comment. It is
-/// JSON still, and means the same.
+/// Escapes JSON for a `script` element: no character can end the element or begin a comment.
 pub fn script_safe(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -17,7 +14,6 @@ pub fn script_safe(json: &str) -> String {
     out
 }
 
-/// An SVG as the address of an image.
 pub fn data_uri(svg: &str) -> String {
     let mut out = String::from("data:image/svg+xml;charset=utf-8,");
     for c in svg.chars() {

@@ -1,12 +1,7 @@
-//! `report.html`: a whole report in one file that opens from disk, without a server, the network,
-//! or the files beside it.
-//!
-//! What can be said without a program stands in the page as HTML, made here: the answer, verdicts,
-//! figures, what did not end well, machine and method. `data` gives the charts and the table
-//! their numbers; `marks` keeps the colours of the figures; `markup` lets no text of a record
-//! become markup. Style and program are in `crates/report/assets/report`, the charting library,
-//! uPlot, in `crates/report/assets/uplot`. A content security policy in the page forbids every
-//! request.
+//! `report.html`: a report in one file that needs no server, no network and no other file. What
+//! needs no JavaScript is HTML made here. `data` gives charts and table their numbers; `markup`
+//! escapes texts of the record. Style and scripts are in `crates/report/assets`. A content security
+//! policy in the page forbids every request.
 
 mod answer;
 mod cards;
@@ -40,7 +35,7 @@ const UPLOT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
 
-/// Figures are put into the page up to so many bytes together; those beyond are linked.
+/// Bytes of figures that a page contains; further figures are linked.
 const FIGURE_BYTES: usize = 2_500_000;
 
 pub fn html(facts: &Facts<'_>) -> String {
@@ -50,14 +45,17 @@ pub fn html(facts: &Facts<'_>) -> String {
     let marks = Marks { detectors: &detectors, styles };
     let titles = parts.iter().map(|part| (&*part.experiment.name, &*part.experiment.title));
     let data = data::json(&titles.collect::<Vec<_>>(), facts.cells, &detectors, styles);
-    let warnings = facts.warnings.iter().map(|line| Block::Warning(line.as_str().into()));
-    let warnings: Vec<Block> = facts.alerts.iter().cloned().chain(warnings).collect();
+    let warning = |line: &String| Block::Warning(line.as_str().into());
+    let wrong = facts.wrong.iter().map(warning);
+    let first: Vec<Block> = wrong.chain(facts.alerts.iter().cloned()).collect();
+    let whole = facts.whole.iter().map(|line| Block::paragraph(line.as_str()));
+    let notes: Vec<Block> = whole.chain(facts.warnings.iter().map(warning)).collect();
     let maps: Vec<&Drawn> = parts.iter().flat_map(|part| &part.maps).collect();
     let maps = (!maps.is_empty()).then(|| map::section(&maps, styles));
     let values = [
         ("title", escape(facts.title())),
         ("source", escape(&source(facts))),
-        ("warnings", document::html(&warnings)),
+        ("warnings", document::html(&first)),
         ("cards", cards::html(facts)),
         ("answers", answers(parts, &marks)),
         ("claims", claims(parts)),
@@ -66,7 +64,7 @@ pub fn html(facts: &Facts<'_>) -> String {
         ("figures", figures(parts)),
         ("outcomes", outcomes(parts)),
         ("tables", parts.iter().map(tables).collect()),
-        ("machine", facts.origin.method()),
+        ("machine", document::html(&notes) + &facts.origin.method()),
         ("commands", facts.origin.commands()),
         ("colours", marks::css(&detectors, styles)),
         ("data", markup::script_safe(&data.to_string())),
@@ -80,7 +78,7 @@ pub fn html(facts: &Facts<'_>) -> String {
     text::fill(TEMPLATE, &values)
 }
 
-/// The line below the title: when, on what, by which program.
+/// Returns the line below the title: date, machine, program.
 fn source(facts: &Facts<'_>) -> String {
     let field = |name: &str| {
         let value = facts.origin.provenance.as_ref()?.get(name);
@@ -115,16 +113,14 @@ fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
         head.extend(sections::answer::blocks(&part.verdicts, true));
         out += &format!("<article>\n{}", document::html(&head));
         let asked = part.asks_fastest && contests;
-        // The card already names a single experiment.
+        // With one experiment, the card holds the sentence already.
         if parts.len() > 1 && asked {
             let sentence = document::inline_html(&part.sentence());
             out += &format!("<p class=\"lead\">{sentence}</p>\n");
         }
-        let mut blocks: Vec<Block> =
-            part.headline.clone().map(Block::Paragraph).into_iter().collect();
         let compared = asked && sections::winners::compared(&part.winners);
-        blocks.extend(sections::winners::left_out(&part.winners).filter(|_| compared));
-        out += &document::html(&blocks);
+        let left_out = sections::winners::left_out(&part.winners).filter(|_| compared);
+        out += &document::html(&Vec::from_iter(left_out));
         if compared {
             out += &answer::table(&part.winners, marks);
         }
@@ -172,7 +168,6 @@ fn claim(verdict: &Verdict) -> String {
     )
 }
 
-/// The figures, and links to their files.
 fn figures(parts: &[Part<'_>]) -> String {
     let (mut out, mut room) = (String::new(), FIGURE_BYTES);
     for (title, path) in parts.iter().flat_map(|part| &part.figures) {

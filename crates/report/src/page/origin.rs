@@ -1,5 +1,3 @@
-//! Where a record is from: its machine, and the commands that made it.
-
 use serde_json::Value;
 
 use crate::document::{self, Block, Text};
@@ -8,12 +6,10 @@ use crate::sections::conditions;
 use contactbench_terms::text::html as escape;
 
 impl Origin {
-    /// Returns paragraphs on other load of the machine, and on how often the machine was slow.
     pub fn machine(&self) -> impl Iterator<Item = Block> {
         conditions::machine(&self.conditions).into_iter().map(Block::paragraph)
     }
 
-    /// The programs that answered, under a heading of this level.
     pub fn programs(&self, level: u8) -> Vec<Block> {
         match conditions::programs(&self.ledger) {
             none if none.is_empty() => Vec::new(),
@@ -24,7 +20,6 @@ impl Origin {
         }
     }
 
-    /// Machine, provenance and programs, for a page.
     pub(super) fn method(&self) -> String {
         let Some(Value::Object(fields)) = &self.provenance else {
             return "<p>This folder has no provenance.json: nothing is known.</p>".into();
@@ -38,7 +33,6 @@ impl Origin {
         format!("{load}<dl>\n{fields}</dl>\n{}", document::html(&self.programs(3)))
     }
 
-    /// The commands that made the record and its page.
     pub(super) fn commands(&self) -> String {
         let revision = self.provenance.as_ref().and_then(|fields| fields.get("revision")?.as_str());
         let mut lines: Vec<String> =
@@ -55,7 +49,7 @@ impl Origin {
     }
 }
 
-/// The command of a run as it was typed; older records hold a list of words.
+/// Returns the command of a run as it was typed. Older records hold a list of words.
 pub fn command(provenance: &Value) -> Option<String> {
     Some(match provenance.get("command")? {
         Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
@@ -63,7 +57,6 @@ pub fn command(provenance: &Value) -> Option<String> {
     })
 }
 
-/// Text as it is, anything else as JSON.
 pub fn shown(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), String::from)
 }

@@ -29,75 +29,63 @@ use contactbench_record::record::ledger::Ledger;
 use contactbench_record::record::provenance;
 use contactbench_record::record::row::Row;
 
-/// What was written.
 pub struct Report {
-    /// All claims, in the order of the experiments.
     pub verdicts: Vec<Verdict>,
-    /// Who is wrong, or crashed: each once.
+    /// Subjects that were wrong, crashed or could not be started, each once.
     pub culprits: Vec<Culprit>,
-    /// What a terminal shows: who is wrong, answers, winners, claims.
     pub terminal: Vec<Block>,
     pub figures: Vec<PathBuf>,
-    /// The report in Markdown, and as a page with charts.
     pub path: PathBuf,
     pub page: PathBuf,
-    /// Sentences about what was left out: those given, and figures that could not be drawn.
+    /// Sentences about what was left out: the given ones, and those about figures that could not be
+    /// drawn.
     pub warnings: Vec<String>,
 }
 
-/// All that is known of a record.
 pub struct Facts<'a> {
     pub parts: Vec<Part<'a>>,
     pub cells: &'a [Cell],
     pub verdicts: Vec<Verdict>,
     pub styles: Styles,
     pub origin: Origin,
-    /// Notes on incomplete plans, and on why times are doubtful.
+    /// Notes on incomplete plans and on doubtful times.
     pub alerts: Vec<Block>,
-    /// Warnings of wrong answers, and of what was left out.
+    /// Sentences about subjects that are wrong or crashed.
+    pub wrong: Vec<String>,
+    /// The sentence that the record has all of its plan.
+    pub whole: Option<String>,
     pub warnings: Vec<String>,
 }
 
-/// What is found in one experiment.
 pub struct Part<'a> {
     pub experiment: &'a Experiment,
     pub cells: Vec<&'a Cell>,
-    /// How much of its plan is there.
     pub coverage: Summary,
     pub verdicts: Vec<Verdict>,
     pub winners: Winners,
-    /// Does the question ask for it?
     pub asks_fastest: bool,
-    /// How the detector of interest compares with libraries, in a sentence: the answer.
+    /// How the reference compares with libraries.
     pub answer: Option<Text>,
-    /// How the detector of interest compares with the fastest, if no library was measured.
-    pub headline: Option<Text>,
-    /// Who is right, case by case, if the experiment asks.
     pub matrix: Option<Matrix>,
-    /// Its figures: title and file.
+    /// Title and file of each figure.
     pub figures: Vec<(String, PathBuf)>,
-    /// The maps among them.
     pub maps: Vec<Drawn>,
-    /// All its tables.
     pub tables: Vec<Block>,
     /// Names and tables of CSV files.
     pub files: Vec<(&'static str, table::Table)>,
 }
 
 pub struct Origin {
-    /// Command, revision and machine.
     pub provenance: Option<Value>,
-    /// Provenance of the runs that resumed the record, in the order of their dates.
+    /// Provenance of the runs that resumed the record, by date.
     pub resumed: Vec<Value>,
-    /// What makes its times doubtful, and what else the machine did.
     pub conditions: Conditions,
-    /// The programs that answered.
     pub ledger: Ledger,
 }
 
 /// Writes the report of these experiments into `folder`. Rows of other experiments are in
-/// `summary.csv` only. A figure that cannot be drawn as written is a warning; files that cannot be
-/// written are an error.
+/// `summary.csv` only. A figure that cannot be drawn is a warning; a file that cannot be written is
+/// an error.
 pub fn write(
     folder: &Path,
     experiments: &[Experiment],
@@ -115,19 +103,21 @@ pub fn write(
     };
     let parts: Vec<Part<'_>> = experiments.iter().map(part).collect();
     let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
-    // Nothing is more important.
     let wrong: Vec<String> = culprits.all.iter().map(sections::failures::culprit).collect();
     let doubts = sections::conditions::sentence(&origin.conditions);
-    let mut alerts = sections::coverage::blocks(parts.iter().map(|part| &part.coverage));
-    alerts.extend(doubts.map(|doubts| Block::Warning(doubts.into())));
+    let (whole, partial) =
+        sections::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
+    let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
     let facts = Facts {
         verdicts: parts.iter().flat_map(|part| part.verdicts.clone()).collect(),
         parts,
         cells: &cells,
         styles,
         origin,
-        alerts,
-        warnings: [&wrong[..], &warnings[..]].concat(),
+        alerts: alerts.collect(),
+        wrong,
+        whole,
+        warnings: warnings.clone(),
     };
     let (path, page) = (folder.join("report.md"), folder.join("report.html"));
     for (path, text) in [(&path, document::markdown(&facts.report())), (&page, page::html(&facts))]
@@ -144,12 +134,11 @@ pub fn write(
         std::fs::write(&path, csv(&tables))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    // Failures on the page say it, too.
     let optional = culprits.absent.iter().map(sections::failures::culprit);
     warnings.extend(optional.map(|it| format!("{it} (it is optional)")));
     let figures = facts.parts.iter().flat_map(|part| &part.figures).map(|it| it.1.clone());
     Ok(Report {
-        terminal: facts.terminal(&wrong),
+        terminal: facts.terminal(),
         culprits: culprits.all,
         figures: figures.collect(),
         verdicts: facts.verdicts,
@@ -197,15 +186,13 @@ impl<'a> Part<'a> {
         }
         files.extend(matrix.iter().map(|_| ("verdicts.csv", sections::verdicts::rows(&own))));
         let found = experiment.ratios_to.as_deref().and_then(|to| Ratios::new(&own, to));
-        let library = found.as_ref().is_some_and(|found| !found.libraries.is_empty());
-        let compared = found.as_ref().map(ratios::headline);
+        let compared = found.filter(|found| !found.libraries.is_empty());
         Part {
             experiment,
             verdicts: claim::verdicts(experiment, cells, &coverage),
             coverage: coverage.summary(),
             asks_fastest: experiment.asks_fastest(),
-            answer: compared.clone().filter(|_| library),
-            headline: compared.filter(|_| !library),
+            answer: compared.as_ref().map(ratios::headline),
             matrix,
             figures: Vec::new(),
             maps,
@@ -216,7 +203,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Draws the figures into a folder; returns a sentence for each that cannot be drawn.
+    /// Draws the figures into a folder, and returns a sentence for each that cannot be drawn.
     fn draw(
         &mut self,
         folder: &Path,
@@ -238,12 +225,10 @@ impl<'a> Part<'a> {
         failed
     }
 
-    /// What the experiment asks, answered in a sentence.
     pub fn sentence(&self) -> Text {
         self.answer.clone().unwrap_or_else(|| sections::winners::sentence(&self.winners))
     }
 
-    /// The answer in a few words: of claims, of an experiment that asks for it the fastest.
     pub fn brief(&self) -> Option<Text> {
         let fastest = self.asks_fastest && !self.winners.contests.is_empty();
         match self.verdicts.iter().any(|verdict| !verdict.answers.is_empty()) {
@@ -252,7 +237,6 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// The fastest detectors, if the question asks for them: the sentence, and a line per scene.
     fn fastest(&self) -> Vec<Block> {
         let mut blocks = match self.asks_fastest {
             true => sections::winners::blocks(&self.winners),
@@ -265,7 +249,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The cells of an experiment: cells are in the order of experiments.
+/// Returns the cells of an experiment; cells are sorted by experiment.
 fn of<'a>(experiment: &Experiment, cells: &'a [Cell]) -> &'a [Cell] {
     let name = &experiment.name;
     let start = cells.partition_point(|cell| cell.id.experiment < *name);

@@ -3,7 +3,6 @@ use contactbench_record::cells::testing::{self, Lab};
 use contactbench_record::record::row::{Outcome, Pass};
 use contactbench_terms::errors::{Causes, Errors};
 
-/// Writes a report, and returns it with its Markdown, its page and what a terminal shows.
 fn written(folder: &Path, experiment: Experiment, lab: &Lab) -> (Report, [String; 3]) {
     let report = write(folder, &[experiment], &lab.rows(), &["line 9 is torn".into()]).unwrap();
     let read = |path: &Path| std::fs::read_to_string(path).unwrap();
@@ -41,15 +40,13 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     ] {
         assert!(markdown.contains(part), "{part} is not in\n{markdown}");
     }
-    // Report, page and terminal contain the same facts.
-    for part in ["signal 11", "3.00 (3.00 to 3.00)", "exactly, in 2 cells", "packed, 2D, N = 1000"]
+    for part in ["signal 11", "3.00 (3.00 to 3.00)", "exact in both cells", "packed, 2D, N = 1000"]
     {
         let texts = [&markdown, &page, &terminal];
         assert!(texts.iter().all(|text| text.contains(part)), "{part}: {texts:#?}");
     }
-    // Evidence stands with the answer and with the claims.
     for text in [&markdown, &page] {
-        assert_eq!(text.matches("exactly, in 2 cells").count(), 2, "{text}");
+        assert_eq!(text.matches("exact in both cells").count(), 2, "{text}");
     }
     assert!(markdown.contains("contactbench run") && page.contains("contactbench run"));
     assert!(report.warnings[1].contains("unknown variable 'speed'"), "{:?}", report.warnings);
@@ -57,7 +54,7 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     let summary = std::fs::read_to_string(folder.join("summary.csv")).unwrap();
     assert_eq!(summary.lines().count(), 7);
     assert!(!folder.join("verdicts.csv").exists());
-    // a report can be made again, and is the same
+    // A report that is made again is the same.
     assert_eq!(written(folder, experiment, &lab).1[0], markdown);
 }
 

@@ -1,5 +1,3 @@
-//! Texts of the report and of the terminal.
-
 use serde_json::Value;
 
 use super::{Facts, Part};
@@ -7,8 +5,35 @@ use crate::document::{Block, Text};
 use crate::page::origin::{command, shown};
 use crate::sections;
 
+const LEGEND: &[(&str, &str)] = &[
+    ("scene", ": one set of particles; another N, seed or parameter makes another scene."),
+    (
+        "time",
+        ": from raw coordinates to the complete list of pairs, in buffers that were used before; \
+         the median of the blocks. In a block each subject runs once. A time is compared only if \
+         the answer is right.",
+    ),
+    ("quiet", ": the median of the samples during which the machine was not slow."),
+    ("first call", ": the time of the first detection in a new process."),
+    (
+        "1.25 (1.20 to 1.31)",
+        ": the median of the ratios within blocks, and its interval from order statistics (with \
+         15 blocks the 4th to the 12th, 96.5%).",
+    ),
+    ("both cold", ": the ratio of the first detections in new processes."),
+    (
+        "fastest",
+        ": each detector competes once, with its fewest threads, in exact arithmetic if it has it.",
+    ),
+    (
+        "decided",
+        ": for every other detector the interval excludes 1, and the ratio is beyond the noise \
+         floor. The detectors that leave it undecided are named.",
+    ),
+    ("operations, bytes", ": exact counts, the same on every machine; bytes are peak heap."),
+];
+
 impl Facts<'_> {
-    /// The title of report and page.
     pub fn title(&self) -> &str {
         match &self.parts[..] {
             [part] => &part.experiment.title,
@@ -16,8 +41,9 @@ impl Facts<'_> {
         }
     }
 
-    pub(super) fn terminal(&self, wrong: &[String]) -> Vec<Block> {
-        let mut out: Vec<Block> = wrong.iter().map(|it| Block::paragraph(it.as_str())).collect();
+    pub(super) fn terminal(&self) -> Vec<Block> {
+        let first = self.wrong.iter().chain(&self.whole);
+        let mut out: Vec<Block> = first.map(|it| Block::paragraph(it.as_str())).collect();
         out.extend(self.alerts.iter().cloned());
         for part in &self.parts {
             let mut said =
@@ -41,26 +67,32 @@ impl Facts<'_> {
         out
     }
 
-    /// Title, the command that made it, the score of the claims, warnings; each question with its
-    /// answer: the verdicts of its claims, then the fastest detectors if it asks for them.
+    /// Title; warnings; each question with its answer; where the record is from.
     fn head(&self) -> Vec<Block> {
+        let warning = |text: &String| Block::Warning(text.as_str().into());
         let mut out = vec![Block::heading(1, self.title())];
-        out.extend(self.warnings.iter().map(|warning| Block::Warning(warning.as_str().into())));
+        out.extend(self.wrong.iter().map(warning));
         out.extend(self.alerts.iter().cloned());
-        if let Some(fields) = self.provenance()
-            && let Some(command) = command(fields)
-        {
-            out.push(Block::paragraph(format!("Made{} by", program(fields))));
-            out.push(Block::Code(command));
-        }
-        out.push(Block::Paragraph(match &*self.verdicts {
-            [] => "No claims were checked.".into(),
-            all => Text::new().strong(format!("{}.", sections::claims::score(all))),
-        }));
         for part in &self.parts {
             out.push(Block::Paragraph(Text::new().strong(part.experiment.question.as_str())));
             out.extend(part.answers(true));
         }
+        out.push(Block::heading(2, "The record"));
+        match &*self.verdicts {
+            [] => out.push(Block::paragraph("No claims were checked.")),
+            all if self.parts.len() > 1 => {
+                out.push(Block::paragraph(sections::claims::score(all) + "."));
+            }
+            _ => {}
+        }
+        out.extend(self.whole.iter().cloned().map(Block::paragraph));
+        if let Some(fields) = self.provenance()
+            && let Some(command) = command(fields)
+        {
+            out.push(Block::paragraph(format!("Made{} with this command:", program(fields))));
+            out.push(Block::Code(command));
+        }
+        out.extend(self.warnings.iter().map(warning));
         out
     }
 
@@ -68,29 +100,17 @@ impl Facts<'_> {
         self.origin.provenance.as_ref()
     }
 
-    /// Legend of the tables, machine, bias.
     fn foot(&self, out: &mut Vec<Block>) {
         out.push(Block::heading(2, "How to read the tables"));
-        let text = Text::from(
-            "Times are medians over paired blocks, from raw coordinates to the complete list of \
-             pairs. Ratios are taken within a block; the numbers in brackets are the exact \
-             order-statistic interval of their median (15 blocks: the 4th to the 12th, 96.5%). A \
-             scene is one set of particles: another N, seed or parameter makes another scene. Each \
-             detector takes part in it once, with its fewest threads, and in exact arithmetic if \
-             it can. The fastest is decided if, for every other detector, the interval of the \
-             ratio excludes 1 and the ratio is beyond the noise floor. A time is compared only if \
-             the answer is right. Counts are exact and the same on every machine. All values, one \
-             line per cell, are in ",
-        );
-        let text = text.code("summary.csv").plain(", every single measurement is in the record, ");
-        let text = text.code("samples.jsonl").plain(" (or .gz), the pictures are in figures/. ");
+        let line = |(name, text): &(&str, &str)| Text::new().emphasis(*name).plain(*text);
+        out.push(Block::List(LEGEND.iter().map(line).collect()));
+        let text = Text::from("All values, one line per cell, are in ").code("summary.csv");
+        let text = text.plain(", all measurements in the record, ").code("samples.jsonl");
+        let text = text.plain(" (or .gz), the pictures in figures/. ");
         out.push(Block::Paragraph(text.code("contactbench report FOLDER").plain(
-            " makes all of it again from the record, and a page, report.html, with the pictures \
-             in it.",
+            " makes this report and report.html, which contains the pictures, from the record. \
+             docs/BIAS.md lists the ways in which this comparison is unfair.",
         )));
-        out.push(Block::paragraph(
-            "docs/BIAS.md of the project lists the ways in which this comparison is unfair.",
-        ));
         if let Some(Value::Object(fields)) = self.provenance() {
             out.push(Block::heading(2, "Machine and provenance"));
             out.extend(self.origin.machine());
@@ -101,7 +121,7 @@ impl Facts<'_> {
     }
 }
 
-/// Which program made a record, and when: a reader sees how old it is.
+/// Names date and program of a record: a reader sees how old it is.
 fn program(fields: &Value) -> String {
     let text = |name: &str| fields.get(name).and_then(Value::as_str).unwrap_or_default();
     let date = text("date_utc").split('T').next().filter(|date| !date.is_empty());
@@ -110,21 +130,23 @@ fn program(fields: &Value) -> String {
     let revisions: Vec<String> = text("revision").split(", ").filter_map(short).collect();
     match &*revisions {
         [] => date,
-        all => format!("{date}, with the program of commit {},", all.join(", ")),
+        all => format!("{date} by the program of commit {},", all.join(", ")),
     }
 }
 
 impl Part<'_> {
-    /// The verdicts that answer the question, how the detector of interest compares, and the
-    /// fastest.
     fn answers(&self, with_evidence: bool) -> Vec<Block> {
         let mut out = sections::answer::blocks(&self.verdicts, with_evidence);
-        out.extend(self.headline.clone().map(Block::Paragraph));
         out.extend(self.fastest());
+        if self.experiment.question.contains("threads") {
+            out.extend(sections::threads::answer(&self.cells));
+        }
+        if out.is_empty() && self.matrix.is_none() {
+            out.extend(sections::errors::answer(&self.cells).map(Block::Paragraph));
+        }
         out
     }
 
-    /// Question, verdicts, how to read, answers, figures, tables.
     fn section(&self, out: &mut Vec<Block>) {
         let experiment = self.experiment;
         out.push(Block::heading(2, experiment.title.as_str()));

@@ -1,5 +1,4 @@
-//! What the claims of an experiment answer to its question, in short: the verdicts that stand under
-//! the question, before the fastest detectors.
+//! The verdicts that answer the question of an experiment.
 
 use crate::document::{Block, Text};
 use crate::sections::claims::{evidence, score};
@@ -8,17 +7,25 @@ use contactbench_record::findings::claim::{Status, Verdict};
 /// Claims without `answers` are listed one by one up to this many.
 const FEW: usize = 3;
 
-/// The verdicts with their evidence, or without it.
 pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
     let listed = listed(verdicts);
     let mut out = Vec::new();
     if listed.len() < verdicts.len() && !listed.iter().any(|it| !it.answers.is_empty()) {
-        out.push(Block::paragraph(score(verdicts) + "."));
+        let details = if with_evidence { " The table of claims has the numbers." } else { "" };
+        out.push(Block::paragraph(format!("{}.{details}", score(verdicts))));
     }
     let item = |verdict: &&Verdict| {
         let text = Text::new().strong(format!("{}:", word(verdict)));
         let text = text.plain(format!(" {}", verdict.claim));
-        if with_evidence { text.plain(format!(": {}", evidence(&verdict.evidence))) } else { text }
+        if with_evidence {
+            let words = evidence(&verdict.evidence);
+            text.plain(match words.strip_prefix("on this machine: ") {
+                Some(words) => format!(". Measured on this machine: {words}."),
+                None => format!(". Measured: {words}."),
+            })
+        } else {
+            text
+        }
     };
     if !listed.is_empty() {
         out.push(Block::List(listed.iter().map(item).collect()));
@@ -26,8 +33,8 @@ pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
     out
 }
 
-/// The claims that answer the question; without such all if they are few, else those that do not
-/// hold.
+/// Returns the claims that answer the question. If none is marked so, returns all if they are few,
+/// else those that do not hold.
 fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
     let answers = |verdict: &&Verdict| !verdict.answers.is_empty();
     let open = |verdict: &&Verdict| verdict.status != Status::Holds;
@@ -40,7 +47,7 @@ fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
     }
 }
 
-/// The answer if the claim holds and the experiment gives one, else the verdict.
+/// Returns the answer that the experiment gives for a claim that holds, else the verdict.
 fn word(verdict: &Verdict) -> String {
     let word = match verdict.status {
         Status::Holds if verdict.answers.is_empty() => "holds",
@@ -53,7 +60,6 @@ fn word(verdict: &Verdict) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The verdicts in a few words; `None` without claims.
 pub fn brief(verdicts: &[Verdict]) -> Option<Text> {
     let listed: Vec<String> = listed(verdicts).iter().map(|it| word(it).to_lowercase()).collect();
     let answered = verdicts.iter().any(|verdict| !verdict.answers.is_empty());

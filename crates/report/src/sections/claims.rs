@@ -1,42 +1,42 @@
-//! Claims and what came of them.
-
 use crate::document::Block;
 use crate::sections::coverage::uncovered;
 use crate::table::Table;
 use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;
-use contactbench_terms::number::{number, plural};
+use contactbench_terms::number::{plural, short};
 
-/// `26 claims: 25 hold, 1 fails, 0 could not be shown`.
+/// `All 26 claims hold`, or `26 claims: 24 hold, 1 fails, 1 not covered`.
 pub fn score(verdicts: &[Verdict]) -> String {
     let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
-    let (holds, fails, open) =
-        (count(Status::Holds), count(Status::Fails), count(Status::NotShown));
-    let verb = |count: usize, verb: &str| match count {
-        1 => format!("1 {verb}s"),
-        _ => format!("{count} {verb}"),
-    };
-    let all = plural(verdicts.len(), "claim");
-    let cut = match count(Status::NotCovered) {
-        0 => String::new(),
-        cut => format!(", {cut} not covered"),
-    };
-    format!(
-        "{all}: {}, {}, {open} could not be shown{cut}",
-        verb(holds, "hold"),
-        verb(fails, "fail")
-    )
+    let all = verdicts.len();
+    match count(Status::Holds) {
+        1 if all == 1 => return "The claim holds".into(),
+        2 if all == 2 => return "Both claims hold".into(),
+        holds if holds == all => return format!("All {all} claims hold"),
+        _ => {}
+    }
+    let parts = [
+        (Status::Holds, ["holds", "hold"]),
+        (Status::Fails, ["fails", "fail"]),
+        (Status::NotShown, ["could not be shown"; 2]),
+        (Status::NotCovered, ["not covered"; 2]),
+    ];
+    let parts = parts.map(|(status, words)| (count(status), words)).into_iter();
+    let parts = parts.filter(|(count, _)| *count > 0);
+    let parts: Vec<String> = parts
+        .map(|(count, [one, more])| format!("{count} {}", if count == 1 { one } else { more }))
+        .collect();
+    format!("{}: {}", plural(all, "claim"), parts.join(", "))
 }
 
-/// The numbers of a verdict in a line.
 pub fn evidence(evidence: &Evidence) -> String {
-    let machine = if evidence.of_machine { "time, this machine: " } else { "" };
+    let machine = if evidence.of_machine { "on this machine: " } else { "" };
     let without = evidence.without.as_ref().map_or_else(String::new, left_out);
     let time = match evidence.time {
         Some([low, high]) if low < high => {
-            format!("; {} to {} ns per particle on this machine", number(low), number(high))
+            format!("; {} to {} ns per particle on this machine", short(low), short(high))
         }
-        Some([time, _]) => format!("; {} ns per particle on this machine", number(time)),
+        Some([time, _]) => format!("; {} ns per particle on this machine", short(time)),
         None => String::new(),
     };
     let there = format!("{machine}{}{time}{without}", evidence.found);
@@ -51,17 +51,24 @@ pub fn evidence(evidence: &Evidence) -> String {
     format!("{cut}; in {rest}: {there}")
 }
 
-/// `; without 4 of 7 cells: 3 refused, 1 timeout`.
+/// `; 4 of 7 cells have no value: 3 refused, 1 timeout`.
 fn left_out(without: &Without) -> String {
-    let part = |(outcome, count): (&Option<_>, &usize)| {
-        format!("{count} {}", outcome.map_or("without a value", Outcome::name))
+    let part = |(outcome, count): (&Option<_>, &usize)| match outcome {
+        Some(outcome) => format!("{count} {}", Outcome::name(*outcome)),
+        None => format!("{count} not measured"),
     };
     let parts: Vec<String> = without.outcomes.iter().map(part).collect();
     let count: usize = without.outcomes.values().sum();
-    format!("; without {count} of {}: {}", plural(without.of, "cell"), parts.join(", "))
+    let of = plural(without.of, "cell");
+    match &*parts {
+        [_] => format!(
+            "; {count} of {of} left out ({})",
+            parts[0].split_once(' ').unwrap_or_default().1
+        ),
+        _ => format!("; {count} of {of} left out: {}", parts.join(", ")),
+    }
 }
 
-/// For a report: the table, and how the claims are checked.
 pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
     if verdicts.is_empty() {
         return Vec::new();
@@ -75,13 +82,13 @@ pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
         Block::table(table),
         Block::paragraph(
             "Claims are checked from counts, bytes and digests, which are the same on every \
-             machine, except those marked \"time, this machine\". A claim holds over all that the \
-             experiment plans; if a part of that is not in the record, it is not covered.",
+             machine. Those marked \"on this machine\" are about times. A claim holds only if it \
+             is true of all that the experiment plans; it is not covered if a part of the plan is \
+             missing.",
         ),
     ]
 }
 
-/// For a terminal: the table and the score.
 pub fn terminal(verdicts: &[Verdict]) -> Vec<Block> {
     if verdicts.is_empty() {
         return Vec::new();

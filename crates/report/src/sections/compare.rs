@@ -1,5 +1,3 @@
-//! Two records compared: tables for a terminal, and the words for what was found.
-
 use crate::table::Table;
 use contactbench_record::findings::compare::{
     Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
@@ -15,7 +13,7 @@ pub fn change(Change { what, a, b }: &Change) -> String {
     format!("{what} {a} -> {b}")
 }
 
-/// Why times are not judged; empty where nothing need be said.
+/// Explains why times are not judged; empty if there is nothing to explain.
 pub fn note(timing: &Timing, options: &Options) -> String {
     match &timing.note {
         None => String::new(),
@@ -29,7 +27,6 @@ pub fn note(timing: &Timing, options: &Options) -> String {
     }
 }
 
-/// The sentence about a twin that moved.
 pub fn moved(name: &str, factor: f64) -> String {
     format!(
         "{name} is equal code and moved by {factor:.2}: nothing is decided; compare builds side by \
@@ -37,7 +34,7 @@ pub fn moved(name: &str, factor: f64) -> String {
     )
 }
 
-/// A machine with its processor: names of virtual machines tell nothing.
+/// Describes a machine by name and processor: the name of a virtual machine is not enough.
 pub fn machine(Machine { name, hardware }: &Machine) -> String {
     let name = if name.is_empty() { "an unnamed machine" } else { name };
     let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
@@ -47,14 +44,13 @@ pub fn machine(Machine { name, hardware }: &Machine) -> String {
     if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
 }
 
-/// The sentence about two machines.
 pub fn machines(machines: &[Machine; 2]) -> String {
     let [a, b] = machines.each_ref().map(machine);
     let same = if a == b { ", which differ in family, stepping, features or memory" } else { "" };
     format!("two machines: {a} and {b}{same}")
 }
 
-/// `480 MiB`; a size that cannot be read as it stands there.
+/// Formats a size as `480 MiB`; text that is no size stays as it is.
 fn cache(size: &str) -> String {
     match size_of(size) {
         Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),
@@ -67,7 +63,6 @@ fn builds([a, b]: &[String; 2]) -> String {
     format!("A is a {a} build, B a {b} build")
 }
 
-/// How times are compared, in a sentence.
 pub fn pairing(how: &Options) -> String {
     if how.side_by_side.is_some() {
         return "side by side: in each block both took turns on one processor, in fresh processes"
@@ -83,9 +78,9 @@ pub fn pairing(how: &Options) -> String {
             format!("shown, not judged: {detector} has no times on a scene of both")
         }
         (Some(Against { detector, drift: Some(drift) }), ..) => format!(
-            "each a multiple of that of {detector} in the same block. What changed {detector} \
-             itself is hidden; its own times are up to {} apart between the two (nine in ten \
-             cells): no smaller change is reported",
+            "multiples of the time of {detector} in the same block, which hide a change of \
+             {detector} itself. Its own time differs by up to {} between the two records (nine in \
+             ten cells): smaller changes are not reported",
             percent(drift - 1.0)
         ),
         (None, _, Some(found)) => format!(
@@ -101,31 +96,31 @@ pub fn pairing(how: &Options) -> String {
     }
 }
 
-/// What equal code differed by where builds took turns, in a sentence.
+/// Describes how equal code differed when two builds took turns.
 pub fn floor(experiment: &str, noise: &Noise) -> String {
     let sum = |count: fn(&Twin) -> usize| -> usize { noise.twins.iter().map(count).sum() };
     format!(
-        "this build against itself, the same way: {} of {} exclude 1; nine in ten are within {} \
-         ({experiment})",
+        "this build against itself in the same way: {} of {} exclude 1; nine in ten are within \
+         {} ({experiment})",
         sum(|twin| twin.outside),
         plural(sum(|twin| twin.cells), "interval"),
         percent(noise.floor - 1.0)
     )
 }
 
-/// `1.012 (1.003 to 1.021)`: the differences of interest are small.
+/// `1.012 (1.003 to 1.021)`: three decimals, since differences of interest are small.
 pub fn ratio(timing: &Timing) -> String {
     let ratio = &timing.ratio;
     format!("{:.3} ({:.3} to {:.3})", ratio.median, ratio.low, ratio.high)
 }
 
-/// The verdict of a cell, marked where a difference is shown within the band.
+/// Returns the verdict of a cell, with a mark if a difference within the band is certain.
 fn verdict(timing: &Timing) -> String {
     let but = if timing.is_small() { ", not 1" } else { "" };
     format!("{}{but}", timing.judgement.name())
 }
 
-/// The times of those cells that became slower or faster, or of all; the largest change first.
+/// Makes the table of cells that became slower or faster, or of all; the largest change first.
 pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     let shown =
         |timing: &Timing| all || matches!(timing.judgement, Judgement::Slower | Judgement::Faster);
@@ -137,7 +132,6 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     timed.sort_by(|(a, _), (b, _)| {
         a.judgement.cmp(&b.judgement).then(b.ratio.median.total_cmp(&a.ratio.median))
     });
-    // The columns are of what the ratio is of.
     let control = how.against.as_ref().filter(|_| how.side_by_side.is_none());
     let unit = control.map_or("ns".into(), |control| format!("/ {}", control.detector));
     let shown = |ns: f64, multiple: Option<f64>| match (control, multiple) {
@@ -146,7 +140,7 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
         (Some(_), None) => format!("{} ns", number(ns)),
     };
     let cell = |timing: &Timing, place: &str| match note(timing, how) {
-        // Two builds stand in the head of the table, machines and twins in a line of their own.
+        // Builds are named above the table; machines and twins have a line of their own.
         note if note.is_empty()
             || how.builds.is_some()
             || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
@@ -164,7 +158,7 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
         .into()
 }
 
-/// How far a comparison sees: `by 12%`, `of 47 times`.
+/// Formats the smallest slowdown that a comparison finds: `by 12%`, `of 47 times`.
 fn seen(least: f64) -> String {
     match least < 2.0 {
         true => format!("by {}", percent(least - 1.0)),
@@ -172,7 +166,7 @@ fn seen(least: f64) -> String {
     }
 }
 
-/// Why times cannot be gated, if they cannot be.
+/// Explains why times cannot be gated; `None` if they can.
 pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
     match (&how.machines, &found.moved, found.least) {
         (Some(two), ..) => Some(format!("no time could be judged ({})", machines(two))),
@@ -194,7 +188,6 @@ pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
     }
 }
 
-/// The ratio of a detector over its cells, in a line.
 pub fn pooled((name, ratio): &(String, Interval)) -> String {
     let Interval { median, low, high, coverage, count } = ratio;
     let interval = if *coverage < COVERAGE {
@@ -205,16 +198,15 @@ pub fn pooled((name, ratio): &(String, Interval)) -> String {
     format!("{name}: B / A {median:.3}, the median of {}{interval}", plural(*count, "cell"))
 }
 
-/// What two builds of equal sources differ by, in a sentence.
 pub fn placement() -> String {
     format!(
-        "two builds of equal sources differ by up to {} by where the linker puts the code \
-         (docs/COMPARE.md): no smaller difference is called slower or faster",
+        "two builds of equal sources differ by up to {}, since the linker places the code \
+         differently (docs/COMPARE.md): smaller differences are called neither slower nor faster",
         percent(PLACEMENT - 1.0)
     )
 }
 
-/// What must be the same, and the times, in a line each; the times with how they are gated.
+/// Returns two lines: what must be the same, and the times with their gate.
 pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let verdict = match found.changed {
         0 => "the same everywhere".into(),
@@ -235,8 +227,8 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
     if let Some((typical, most)) = found.least {
         judged += &format!(
-            "; a slowdown {} would show (median of cells; at most {}); of equal code {:.1} would \
-             be slower by chance",
+            "; a slowdown {} would be found (median of cells; at most {}); {:.1} cells of equal \
+             code are expected to be slower by chance",
             seen(typical),
             seen(most),
             found.by_chance

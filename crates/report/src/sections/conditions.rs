@@ -1,30 +1,25 @@
-//! Under which conditions a record was made, in words.
-
 use contactbench_record::cells::state::SLOW;
 use contactbench_record::findings::conditions::{Conditions, Load, percent};
 use contactbench_record::record::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, plural};
 
-/// Returns in one sentence why the times of a record are doubtful; `None` if they are not.
 pub fn sentence(conditions: &Conditions) -> Option<String> {
     let doubts = &conditions.doubts;
     let said = || format!("do not quote the times of this record: {}", doubts.join("; "));
     (!doubts.is_empty()).then(said)
 }
 
-/// What is known of the machine while it was timed: what else it did, and how often it was slow.
 pub fn machine(conditions: &Conditions) -> Vec<String> {
     [load(conditions), states(conditions)].into_iter().flatten().collect()
 }
 
-/// What else the machine did, whatever it was; none where that is not known.
 fn load(conditions: &Conditions) -> Option<String> {
     match &conditions.load {
         Load::Unknown => None,
         Load::Before(load) => Some(format!("The load average before the run was {load}.")),
         Load::Watched { seconds, others, stolen } => Some(format!(
-            "While it was timed, {} s in all, other processes used {} of a core, and the host \
-             took away {} of one.",
+            "During the {} s of timing, other processes used {} of a core, and the host took away \
+             {} of one.",
             number(*seconds),
             percent(*others),
             percent(*stolen)
@@ -32,21 +27,19 @@ fn load(conditions: &Conditions) -> Option<String> {
     }
 }
 
-/// How often the machine was slow; none where nobody looked.
 fn states(conditions: &Conditions) -> Option<String> {
     let (slow, all) = conditions.slow;
     (all > 0).then(|| {
         format!(
-            "In {} of {} the machine was slow: a test loop beside them took over {SLOW} times as \
-             long as in the quietest tenth. Times are medians of all samples, quiet times of the \
-             other samples.",
+            "The machine was slow in {} of {}: a test loop next to the sample took over {SLOW} \
+             times as long as in the quietest tenth. Times are medians of all samples; quiet times \
+             are medians of the others.",
             percent(slow as f64 / all as f64),
             plural(all, "timed sample")
         )
     })
 }
 
-/// The programs behind the rows, a line each.
 pub fn programs(ledger: &Ledger) -> Vec<String> {
     ledger.processes.values().map(program).collect()
 }

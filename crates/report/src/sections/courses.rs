@@ -1,17 +1,14 @@
-//! Scenes in motion: a table of motions, one of builds, and one of what was missed.
-
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Table};
 use contactbench_record::cells::Cell as Measured;
 use contactbench_record::findings::courses::{Course, Courses};
 
-/// The sections of a report, if scenes move: motions, builds, and what was missed.
 pub fn sections(about: &About<'_>) -> Vec<Section> {
     let Some(found) = Courses::new(about.cells) else { return Vec::new() };
     let arithmetic = found.arithmetic.iter().map(|name| format!(", in {name} arithmetic"));
     let asked = format!(
-        "Frames in which the detector was asked, the first among them{}.",
+        "Number of frames in which the detector ran, the first included{}.",
         arithmetic.collect::<String>()
     );
     vec![
@@ -32,8 +29,8 @@ fn misses(found: &Courses) -> Vec<Block> {
          frames. Share: missed contacts among all. Since: the first frame with a missed contact. \
          Never: contacts that were not reported later either. Late: the longest delay of the \
          others. Deepest: the largest overlap of a missed contact. Dangerous: builds whose rule \
-         was broken when it was first looked at, as LAMMPS counts them. Rightly: dangerous builds \
-         after a missed contact. Of: all builds after a missed contact. Trackers that are not \
+         was already broken when it was first checked, as LAMMPS counts them. After a miss: the \
+         dangerous builds after a missed contact, and all builds after one. Trackers that are not \
          listed missed nothing and had no dangerous build.",
     );
     let whole = |name| move |(.., cell): Missed<'_>| value(cell, name) as u64;
@@ -53,13 +50,13 @@ fn misses(found: &Courses) -> Vec<Block> {
             (value(cell, "search_missed") > 0.0).then(|| value(cell, "search_deepest_miss"))
         })
         .right("dangerous", whole("dangerous"))
-        .right("rightly", whole("dangerous_rightly"))
-        .right("of", whole("missing_builds"));
+        .right("of these after a miss", whole("dangerous_rightly"))
+        .right("builds after a miss", whole("missing_builds"));
     vec![how, Block::table(table)]
 }
 
-/// The rows of trackers that missed contacts, or whose builds were called dangerous: the flag is
-/// judged by the builds that came without a miss as well.
+/// Returns the rows of trackers that missed contacts or had a dangerous build. Dangerous builds
+/// without a miss show how good the flag is.
 fn missed<'a>(found: &'a Courses<'_>) -> Vec<Missed<'a>> {
     let mut all = Vec::new();
     for course in &found.courses {
@@ -71,7 +68,6 @@ fn missed<'a>(found: &'a Courses<'_>) -> Vec<Missed<'a>> {
     all
 }
 
-/// A course, and a tracker with its cell there.
 type Missed<'a> = (&'a Course<'a>, &'a String, &'a Measured);
 
 fn value(cell: &Measured, name: &str) -> f64 {
@@ -85,7 +81,7 @@ fn motions(found: &Courses) -> Block {
         .unit("longest", "diameters", |course| course.motion.longest_way)
         .right("contacts in a frame", |course| course.motion.contacts)
         .right("new", |course| course.motion.born)
-        .right("between frames alone", |course| course.motion.tunnelled);
+        .right("only between frames", |course| course.motion.tunnelled);
     Block::table(table)
 }
 

@@ -1,41 +1,36 @@
-//! How much of the plan is there.
-
 use std::collections::BTreeMap;
 
-use crate::document::Block;
 use contactbench_record::findings::coverage::{Gap, Short, Summary, Uncovered, Why};
 use contactbench_record::record::value::AxisValue;
 use contactbench_terms::number::plural;
 
-/// For the head of a report: a warning for each experiment that is not whole, or one sentence that
-/// all are.
-pub fn blocks<'a>(found: impl Iterator<Item = &'a Summary>) -> Vec<Block> {
-    // An experiment without a plan asks for nothing.
+/// Returns one sentence if the record has all of its plan, or a sentence for each incomplete
+/// experiment.
+pub fn whole_or_partial<'a>(
+    found: impl Iterator<Item = &'a Summary>,
+) -> (Option<String>, Vec<String>) {
     let found: Vec<&Summary> = found.filter(|found| found.cells[1] > 0).collect();
     let parts: Vec<String> = found.iter().filter_map(|found| partial(found)).collect();
-    match parts.is_empty() && !found.is_empty() {
-        true => vec![Block::paragraph(whole(&found))],
-        false => parts.into_iter().map(|words| Block::Warning(words.into())).collect(),
-    }
+    ((parts.is_empty() && !found.is_empty()).then(|| whole(&found)), parts)
 }
 
-/// `All of the plan is there: 9 scenes, 54 cells.`
+/// `The record has all of the plan: 9 scenes, 54 cells.`
 fn whole(found: &[&Summary]) -> String {
     let sum = |count: fn(&Summary) -> usize| -> usize { found.iter().map(|it| count(it)).sum() };
     let (scenes, cells) = (sum(|found| found.scenes[1]), sum(|found| found.cells[1]));
     let mut said = vec![format!("{}, {}", plural(scenes, "scene"), plural(cells, "cell"))];
     let twins = sum(|found| found.twins);
     if twins > 0 {
-        said.push(format!("beside them {} of twins, for the noise", plural(twins, "cell")));
+        said.push(format!("{} of twins (equal code) show the noise", plural(twins, "cell")));
     }
     said.extend(found.iter().filter_map(|found| match short(found)? {
         short if cells > found.cells[1] => Some(format!("{}: {short}", found.experiment)),
         short => Some(short),
     }));
-    format!("All of the plan is there: {}.", said.join("; "))
+    format!("The record has all of the plan: {}.", said.join("; "))
 }
 
-/// What is said of an experiment of which something is missing, or that has scenes of its own.
+/// Describes an experiment that is incomplete, or has scenes outside the plan; `None` for others.
 pub fn partial(found: &Summary) -> Option<String> {
     let Summary { experiment, scenes, cells, missing, outside, .. } = found;
     let cut = found.short.keys().any(|why| *why != Why::Budget);
@@ -48,18 +43,17 @@ pub fn partial(found: &Summary) -> Option<String> {
     let mut said = Vec::new();
     if quick && *outside > 0 {
         let there = scenes[0];
-        said.push(format!(
-            "a quick run, with {own} of its own and {there} of the {planned} that are planned"
-        ));
+        said.push(format!("a quick run of {own}; it has {there} of the {planned} of the plan"));
     } else {
         let all = plural(cells[1], "cell");
         let (there, measured) = (scenes[0], cells[0]);
-        said.push(format!("{there} of {planned} and {measured} of {all} of the plan are there"));
+        said.push(format!(
+            "the record has {there} of {planned} and {measured} of {all} of the plan"
+        ));
         said.extend((!missing.is_empty()).then(|| format!("missing: {}", reasons(missing))));
         said.extend(short(found));
         said.extend((*outside > 0).then(|| format!("{own} outside of the plan")));
     }
-    // The contenders that could not be started, and why.
     let mut unavailable: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for (name, reason) in &found.unavailable {
         unavailable.entry(reason).or_default().push(name);
@@ -78,7 +72,7 @@ fn short(found: &Summary) -> Option<String> {
         let range = if low < high { format!("{low} to {high}") } else { low.to_string() };
         let (blocks, cells) = (found.blocks, plural(short.cells, "cell"));
         let why = match why {
-            Why::Budget => ", because the time budget was used up".into(),
+            Why::Budget => " (time budget)".into(),
             why => format!(" ({})", why.name()),
         };
         let their = if short.cells == 1 { "its" } else { "their" };

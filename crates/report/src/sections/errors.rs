@@ -1,15 +1,14 @@
-//! Errors by cause, in a line per scene, arithmetic and group of detectors.
+use std::collections::BTreeMap;
 
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
+use contactbench_record::cells::{Cell as Measured, CellId};
 use contactbench_record::findings::errors::{ErrorLine, ErrorTable};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::errors::{Causes, Errors};
-use contactbench_terms::number::radii;
+use contactbench_terms::number::{percent, radii, times};
 
-/// The section of a report, if answers were compared with the truth: how to read the table, and the
-/// table.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = ErrorTable::new(about.cells)?;
     let how = Text::from("Pairs missed / pairs added, by cause: the ")
@@ -21,13 +20,50 @@ pub fn section(about: &About<'_>) -> Option<Section> {
         .plain(" (which pairs the detector tested). ")
         .emphasis("Together")
         .plain(
-            " is the answer against exact decisions on the scene as given; errors of two causes \
+            " compares the answer with exact decisions on the scene as given; errors of two causes \
              can cancel. The error rate is the number of wrong pairs over that of true contacts. \
              Depths and gaps are in mean radii of the pair: a miss of 0 r is a pair that just \
              touches.",
         );
     let blocks = vec![Block::Paragraph(how), Block::Table(table(&found))];
     Some(Section::new("Against the exact truth", blocks))
+}
+
+/// Returns what rounding costs in contacts and saves in time, in a sentence each.
+pub fn answer(cells: &[&Measured]) -> Option<Text> {
+    let mut worst: BTreeMap<String, f64> = BTreeMap::new();
+    for line in ErrorTable::new(cells)?.lines {
+        let worst = worst.entry(line.arithmetic.clone()).or_default();
+        *worst = worst.max(share(&line));
+    }
+    let mut worst = Vec::from_iter(worst);
+    worst.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let part = |(name, share): (String, f64)| match share {
+        0.0 => format!("{name} none"),
+        share => format!("{name} up to {}", percent(share)),
+    };
+    let parts: Vec<String> = worst.into_iter().map(part).collect();
+    let out = Text::new().strong("Wrong pairs per true contact:");
+    let out = out.plain(format!(" {}.", parts.join(", ")));
+    let by_id: BTreeMap<&CellId, &Measured> = cells.iter().map(|cell| (&cell.id, *cell)).collect();
+    let exact =
+        cells.iter().filter(|cell| cell.id.arithmetic == "exact" && !cell.role.is_control());
+    let ratio = |cell: &&Measured| {
+        let id = CellId { arithmetic: "f64".into(), ..cell.id.clone() };
+        Some(cell.ratio(by_id.get(&id)?)?.median)
+    };
+    let mut ratios: Vec<f64> = exact.filter_map(ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    let (Some(low), Some(high)) = (ratios.first(), ratios.last()) else { return Some(out) };
+    Some(out.plain(" ").strong("Exact decisions").plain(format!(
+        " take {} to {} times as long as those in f64.",
+        times(*low),
+        times(*high)
+    )))
+}
+
+fn share(line: &ErrorLine) -> f64 {
+    line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0)
 }
 
 fn table(found: &ErrorTable) -> Table {
@@ -48,16 +84,14 @@ fn table(found: &ErrorTable) -> Table {
         .right("predicate", cause(|causes| &causes.predicate))
         .right("search", cause(|causes| &causes.search))
         .right("together", |line| counts(&line.sum.errors))
-        .right("error rate", |line| {
-            Cell::Share(line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0))
-        })
+        .right("error rate", |line| Cell::Share(share(line)))
         .right("deepest miss", |line| depth(line.sum.errors.missed, line.sum.errors.deepest_miss))
         .right("widest false", |line| depth(line.sum.errors.spurious, line.sum.errors.widest_false))
         .left("outcome", outcome)
         .into()
 }
 
-/// `3 / 2` for three missed and two spurious, with pairs repeated or of one particle where there
+/// Formats three missed and two spurious pairs as `3 / 2`, with repeated and self pairs if there
 /// are any; `0` for none.
 fn counts(errors: &Errors) -> String {
     if errors.wrong() == 0 {

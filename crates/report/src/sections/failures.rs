@@ -1,5 +1,3 @@
-//! Cells without a right answer, in a line per contender, scene and outcome.
-
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::Table;
@@ -7,7 +5,6 @@ use contactbench_record::findings::failures::{Culprit, Failure, failures};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::plural;
 
-/// Who is wrong, in a sentence.
 pub fn culprit(culprit: &Culprit) -> String {
     let Culprit { name, outcome, cells, of, worst, reason, .. } = culprit;
     let what = match outcome {
@@ -19,10 +16,9 @@ pub fn culprit(culprit: &Culprit) -> String {
     let place = if *outcome == Outcome::Wrong { "worst in" } else { "first in" };
     let worst = if *cells > 1 { format!("{place} {worst}") } else { worst.clone() };
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-    format!("{what}: {name}, in {cells} of its {of}, {worst}{reason}")
+    format!("{what}: {name} in {cells} of its {of}, {worst}{reason}")
 }
 
-/// The section of a report, if some cell did not end well.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = failures(about.cells);
     (!found.is_empty()).then(|| Section::new("Without a right answer", vec![table(&found)]))

@@ -1,5 +1,3 @@
-//! Maps in words: a table per panel, what is said of a place, and `maps.csv`.
-
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Rows, Table};
@@ -8,7 +6,7 @@ use contactbench_record::findings::map::{Answer, Map, Panel, Spot};
 use contactbench_record::findings::winners::Contender;
 use contactbench_terms::number::{number, times, with_interval};
 
-/// A table for each panel: the values across in its head, those upwards from the top down.
+/// Makes a table for each panel, with x in the head and y from the top down.
 pub fn blocks(map: &Map) -> Vec<Block> {
     map.panels.iter().map(|panel| Block::Table(table(map, panel))).collect()
 }
@@ -22,26 +20,22 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
     about.maps.iter().map(section).collect()
 }
 
-/// How the tables are read.
-const READING: &str = "Who is the fastest in each place, and the time of the next over its own; \
-                       bold where that is decided. Intervals, and all who may be as fast, are in \
-                       maps.csv.";
+const READING: &str = "Each place names the fastest detector and the time of the runner-up over its \
+                       own; bold means decided. Intervals, and all detectors that may be as fast, \
+                       are in maps.csv.";
 
-/// A map that an experiment asks for.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     pub name: String,
     pub title: String,
-    /// What its axes are called.
     pub labels: [String; 2],
     pub map: Map,
 }
 
 impl Drawn {
-    /// Draws the figures of an experiment from its cells, as far as it has the data.
     pub fn all(experiment: &Experiment, own: &[contactbench_record::cells::Cell]) -> Vec<Drawn> {
         let drawn = |figure: &Figure| match &figure.kind {
-            // Why one cannot be drawn is said where its figure is drawn.
+            // The figure reports why a map cannot be drawn.
             FigureKind::Map(axes) => Some(Drawn {
                 name: figure.name.clone(),
                 title: figure.title.clone(),
@@ -64,7 +58,6 @@ fn table(map: &Map, panel: &Panel) -> Table {
     table.each(panel.values(0), column).into()
 }
 
-/// `nbs 1.52`; several names where it is undecided.
 fn brief(spot: &Spot) -> Cell {
     let factor = spot.factor().map_or(String::new(), |factor| times(factor.median));
     let front = spot.front();
@@ -83,18 +76,18 @@ pub fn either(front: &[&str]) -> String {
     named.iter().map(|name| name.to_string()).chain(more).collect::<Vec<_>>().join(" or ")
 }
 
-/// All that is said of a place, in a sentence.
+/// Describes all numbers of a place.
 pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
     let [x, y] = &map.axes;
     let (across, up) = (&x.values[spot.at[0]], &y.values[spot.at[1]]);
     let place = format!("{}, {} = {across}, {} = {up}", panel.title, x.name, y.name);
     let Some(contest) = &spot.contest else {
-        return format!("{place}: nobody has a time ({})", spot.outcome.name());
+        return format!("{place}: no detector has a time ({})", spot.outcome.name());
     };
     let first = &contest.first;
     let per = number(first.per_particle);
     let said = match spot.answer() {
-        Answer::Undecided => "undecided; the shortest median has",
+        Answer::Undecided => "undecided; the shortest median is that of",
         Answer::Alone => "timed alone:",
         _ => "the fastest is",
     };
@@ -108,7 +101,6 @@ pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
     format!("{place}: {said} {}, {per} ns per particle{rest}", first.line.detector)
 }
 
-/// `maps.csv`: a line per place.
 pub fn rows(name: &str, map: &Map) -> Table {
     fn first(spot: &Spot) -> Option<&Contender> {
         spot.contest.as_ref().map(|contest| &contest.first)

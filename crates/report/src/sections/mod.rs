@@ -1,5 +1,4 @@
-//! The sections of a report. Each says one kind of finding in words and tables; [`SPEED`] and
-//! [`DETAILS`] are all that stand below an experiment's figures.
+//! The sections of a report: each puts one finding into words and tables.
 
 pub mod answer;
 pub mod claims;
@@ -7,7 +6,7 @@ pub mod compare;
 pub mod conditions;
 mod courses;
 pub mod coverage;
-mod errors;
+pub mod errors;
 pub mod failures;
 pub mod map;
 mod noise;
@@ -15,7 +14,7 @@ mod operations;
 mod overhead;
 pub mod ratios;
 mod scenes;
-mod threads;
+pub mod threads;
 pub mod verdicts;
 pub mod winners;
 
@@ -25,7 +24,6 @@ use contactbench_record::cells::{Cell, by_machine};
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::winners::Winners;
 
-/// What the sections of an experiment are about.
 pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub cells: &'a [&'a Cell],
@@ -33,15 +31,14 @@ pub struct About<'a> {
     pub winners: &'a Winners,
 }
 
-/// A piece of a report below a heading.
 pub struct Section {
     pub heading: String,
     pub blocks: Vec<Block>,
-    /// The name and the table of a CSV file; those of all experiments make one file.
+    /// Name and table of a CSV file. The tables of all experiments make one file.
     pub csv: Option<(&'static str, Table)>,
 }
 
-/// Makes the sections of one kind; none if there is nothing to say.
+/// Makes the sections of one kind; none if there is nothing to report.
 type Make = fn(&About<'_>) -> Vec<Section>;
 
 pub const SPEED: &[Make] = &[
@@ -53,8 +50,7 @@ pub const SPEED: &[Make] = &[
     |about| Vec::from_iter(retired(about)),
 ];
 
-/// The tables of all cells. They are left out if the experiment has a table of verdicts, which says
-/// all that these would, of a hundred scenes.
+/// The tables of all cells. An experiment with a table of verdicts leaves them out.
 pub const DETAILS: &[Make] = &[
     courses::sections,
     |about| Vec::from_iter(operations::section(about)),
@@ -69,7 +65,7 @@ impl Section {
         Section { heading: heading.into(), blocks, csv: None }
     }
 
-    /// A section of what is found of each machine; none if nothing is.
+    /// Makes a section with the findings of each machine; `None` if there are none.
     fn by_machine(
         heading: &str,
         cells: &[&Cell],
@@ -86,7 +82,7 @@ impl Section {
     }
 }
 
-/// What the file of an older experiment asks for in vain.
+/// Names the keys of an older experiment that this program no longer computes.
 fn retired(about: &About<'_>) -> Option<Section> {
     let keys = &about.experiment.retired;
     let words = format!(

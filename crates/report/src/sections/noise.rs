@@ -1,11 +1,8 @@
-//! What two measurements of the same code differ by: a paragraph per twin, and the noise floor.
-
 use super::{About, Section};
 use crate::document::Block;
 use contactbench_record::findings::noise::{Noise, Twin};
 use contactbench_terms::number::{percent, plural, with_interval};
 
-/// The section of a report, for each machine: a paragraph per twin, and one about all.
 pub fn section(about: &About<'_>) -> Option<Section> {
     Section::by_machine("Noise floor", about.cells, |cells| {
         let found = Noise::new(cells);
@@ -17,16 +14,15 @@ pub fn section(about: &About<'_>) -> Option<Section> {
 
 fn floor(found: &Noise) -> String {
     let mut words = format!(
-        "Nine in ten cells of the twins are within a factor of {:.2}, the noise floor: a smaller \
-         difference is called undecided.",
+        "The noise floor is a factor of {:.2}: nine in ten cells of twins differ by less. Smaller \
+         differences between detectors are undecided.",
         found.floor
     );
     let sizes: Vec<String> =
         found.by_size().map(|(n, floor)| format!("{floor:.2} at N = {n}")).collect();
     if sizes.len() > 1 {
         words += &format!(
-            " A cell is held to the floor of its N (of fewer than five cells, no less than that \
-             of all): {}.",
+            " The floor depends on N (with fewer than five cells it is at least that of all): {}.",
             sizes.join(", ")
         );
     }
@@ -35,9 +31,9 @@ fn floor(found: &Noise) -> String {
 
 fn sentence(twin: &Twin) -> String {
     let said = format!(
-        "{} is the code of {}, measured again. Over {} it takes {} times as long; in a cell the \
-         two are typically {} apart, at worst by a ratio of {}. {} of {} intervals exclude 1, \
-         where chance gives {}.",
+        "{} is the code of {}, measured again as a second subject. Over {} it takes {} times as \
+         long. In a cell the two typically differ by {}, at worst by a factor of {}. {} of {} \
+         intervals exclude 1; chance alone makes {} of them do so.",
         twin.name,
         twin.original,
         plural(twin.cells, "cell"),
@@ -48,10 +44,11 @@ fn sentence(twin: &Twin) -> String {
         twin.cells,
         percent(twin.by_chance),
     );
-    // Where the machine was in one state only, that is all of it.
+    // The machine may have been in one state only.
     match &twin.states {
         [Some(quiet), Some(slow)] => format!(
-            "{said} While the machine was quiet it takes {} times as long, while it was slow {}.",
+            "{said} While the machine was quiet, the twin takes {} times as long; while it was \
+             slow, {}.",
             with_interval(quiet),
             with_interval(slow)
         ),

@@ -1,11 +1,8 @@
-//! How operations grow with N, in a line per scene and detector.
-
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::Table;
 use contactbench_record::findings::operations::operations;
 
-/// The section of a report, if some detector has counts at enough N for an exponent.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = operations(about.cells);
     found.iter().find(|found| found.choice.slope.is_some())?;
@@ -21,6 +18,6 @@ pub fn section(about: &About<'_>) -> Option<Section> {
             Err(doubt) => format!("undecided: {doubt}"),
         })
         .right("ΔAICc to the next", |found| found.choice.delta().map(|it| format!("{it:.0}")));
-    let heading = "How all operations together grow with N (from exact counts)";
+    let heading = "How the sum of all operations grows with N (exact counts)";
     Some(Section::new(heading, vec![Block::table(table)]))
 }

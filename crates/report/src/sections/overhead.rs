@@ -1,11 +1,8 @@
-//! What the harness adds to the times, in a sentence.
-
 use super::{About, Section};
 use crate::document::Block;
 use contactbench_record::findings::overhead::{LEAST, Overhead};
 use contactbench_terms::number::percent;
 
-/// The section of a report, if the control that does nothing was timed: a sentence per machine.
 pub fn section(about: &About<'_>) -> Option<Section> {
     Section::by_machine("What the harness adds", about.cells, |cells| {
         Overhead::new(cells).map(|found| vec![Block::paragraph(sentence(&found))])
@@ -25,8 +22,8 @@ fn sentence(found: &Overhead) -> String {
             format!("The harness adds less than {least} to every time: {control} at most {at}.")
         }
         Some(n) => format!(
-            "The harness adds up to {at}, and less than {least} from N = {n} on: that is what \
-             the control that does nothing takes."
+            "The harness adds up to {at}, and less than {least} from N = {n} on. This is the time \
+             of the control that does nothing."
         ),
         None => format!("The harness adds MORE than {least} at every N: {control} up to {at}."),
     }

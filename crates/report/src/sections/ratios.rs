@@ -1,26 +1,17 @@
-//! Who is how fast, against one detector: a sentence, the fastest of each scene, and everybody's
-//! ratios.
+//! Times relative to one detector: the fastest library of each scene, and all ratios.
 
 use super::winners::undecided;
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
 use contactbench_record::cells::series::{Line, LineValues};
-use contactbench_record::findings::ratios::{
-    Entry, Fastest, Library, Missing, NEAR, Near, Ratios, SceneRatios,
-};
+use contactbench_record::findings::ratios::{Entry, Library, Missing, Ratios, SceneRatios};
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::Interval;
 use contactbench_terms::number::{number, plural, times, with_interval};
 
-/// The answer in a sentence: how far the fastest library is behind; without libraries, where the
-/// reference is near the fastest.
+/// Compares the reference with the fastest library of each scene.
 pub fn headline(found: &Ratios) -> Text {
-    if found.libraries.is_empty() { near_fastest(found) } else { over_libraries(found) }
-}
-
-/// By scene, against the fastest library there.
-fn over_libraries(found: &Ratios) -> Text {
     let all = &found.libraries;
     let decided = |ahead: bool| -> Vec<&Library> {
         all.iter().filter(|it| it.decided() && (it.ratio.median > 1.0) == ahead).collect()
@@ -30,12 +21,12 @@ fn over_libraries(found: &Ratios) -> Text {
     let (scenes, faster) = (all.iter().map(|it| it.scenes).sum(), count(&ahead));
     let (reference, of) = (&found.reference, plural(scenes, "scene"));
     let claim = format!("{reference} is faster than the fastest library in {faster} of {of}");
-    let mut rest = " (one thread)".to_string();
+    let mut rest = " (on one thread)".to_string();
     ahead.sort_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
     if let (Some(least), Some(most)) = (ahead.first(), ahead.last()) {
         let said = |it: &Library| {
             let Library { name, title, n, .. } = it;
-            (times(it.ratio.median), format!("({name}; {title}, N = {n})"))
+            (times(it.ratio.median), format!("({name}, on {title}, N = {n})"))
         };
         let ((low, first), (high, last)) = (said(least), said(most));
         rest += &format!("; that library takes {low} times as long {first}");
@@ -51,47 +42,12 @@ fn over_libraries(found: &Ratios) -> Text {
     Text::new().strong(claim).plain(rest + ".")
 }
 
-/// Where the reference is near the fastest.
-fn near_fastest(found: &Ratios) -> Text {
-    let count = |wanted: fn(&Near) -> bool| -> usize {
-        let all = found.fastest().filter(|(_, fastest)| wanted(&fastest.near));
-        all.map(|(_, fastest)| fastest.scenes).sum()
-    };
-    let fastest = count(|near| matches!(near, Near::Fastest));
-    let near = fastest + count(|near| matches!(near, Near::Within(_)));
-    let (reference, scenes) = (&found.reference, plural(count(|_| true), "scene"));
-    let claim = match near == fastest {
-        true => format!("{reference} is the fastest in {fastest} of {scenes}"),
-        false => format!(
-            "{reference} is within {NEAR} times the time of the fastest detector in {near} of \
-             {scenes}"
-        ),
-    };
-    let own = if near == fastest { "" } else { &*format!("; itself the fastest in {fastest}") };
-    let mut rest = format!(" (one thread{own})");
-    for (count, words) in [
-        (count(|near| matches!(near, Near::Beyond(_))), "slower than that in"),
-        (count(|near| matches!(near, Near::Undecided(_))), "undecided in"),
-        (count(|near| matches!(near, Near::Absent(_))), "without an answer in"),
-    ] {
-        if count > 0 {
-            rest += &format!(", {words} {count}");
-        }
-    }
-    if let Some((scene, n, worst)) = found.worst() {
-        let (place, worst) = (&scene.entries.title, with_interval(&worst));
-        rest += &format!("; at worst {worst} times the time of the fastest, on {place}, N = {n}");
-    }
-    Text::new().strong(claim).plain(rest + ".")
-}
-
-/// The section of a report, if the experiment asks for it.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let reference = about.experiment.ratios_to.as_deref()?;
     let found = Ratios::new(about.cells, reference);
     let none = || vec![Block::paragraph("The reference has no time in this record.")];
     Some(Section {
-        heading: format!("Who is how fast, against {reference}"),
+        heading: format!("Times relative to {reference}"),
         blocks: found.as_ref().map_or_else(none, blocks),
         csv: found.map(|found| ("ratios.csv", rows(&found))),
     })
@@ -99,28 +55,29 @@ pub fn section(about: &About<'_>) -> Option<Section> {
 
 fn blocks(found: &Ratios) -> Vec<Block> {
     let how = Text::from(
-        "Times as multiples of that of the reference (with one thread, in the same arithmetic if \
-         it has one, else exact): median of the ratios within a block, and its interval. Below 1 \
-         is faster than the reference. ",
+        "Each number is the time over that of the reference: the median of the ratios within a \
+         block, and its interval. Below 1 is faster than the reference, which runs with one thread, \
+         in the same arithmetic if it has it, else exactly. ",
     );
     let how = how
         .emphasis("wrong (0.45)")
         .plain(
-            " is a wrong answer, whose time means nothing; other words say why there is no time. \
-             All ratios are in ",
+            " is a wrong answer, whose time means nothing; other words give the reason why there is \
+             no time. All ratios are in ",
         )
         .code("ratios.csv")
         .plain(".");
-    let mut out = vec![Block::Paragraph(headline(found))];
+    let mut out = Vec::new();
     if !found.libraries.is_empty() {
+        out.push(Block::Paragraph(headline(found)));
         out.push(Block::Table(libraries(&found.libraries, &found.reference)));
         out.push(Block::paragraph(
-            "Times are of warm detections: ours reuse their buffers, and most libraries ask for \
-             new memory at each call. Both cold: the ratio of first detections in a new process.",
+            "Times are of warm detections: our detectors reuse their buffers, most libraries \
+             allocate memory in each call. Both cold: the ratio of the first detections in new \
+             processes.",
         ));
-        out.push(Block::Paragraph(near_fastest(found)));
     }
-    out.extend([Block::Table(fastest(found)), Block::Paragraph(how)]);
+    out.push(Block::Paragraph(how));
     let scenes = found.scenes.iter().filter(|scene| !scene.entries.lines.is_empty());
     out.extend(scenes.map(|scene| {
         let entries = &scene.entries;
@@ -136,7 +93,7 @@ fn blocks(found: &Ratios) -> Vec<Block> {
             let cells = plural(*cells, "cell");
             Text::from(format!("{name}: {} in {cells}: {reason}", outcome.name()))
         };
-        out.push(Block::paragraph("Without an answer, or with a wrong one:"));
+        out.push(Block::paragraph("Subjects with no answer, or a wrong one:"));
         out.push(Block::List(found.missing.iter().map(line).collect()));
     }
     out
@@ -154,30 +111,8 @@ fn libraries(found: &[Library], reference: &str) -> Table {
         .into()
 }
 
-fn fastest(found: &Ratios) -> Table {
-    let all: Vec<_> = found.fastest().collect();
-    Table::of("", all)
-        .left("scene", |(scene, _)| &*scene.entries.title)
-        .right("N", |(_, fastest)| fastest.n)
-        .left("fastest", |(_, fastest)| &*fastest.name)
-        .right("ns / N", |(_, fastest)| per_particle(fastest.time_ns, fastest.n))
-        .right(format!("{} / fastest", found.reference), |(_, fastest)| fastest.near.ratio())
-        .left(format!("within {NEAR}?"), |(_, fastest)| verdict(fastest))
-        .into()
-}
-
 fn per_particle(value: f64, n: u64) -> f64 {
     value / n.max(1) as f64
-}
-
-fn verdict(fastest: &Fastest) -> Cell {
-    match &fastest.near {
-        Near::Fastest => "it is the fastest".into(),
-        Near::Within(_) => "yes".into(),
-        Near::Beyond(_) => Cell::from("no").strong(),
-        Near::Undecided(_) => undecided(&fastest.open),
-        Near::Absent(outcome) => outcome.map_or("not measured", Outcome::name).into(),
-    }
 }
 
 fn cell(n: u64, entry: &Entry) -> Cell {
@@ -188,13 +123,12 @@ fn cell(n: u64, entry: &Entry) -> Cell {
         (_, Some(_), Some(time)) if entry.is_base => format!("1 = {}", per(time)).into(),
         (Outcome::Lossy, Some(ratio), _) => format!("{} lossy", with_interval(&ratio)).into(),
         (_, Some(ratio), _) => ratio.into(),
-        // It has a time, but nothing to compare it with.
+        // It has a time, but no ratio.
         (_, None, Some(time)) => per(time).into(),
         (_, None, None) => Cell::Absent,
     }
 }
 
-/// A line of `ratios.csv`.
 #[derive(Clone, Copy)]
 struct Row<'a> {
     experiment: &'a str,
@@ -204,7 +138,6 @@ struct Row<'a> {
     entry: &'a Entry,
 }
 
-/// `ratios.csv`: a line per contender, scene and N.
 fn rows(found: &Ratios) -> Table {
     let mut all = Vec::new();
     for SceneRatios { experiment, entries, .. } in &found.scenes {

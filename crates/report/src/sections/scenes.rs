@@ -1,5 +1,3 @@
-//! All contenders of each scene, in a table each.
-
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Table};
@@ -12,7 +10,6 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
 }
 
 fn table(scene: &SceneResults) -> Block {
-    // Only where the state of the machine was watched.
     let quiet = scene.results.iter().any(|found| found.quiet.is_some());
     let time = |found: &Contender| {
         let time = Cell::from(found.time);

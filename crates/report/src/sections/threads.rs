@@ -1,13 +1,11 @@
-//! What threads gain: a sentence per detector, and a line per scene and N.
-
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
+use contactbench_record::cells::Cell as Measured;
 use contactbench_record::findings::threads::{Gain, Threads, Typical};
 use contactbench_record::stats::interval::Interval;
 use contactbench_terms::number::{percent, plural};
 
-/// The section of a report, if detectors were timed with one thread and with several.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = Threads::new(about.cells)?;
     Some(Section {
@@ -17,13 +15,20 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     })
 }
 
+/// Returns the sentences about detectors, without twins.
+pub fn answer(cells: &[&Measured]) -> Vec<Block> {
+    let own: Vec<&Measured> =
+        cells.iter().filter(|cell| !cell.role.is_control()).copied().collect();
+    let found = Threads::new(&own).map_or_else(Vec::new, |found| found.typical);
+    found.iter().map(|typical| Block::Paragraph(sentence(typical))).collect()
+}
+
 fn blocks(found: &Threads) -> Vec<Block> {
     let how = Text::from(
-        "Speed-up: the time with one thread over that with several. Ceiling: the throughput of as \
-         many copies with one thread each, at work at the same time, over that of one alone. \
-         Fraction: the throughput with several threads over \
-         that of the copies; over 100% is possible, since copies share no cache lines and threads \
-         do. All are paired within blocks; the numbers are in ",
+        "Speed-up: the time with one thread over the time with several. Ceiling: the throughput of \
+         as many independent copies of the one-thread program, run at the same time, over that of \
+         one copy alone. Fraction: speed-up over ceiling; it may exceed 100%, because threads share \
+         cache lines and copies do not. All are paired within blocks; the numbers are in ",
     );
     let how = how.code("threads.csv").plain(".");
     let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));
@@ -38,7 +43,7 @@ fn sentence(typical: &Typical) -> Text {
     let out = out.plain(format!(" (median of {scenes}; {least:.2} to {most:.2})"));
     let gain = fraction.map(percent);
     out.plain(gain.map_or(".".into(), |gain| {
-        format!(", {gain} of what the machine lets as many copies gain.")
+        format!(", {gain} of the throughput of as many independent copies.")
     }))
 }
 
@@ -64,7 +69,6 @@ fn percents(fraction: &Interval) -> Cell {
     format!("{median} ({low} to {high})").into()
 }
 
-/// `threads.csv`: a line per detector, number of threads, scene and N.
 fn rows(found: &Threads) -> Table {
     Table::of("", &found.gains)
         .left("experiment", |gain| &*gain.experiment)

@@ -1,5 +1,3 @@
-//! Who is right, case by case.
-
 use crate::document::{Block, Text};
 use crate::table::Table;
 use contactbench_record::cells::{Cell as Measured, label};
@@ -7,13 +5,12 @@ use contactbench_record::findings::verdicts::{Answer, CaseLine, Matrix, case, ju
 use contactbench_record::record::column;
 use contactbench_terms::number::plural;
 
-/// For a report: how to read the tables, and the tables.
 pub fn blocks(found: &Matrix) -> Vec<Block> {
     let how = Text::from(
-        "Right is an answer with exactly the pairs that touch in exact arithmetic in the scene as \
-         given. First the number of answers of each kind, then the cases in which someone is not \
-         right, and how: -3 +1 is three pairs missed and one added (by the predicate, or by the \
-         representation of the scene), ",
+        "An answer is right if it has exactly the pairs that touch in exact arithmetic in the scene \
+         as given. The first table counts the answers of each kind. The second lists the cases with \
+         an answer that is not right: -3 +1 means three pairs missed and one added (by the \
+         predicate, or by the representation of the scene), ",
     )
     .emphasis("lossy")
     .plain(" (a textbook filter lost contacts), ")
@@ -61,7 +58,6 @@ fn lines(found: &Matrix) -> Table {
     table.each(arithmetics, |table, (k, name)| table.left(name, |line| answer(line, k))).into()
 }
 
-/// Cases that everybody gets right, and reasons.
 fn rest(found: &Matrix) -> Vec<Block> {
     let mut out = Vec::new();
     if !found.right.is_empty() {
@@ -76,7 +72,6 @@ fn rest(found: &Matrix) -> Vec<Block> {
     out
 }
 
-/// `verdicts.csv`: every answer of an experiment.
 pub fn rows(cells: &[&Measured]) -> Table {
     let cells = judged(cells);
     let swept = label::swept(&cells);

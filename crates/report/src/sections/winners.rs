@@ -1,5 +1,3 @@
-//! The fastest detector of each scene: a sentence, and a line per scene.
-
 use std::collections::BTreeSet;
 
 use super::{About, Section};
@@ -7,21 +5,18 @@ use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
 use contactbench_record::findings::winners::{Alone, Contender, Contest, Tally, Winners};
 use contactbench_record::record::row::Outcome;
-use contactbench_terms::number::plural;
+use contactbench_terms::number::{number, plural, short};
 
-/// The heading of the table with every scene.
 pub const ALL: &str = "Scene by scene";
 
-/// The sentence and, if detectors were compared, the table of the scenes that an answer shows.
 pub fn blocks(winners: &Winners) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
     let shown = shown(winners);
-    let table = compared(winners).then(|| Block::Table(table(&shown, false)));
+    let table = compared(winners).then(|| Block::Table(table(&shown, false, short)));
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
-/// The section with the table of all scenes, if the answer leaves some out, or does not show the
-/// table at all.
+/// Returns the table of all scenes, if the answer leaves some out or shows no table.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let (winners, asked) = (about.winners, about.experiment.asks_fastest());
     let all: Vec<&Contest> = winners.contests.iter().collect();
@@ -31,11 +26,10 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
     Some(Section::new(
         ALL,
-        sentence.into_iter().chain([Block::Table(table(&all, false))]).collect(),
+        sentence.into_iter().chain([Block::Table(table(&all, false, number))]).collect(),
     ))
 }
 
-/// Was any detector compared with another?
 pub fn compared(winners: &Winners) -> bool {
     winners.contests.iter().any(|contest| !contest.others.is_empty())
 }
@@ -44,25 +38,23 @@ pub fn shown(winners: &Winners) -> Vec<&Contest> {
     winners.contests.iter().filter(|contest| contest.shown).collect()
 }
 
-/// How many scenes the table of an answer leaves out, and where they are.
 pub fn left_out(winners: &Winners) -> Option<Block> {
     let (shown, all) = (shown(winners).len(), winners.contests.len());
     (compared(winners) && shown < all).then(|| {
         Block::paragraph(format!(
-            "{shown} of {} are shown: at least the ends of each sweep. The table \
-             \u{201c}{ALL}\u{201d} of the report has all.",
+            "{shown} of {} are shown; all are in the table \u{201c}{ALL}\u{201d}.",
             plural(all, "scene")
         ))
     })
 }
 
-/// How often each detector is the fastest.
 pub fn sentence(winners: &Winners) -> Text {
     let tally = Tally::new(winners);
     let end = match tally.untimed {
         0 => String::new(),
         _ if tally.untimed == tally.scenes => String::new(),
-        some => format!(" In {some} no detector has a time."),
+        1 => " In 1 scene no detector has a time.".into(),
+        some => format!(" In {some} scenes no detector has a time."),
     };
     let Some((first, rest)) = tally.wins.split_first() else {
         return match &tally.alone {
@@ -77,17 +69,20 @@ pub fn sentence(winners: &Winners) -> Text {
     let mut out = Text::new().strong(first.detector.as_str()).plain(" is the fastest in ");
     out = out.strong(wins);
     if let Some((typical, least, most)) = first.margin() {
-        out = out.plain("; the next takes ").strong(format!("{typical:.1} times"));
+        out = out.plain("; the runner-up takes ").strong(format!("{typical:.1} times"));
         out = out.plain(match first.margins.len() {
             1 => " as long".into(),
-            _ => format!(" as long (median of scenes; {least:.1} to {most:.1})"),
+            _ => format!(" as long (median; {least:.1} to {most:.1})"),
         });
     }
     let mut rest: Vec<String> =
-        rest.iter().map(|wins| format!("{} in {}", wins.detector, wins.margins.len())).collect();
-    rest.extend((tally.undecided > 0).then(|| format!("undecided in {}", tally.undecided)));
-    let rest = if rest.is_empty() { String::new() } else { format!("; {}", rest.join(", ")) };
-    out.plain(rest + "." + &end)
+        rest.iter().map(|wins| format!("{} wins {}", wins.detector, wins.margins.len())).collect();
+    rest.extend((tally.undecided > 0).then(|| match tally.undecided {
+        1 => "1 is undecided".into(),
+        more => format!("{more} are undecided"),
+    }));
+    let rest = if rest.is_empty() { String::new() } else { format!(" {}.", rest.join(", ")) };
+    out.plain(format!(".{rest}{end}"))
 }
 
 /// `nbs is the only one with a right answer (my-det was wrong).`
@@ -111,7 +106,7 @@ fn alone(found: &Alone) -> Text {
     name.plain(format!(" is the only one with a {what} ({}).", ended.join(", ")))
 }
 
-/// Which detectors are equally fast, if no scene is decided.
+/// Names the detectors that are equally fast, if no scene is decided.
 fn undecided_all(contests: &[Contest]) -> String {
     let scenes = match contests.len() {
         1 => String::new(),
@@ -141,8 +136,8 @@ fn undecided_all(contests: &[Contest]) -> String {
     format!("Undecided{scenes}: {who} are equally fast within the noise{which}")
 }
 
-/// The fastest of an experiment in a few words, for a list of experiments. Their scenes are not
-/// added up: some are one size of one pack, others six scenes at several sizes.
+/// Returns the fastest detector in a few words. Scenes of experiments are not summed: one may have
+/// a single size, another six scenes of several sizes.
 pub fn brief(winners: &Winners) -> Text {
     let tally = Tally::new(winners);
     let Some(first) = tally.wins.first() else { return "undecided".into() };
@@ -150,8 +145,8 @@ pub fn brief(winners: &Winners) -> Text {
     Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
-/// A line per scene; with a column for pictures on a page.
-pub fn table(contests: &[&Contest], pictures: bool) -> Table {
+/// Makes a row per scene, with a column for pictures on a page.
+pub fn table(contests: &[&Contest], pictures: bool, time: fn(f64) -> String) -> Table {
     fn next(contest: &Contest) -> Option<&Contender> {
         contest.others.first()
     }
@@ -162,16 +157,16 @@ pub fn table(contests: &[&Contest], pictures: bool) -> Table {
             let first = Cell::from(&*it.first.name);
             if it.decided() { first.strong() } else { first }
         })
-        .unit("time / N", "ns", |it| it.first.per_particle)
+        .unit("time / N", "ns", |it| time(it.first.per_particle))
         .when(pictures, |table| table.left("", |_| ""))
-        .left("next", |it| next(it).map_or("alone", |next| &*next.name))
-        .right("next / fastest", |it| next(it).and_then(|next| next.ratio))
-        .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
+        .left("runner-up", |it| next(it).map_or("alone", |next| &*next.name))
+        .right("its time / fastest", |it| next(it).and_then(|next| next.ratio))
         .left("decided", |it| decided(it))
+        .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
         .into()
 }
 
-/// `yes`, or the detectors that may be as fast.
+/// Returns `yes`, or the detectors that may be as fast.
 fn decided(contest: &Contest) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {
@@ -181,7 +176,7 @@ fn decided(contest: &Contest) -> Cell {
     }
 }
 
-/// `undecided: nbs, sweep and 3 more`: those who leave it open, the fastest first.
+/// Formats `undecided: nbs, sweep and 3 more`.
 pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
     let open: Vec<&str> = open.into_iter().map(String::as_str).collect();
     let (named, more) = open.split_at(open.len().min(2));

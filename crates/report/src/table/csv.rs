@@ -1,8 +1,8 @@
 use super::{Cell, Table};
 use contactbench_terms::text::csv_cell;
 
-/// A CSV file of tables with the same columns: a line of names, then all rows. Numbers have all
-/// their digits; what is absent, or of a wrong answer, is an empty field; no text is a formula.
+/// Returns a CSV file of tables with the same columns. Numbers have all digits. Absent values and
+/// those of wrong answers are empty fields; no text is a formula.
 pub fn csv(tables: &[Table]) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     let Some(first) = tables.first() else { return String::new() };
@@ -13,7 +13,6 @@ pub fn csv(tables: &[Table]) -> String {
             head.extend(["low", "high"].map(|end| format!("{}_{end}", column.name)));
         }
     }
-    // Writing to memory cannot fail.
     let _ = writer.write_record(head);
     for row in tables.iter().flat_map(|table| &table.rows) {
         let mut fields = Vec::new();

@@ -4,14 +4,13 @@ use super::Table;
 use contactbench_terms::text::html as escape;
 
 impl Table {
-    /// A table that scrolls by itself where it is wider than the page; numbers have the class
-    /// `number`.
+    /// Formats a table that scrolls if it is wider than the page. Numbers have the class `number`.
     pub fn html(&self) -> String {
         self.html_with("", &|_, _| String::new())
     }
 
-    /// The same with a class, and with markup before the value of a cell (a picture, say) by row
-    /// and column; the row of the heads is none.
+    /// The same with a class, and with markup (a picture) before the value of each cell. The
+    /// function gets row and column; the head is row `None`.
     pub fn html_with(
         &self,
         class: &str,

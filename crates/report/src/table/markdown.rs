@@ -2,7 +2,6 @@ use super::{Cell, Column, Table};
 use crate::document::escaped;
 
 impl Table {
-    /// The title in bold, and the table.
     pub fn markdown(&self) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let mut out = match self.title.as_str() {

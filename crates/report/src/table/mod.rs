@@ -1,5 +1,4 @@
-//! A table as a value, which knows nothing of the language that it will be written in: Markdown,
-//! HTML, CSV, or plain text for a terminal.
+//! Tables as values, to be written as Markdown, HTML, CSV, or plain text for a terminal.
 
 mod csv;
 mod html;
@@ -11,23 +10,17 @@ pub use csv::csv;
 use contactbench_record::stats::interval::Interval;
 use contactbench_terms::number::{number, percent, with_interval};
 
-/// Columns, and rows with a cell per column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Stands above it; may be empty.
     pub title: String,
     columns: Vec<Column>,
-    /// From top to bottom; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Column {
-    /// Its head; in a CSV file its name.
     name: String,
-    /// The unit of its numbers, shown in brackets; not in a CSV file.
     unit: &'static str,
-    /// Numbers stand to the right, words to the left.
     right: bool,
     /// In a CSV file it is three columns: `name`, `name_low`, `name_high`.
     interval: bool,
@@ -38,23 +31,19 @@ pub enum Cell {
     /// Nothing was measured: a dash; an empty field of a CSV file.
     Absent,
     Text(String),
-    /// A whole number, always in full.
     Count(u64),
-    /// A number; four significant digits, all of them in a CSV file.
+    /// Four significant digits; all digits in a CSV file.
     Number(f64),
-    /// A fraction, shown as a percentage.
     Share(f64),
     Ratio(Interval),
-    /// What a wrong answer would have given; compared with nothing, and no value of a CSV file.
+    /// Value of a wrong answer: shown in brackets, and empty in a CSV file.
     Wrong(Box<Cell>),
-    /// Several texts, one below the other where that is possible.
+    /// Several texts, one below the other if possible.
     Lines(Vec<String>),
-    /// Printed bold, where there is such a thing.
     Strong(Box<Cell>),
 }
 
-/// A table that is being made column by column: each head comes with the function that makes the
-/// cells below it, so that the two cannot get out of step.
+/// A table that is made column by column: each head comes with the function that fills its cells.
 pub struct Rows<R> {
     rows: Vec<R>,
     table: Table,
@@ -69,18 +58,15 @@ impl<R: Copy> Rows<R> {
         self
     }
 
-    /// Adds a column of words.
     pub fn left<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
         let name = name.into();
         self.column(Column { name, unit: "", right: false, interval: false }, cell)
     }
 
-    /// Adds a column of numbers without a unit.
     pub fn right<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
         self.unit(name, "", cell)
     }
 
-    /// Adds a column of numbers with their unit.
     pub fn unit<C: Into<Cell>>(
         self,
         name: impl Into<String>,
@@ -90,17 +76,14 @@ impl<R: Copy> Rows<R> {
         self.column(Column { name: name.into(), unit, right: true, interval: false }, cell)
     }
 
-    /// Adds a column of ratios, three columns in a CSV file.
     pub fn ratio<C: Into<Cell>>(self, name: &str, cell: impl Fn(R) -> C) -> Rows<R> {
         self.column(Column { name: name.into(), unit: "", right: true, interval: true }, cell)
     }
 
-    /// Adds these columns on this condition.
     pub fn when(self, wanted: bool, columns: impl FnOnce(Rows<R>) -> Rows<R>) -> Rows<R> {
         if wanted { columns(self) } else { self }
     }
 
-    /// Adds a column for each of these.
     pub fn each<T>(
         self,
         all: impl IntoIterator<Item = T>,
@@ -117,7 +100,6 @@ impl<R> From<Rows<R>> for Table {
 }
 
 impl Table {
-    /// Begins a table with a row for each of these.
     pub fn of<R>(title: impl Into<String>, rows: impl IntoIterator<Item = R>) -> Rows<R> {
         let rows: Vec<R> = rows.into_iter().collect();
         let cells = vec![Vec::new(); rows.len()];
@@ -126,7 +108,6 @@ impl Table {
 }
 
 impl Column {
-    /// `time / N (ns)`.
     fn head(&self) -> String {
         match self.unit {
             "" => self.name.clone(),
@@ -144,13 +125,12 @@ impl Cell {
         Cell::Strong(Box::new(self))
     }
 
-    /// The text as every language shows it, made bold where it is strong and not empty.
+    /// Makes text bold if the cell is strong and not empty.
     fn shown(&self, text: String, bold: [&str; 2]) -> String {
         let [open, close] = if text.is_empty() { [""; 2] } else { bold };
         if matches!(self, Cell::Strong(_)) { format!("{open}{text}{close}") } else { text }
     }
 
-    /// The texts that all languages show; more than one only for [`Cell::Lines`].
     fn lines(&self) -> Vec<String> {
         match self {
             Cell::Lines(lines) => lines.clone(),
@@ -159,7 +139,6 @@ impl Cell {
     }
 }
 
-/// In one line, as every language shows it.
 impl std::fmt::Display for Cell {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -197,7 +176,6 @@ cells! {
     Interval => Cell::Ratio;
 }
 
-/// The value if there is one.
 impl<T: Into<Cell>> From<Option<T>> for Cell {
     fn from(value: Option<T>) -> Cell {
         value.map_or(Cell::Absent, T::into)

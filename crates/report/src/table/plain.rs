@@ -2,12 +2,12 @@ use super::Table;
 use contactbench_terms::number::wrap;
 
 const GAP: usize = 2;
-/// Columns of words give way down to this width before numbers do.
+/// Columns of words shrink down to this width before numbers do.
 const NARROW: usize = 12;
 
 impl Table {
-    /// For a terminal of this many columns: cells are wrapped until the table fits. The line of
-    /// heads is left out if all are empty.
+    /// Formats the table for a terminal of this many columns. Cells wrap until the table fits. The
+    /// head is left out if it is empty.
     pub fn plain(&self, width: usize) -> String {
         let heads: Vec<Vec<String>> =
             self.columns.iter().map(|column| vec![column.head()]).collect();
@@ -41,8 +41,8 @@ impl Table {
         out
     }
 
-    /// As wide as the longest line of each column, then narrowed until all fit: the widest column
-    /// of words first, as long as it is wider than [`NARROW`], then the widest of all.
+    /// Returns the width of each column: its longest line, then narrowed until all fit. The widest
+    /// column of words shrinks first while it is wider than [`NARROW`], then the widest of all.
     fn widths(&self, rows: &[Vec<Vec<String>>], limit: usize) -> Vec<usize> {
         let longest = |column: usize| {
             let lines = rows.iter().filter_map(|row| row.get(column)).flatten();

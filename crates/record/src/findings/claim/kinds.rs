@@ -10,7 +10,7 @@ use crate::record::id::Projection;
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice, LIMIT, Model, Tail};
 use crate::stats::interval::Interval;
-use contactbench_terms::number::{number, percent, plural, times, with_interval};
+use contactbench_terms::number::{number, percent, times, with_interval};
 
 const ROUNDING: f64 = 1e-12;
 const SERIES: usize = 3;
@@ -71,17 +71,20 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
     };
     let within = within + ROUNDING;
     let holds = spread.is_some_and(|spread| spread <= within);
-    let range = format!("{} to {} over {}", number(low.value), number(high.value), over(&cells));
-    let fields = varying(&cells);
+    let (least, most, over) = (number(low.value), number(high.value), over(&cells));
+    let at = |point: &Valued| place(&point.cell.id, &varying(&cells));
     let words = match spread {
-        None => format!("{range}; the smallest is not positive"),
-        Some(spread) if holds => format!("{range} ({})", apart(spread, within)),
+        None => format!("{least} to {most} ({over}); the smallest value is not positive"),
+        Some(0.0) => format!("always {least} ({over})"),
+        Some(spread) if holds => {
+            format!("varies by {}, from {least} to {most} ({over})", apart(spread, within))
+        }
         Some(spread) => format!(
-            "{range} ({}, allowed {}); lowest at {}, highest at {}",
+            "varies by {} ({} allowed), from {least} at {} to {most} at {}",
             apart(spread, within),
             apart(within, within),
-            place(&low.cell.id, &fields),
-            place(&high.cell.id, &fields)
+            at(low),
+            at(high)
         ),
     };
     Finding::new(decided(holds), words).about(cells.into_iter())
@@ -90,7 +93,7 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
 /// How far a value exceeds another, as a percentage or, if large, as a factor.
 fn apart(spread: f64, within: f64) -> String {
     match within >= 1.0 || spread >= 1.0 {
-        true => format!("a factor of {}", number(1.0 + spread)),
+        true => format!("a factor of {}", times(1.0 + spread)),
         false => percent(spread),
     }
 }
@@ -123,18 +126,24 @@ pub(super) fn compared(
     let cells: Vec<&Cell> = points.iter().map(|it| it.cell).filter(|it| to(it).is_some()).collect();
     let allowed = equal.unwrap_or(0.0) + ROUNDING;
     let bad = sides.iter().filter(|side| side.3 > allowed).count();
-    let (count, over) = (plural(sides.len(), "cell"), over(&cells));
     let (value, limit) = (number(value), number(limit));
-    let at = place(&worst.id, &varying(&cells));
+    let at = || format!(", at {}", place(&worst.id, &varying(&cells)));
+    let (all, at) = match sides.len() {
+        1 => ("the only cell".into(), String::new()),
+        2 => (format!("both cells ({})", over(&cells)), at()),
+        count => (format!("all {count} cells ({})", over(&cells)), at()),
+    };
+    let by = if gap.is_finite() { format!("{} ", percent(gap)) } else { String::new() };
+    let worst = match equal {
+        Some(_) => format!("{value}, {by}off {limit}{at}"),
+        None => format!("{value}, {by}above {limit}{at}"),
+    };
     let words = match (bad, equal) {
-        (0, Some(_)) if gap == 0.0 => format!("exactly, in {count} over {over}"),
-        (0, Some(_)) => format!("within {} in {count} over {over}", percent(gap)),
-        (0, None) => format!("in {count} over {over}; nearest: {value} against {limit} at {at}"),
-        (bad, _) => {
-            let sign = if equal.is_some() { "differs from" } else { "exceeds" };
-            let by = if gap.is_finite() { format!(" by {}", percent(gap)) } else { String::new() };
-            format!("in {bad} of {count}; worst: {value} {sign} {limit}{by} at {at}")
-        }
+        (0, Some(_)) if gap == 0.0 => format!("exact in {all}"),
+        (0, Some(_)) => format!("within {} in {all}", percent(gap)),
+        (0, None) => format!("true in {all}; closest to the limit: {value} (limit {limit}){at}"),
+        _ if sides.len() == 1 => worst,
+        (bad, _) => format!("false in {bad} of {} cells; worst: {worst}", sides.len()),
     };
     Finding::new(decided(bad == 0), words).about(used)
 }
@@ -180,9 +189,11 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
         let (low, high) = (least(|it| it.0), -least(|it| -it.0));
         let range = if low < high { format!("{low:.3} to {high:.3}") } else { format!("{low:.3}") };
         parts.push(format!(
-            "{} fits {} series: exponent {range}, ΔAICc {:.0} or more to the next law",
+            "{} fits best in {} of {} series: exponent {range}; the next law is behind by ΔAICc \
+             {:.0} or more",
             wanted.name(),
             fitting.len(),
+            series.len(),
             least(|it| it.1)
         ));
     }
@@ -199,13 +210,13 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
 
 fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
     let exponent = choice.slope.map_or_else(String::new, |slope| {
-        format!("exponent {:.3} [{:.3}, {:.3}], ", slope.exponent, slope.low, slope.high)
+        format!("exponent {:.3} ({:.3} to {:.3}), ", slope.exponent, slope.low, slope.high)
     });
     let law = match (&choice.law, off) {
         (Ok(law), _) if law.name() != wanted => format!("{} fits, not {wanted}", law.name()),
         (_, Some(Tail { sizes: [first, last], found, law })) => format!(
-            "{found:.3} over n = {first}..{last}, where {wanted} has {law:.3}: {:.3} off, {LIMIT} \
-             allowed",
+            "exponent {found:.3} for n = {first} to {last}, where {wanted} has {law:.3}: {:.3} off, \
+             {LIMIT} allowed",
             (found - law).abs()
         ),
         (Ok(_), None) => format!("{wanted} fits"),
@@ -235,26 +246,36 @@ pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Find
     let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(&ratio.scaled(by), cell.id.n);
     let slower = found.iter().filter(|pair| decided(pair) && pair.1.median * by > 1.0).count();
     let open = found.iter().filter(|pair| !decided(pair)).count();
-    let goal = if by == 1.0 { "faster".into() } else { format!("{by} times as fast") };
+    let misses = match by {
+        1.0 => "not faster".into(),
+        by if by < 1.0 => format!("over {} times", times(1.0 / by)),
+        by => format!("not {by} times as fast"),
+    };
     let (status, tell) = match (slower, open) {
-        (0, 0) => (Status::Holds, "nearest to the limit".into()),
-        (0, open) => {
-            (Status::NotShown, format!("not shown in {open} of them, where noise hides it; worst"))
-        }
-        (slower, 0) => (Status::Fails, format!("not {goal} in {slower} of them; worst")),
+        (0, 0) => (Status::Holds, String::new()),
+        (0, _) if found.len() == 1 => (Status::NotShown, "; undecided".into()),
+        (0, open) => (Status::NotShown, format!("; undecided in {open}")),
+        _ if found.len() == 1 => (Status::Fails, format!("; {misses}")),
+        (slower, 0) => (Status::Fails, format!("; {misses} in {slower}")),
         (slower, open) => {
-            let words = format!("not {goal} in {slower} of them, not shown in {open} more; worst");
-            (Status::Fails, words)
+            (Status::Fails, format!("; {misses} in {slower}, undecided in {open} more"))
         }
     };
     let medians = || found.iter().map(|(_, ratio)| ratio.median);
-    let words = format!(
-        "{} to {} times the time of {than} in {}; {tell} {} at {}",
-        times(medians().fold(f64::INFINITY, f64::min)),
-        times(medians().fold(0.0, f64::max)),
-        plural(found.len(), "cell"),
-        with_interval(interval),
-        place(&worst.id, &varying(&compared))
-    );
+    let (least, most) = (medians().fold(f64::INFINITY, f64::min), medians().fold(0.0, f64::max));
+    let words = match &found[..] {
+        [_] => {
+            format!("{} times the time of {than} in the only cell{tell}", with_interval(interval))
+        }
+        all => format!(
+            "{} to {} times the time of {than} in {} cells{tell}; {} {} at {}",
+            times(least),
+            times(most),
+            all.len(),
+            if status == Status::Holds { "closest to the limit:" } else { "worst:" },
+            with_interval(interval),
+            place(&worst.id, &varying(&compared))
+        ),
+    };
     Finding::new(status, words).about(used)
 }

@@ -168,7 +168,7 @@ impl Map {
         let names: BTreeSet<&str> = spots.flat_map(Spot::front).collect();
         ensure!(
             !names.is_empty(),
-            "nobody has a time in these cells, and a map is one of times; run the experiment with \
+            "no detector has a time in these cells, and a map shows times; run the experiment with \
              blocks"
         );
         let contenders = names.into_iter().map(String::from).collect();

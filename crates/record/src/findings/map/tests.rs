@@ -102,7 +102,7 @@ fn what_makes_no_map_is_refused_with_a_reason() {
         ("time_ns", "n", "", "no 'time_ns'"),
         ("contacts", "n", "", "no 'contacts' of a scene or a detector"),
         ("n", "fraction", "n = 7", "no cell is left"),
-        ("n", "fraction", "n = 1000, fraction = 0.6", "nobody has a time"),
+        ("n", "fraction", "n = 1000, fraction = 0.6", "no detector has a time"),
     ] {
         let error = map(&lab(), x, y, text).unwrap_err().to_string();
         assert!(error.contains(words), "{x} {y} {text}: {error}");

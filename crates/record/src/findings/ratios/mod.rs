@@ -1,5 +1,4 @@
-//! Times as multiples of a reference detector's, paired by block, per scene and n; and whether the
-//! reference is near the fastest.
+//! The time of every subject over that of one detector: paired within blocks, per scene and N.
 
 use std::collections::BTreeMap;
 
@@ -11,9 +10,6 @@ use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
 use contactbench_terms::arithmetic::Arithmetic;
-
-/// A detector is near the fastest if it takes at most this multiple of its time.
-pub const NEAR: f64 = 1.2;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratios {
@@ -40,52 +36,7 @@ pub struct Library {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRatios {
     pub experiment: String,
-    pub fastest: Vec<Fastest>,
     pub entries: BySize<Entry>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fastest {
-    pub n: u64,
-    pub scenes: usize,
-    pub name: String,
-    /// Median time per detection, in nanoseconds.
-    pub time_ns: f64,
-    pub near: Near,
-    pub open: Vec<String>,
-}
-
-/// Whether the reference is near the fastest. The ratio is its time over that of the fastest, or
-/// over the runner-up's if its own median is the shortest. The answer holds against all others,
-/// because a noisy one may be faster than its median. [`Noise::tells`] decides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Near {
-    /// The reference is the fastest; decidedly, if there are others.
-    Fastest,
-    Within(Interval),
-    Beyond(Interval),
-    Undecided(Option<Interval>),
-    /// The reference has no time: its outcome, or `None` if it was not measured.
-    Absent(Option<Outcome>),
-}
-
-impl Near {
-    fn of_ratio(ratio: Option<Interval>, noise: &Noise, n: u64) -> Near {
-        match ratio {
-            Some(ratio) if !noise.tells(&ratio, NEAR, n) => Near::Undecided(Some(ratio)),
-            Some(ratio) if ratio.median < NEAR => Near::Within(ratio),
-            Some(ratio) => Near::Beyond(ratio),
-            None => Near::Undecided(None),
-        }
-    }
-
-    pub fn ratio(&self) -> Option<Interval> {
-        match self {
-            Near::Within(ratio) | Near::Beyond(ratio) => Some(*ratio),
-            Near::Undecided(ratio) => *ratio,
-            Near::Fastest | Near::Absent(_) => None,
-        }
-    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -131,22 +82,9 @@ impl Ratios {
         });
         let libraries = libraries.collect();
         let scene = |group: Group<'_>| {
-            let fastest = group.sizes().into_iter().filter_map(|n| {
-                let (first, time_ns) = group.fastest(n)?;
-                let (near, open) = distance(&group, first, n, reference, &noise);
-                let open = open.into_iter().map(label).collect();
-                // The fastest is decided within blocks, although medians over all blocks may
-                // differ.
-                let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
-                let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
-                let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));
-                let scenes = every::count(group.cells(n));
-                Some(Fastest { n, scenes, name, time_ns, near, open })
-            });
             let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
             SceneRatios {
                 experiment: any.map_or(String::new(), |cell| cell.id.experiment.clone()),
-                fastest: fastest.collect(),
                 entries: group.by_size(
                     label,
                     |line, n| entry(&group, line, n, reference),
@@ -160,21 +98,9 @@ impl Ratios {
             libraries,
             missing: missing(cells),
         };
-        let timed = found.fastest().any(|(_, found)| !matches!(found.near, Near::Absent(_)));
-        timed.then_some(found)
-    }
-
-    pub fn fastest(&self) -> impl Iterator<Item = (&SceneRatios, &Fastest)> {
-        self.scenes.iter().flat_map(|scene| scene.fastest.iter().map(move |found| (scene, found)))
-    }
-
-    /// The scene and n at which the reference is farthest behind the fastest, with the ratio;
-    /// `None` if its median is always shorter.
-    pub fn worst(&self) -> Option<(&SceneRatios, u64, Interval)> {
-        let ratios =
-            self.fastest().filter_map(|(scene, found)| Some((scene, found.n, found.near.ratio()?)));
-        let behind = ratios.filter(|(_, _, ratio)| ratio.median > 1.0);
-        behind.max_by(|a, b| a.2.median.total_cmp(&b.2.median))
+        let entries = found.scenes.iter().flat_map(|scene| &scene.entries.lines);
+        let mut entries = entries.flat_map(|line| line.values.iter().flatten());
+        entries.any(|entry| entry.is_base && entry.time_ns.is_some()).then_some(found)
     }
 }
 
@@ -233,44 +159,6 @@ fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entr
         base: base.map(|base| base.arithmetic.clone()),
         is_base: base == Some(line),
     })
-}
-
-/// The line of the reference that has a time: the fewest threads, then preferably the arithmetic of
-/// `first`.
-fn timed<'a>(group: &'a Group<'_>, first: &Line, n: u64, reference: &str) -> Option<&'a Line> {
-    let has_time =
-        |line: &&Line| group.at(line, n).is_some_and(|cells| series::time(cells).is_some());
-    let known = group.lines.keys().filter(|line| line.detector == reference);
-    known.filter(has_time).min_by_key(|line| (line.threads, line.arithmetic != first.arithmetic))
-}
-
-/// The distance of the reference from the fastest, and the subjects for which it is undecided.
-fn distance<'a>(
-    group: &'a Group<'_>,
-    first: &Line,
-    n: u64,
-    reference: &str,
-    noise: &Noise,
-) -> (Near, Vec<&'a Line>) {
-    let measured = |line: &&Line| line.detector == reference && group.lines[*line].contains_key(&n);
-    let line = timed(group, first, n, reference);
-    let Some(line) = line else {
-        let ended = group.lines.keys().find(measured).and_then(|line| group.at(line, n));
-        return (Near::Absent(ended.map(|cells| series::outcome(cells).0)), Vec::new());
-    };
-    let others = group.ranked(n, |other| other.detector != reference);
-    let ratio = |a: &Line, b: &Line| series::ratio(group.at(a, n)?, group.at(b, n)?);
-    if others.iter().all(|(other, _)| noise.slower(ratio(other, line).as_ref(), n)) {
-        return (Near::Fastest, Vec::new());
-    }
-    let stand = |other: &Line| Near::of_ratio(ratio(line, other), noise, n);
-    let to_first = others.first().map_or(Near::Fastest, |(other, _)| stand(other));
-    if matches!(to_first, Near::Beyond(_)) {
-        return (to_first, Vec::new());
-    }
-    let open = others.into_iter().map(|(other, _)| other);
-    let open: Vec<&Line> = open.filter(|it| !matches!(stand(it), Near::Within(_))).collect();
-    if open.is_empty() { (to_first, open) } else { (Near::Undecided(to_first.ratio()), open) }
 }
 
 /// Counts bad outcomes per subject and reason; reasons that differ only in numbers are one.

@@ -14,31 +14,25 @@ use contactbench_record::experiment::Lines;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::median;
 
-/// A point of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Datum {
-    /// Place on the x axis.
     pub x: f64,
     pub y: f64,
-    /// Ends of the bar.
     pub low: f64,
     pub high: f64,
 }
 
-/// Which line, in the order of the legend: detector, and what tells it from others of the same
-/// detector.
+/// Key of a line, in the order of the legend.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CurveKey {
-    /// Controls are last.
     control: bool,
     pub detector: String,
-    /// Arithmetic, where there are several, and threads, where they are not one.
+    /// Arithmetic if there are several, threads if not one.
     pub variant: String,
-    /// More than one thread, where others have one.
+    /// More than one thread, where other lines have one.
     pub parallel: bool,
 }
 
-/// A line: its points, and the x of cells without a value.
 #[derive(Default)]
 pub struct Curve {
     pub points: Vec<Datum>,
@@ -46,7 +40,6 @@ pub struct Curve {
 }
 
 pub struct Panel {
-    /// Scene and parameters.
     pub scene: String,
     pub dim: u32,
     pub lines: BTreeMap<CurveKey, Curve>,
@@ -54,12 +47,12 @@ pub struct Panel {
 
 pub struct Plot {
     pub panels: Vec<Panel>,
-    /// True if points have bars for seeds, false for blocks.
+    /// True if bars show the range over seeds, false for the interval over blocks.
     pub over_seeds: bool,
 }
 
 impl Plot {
-    /// Collects the figure's data from the experiment's cells; none if there is nothing to show.
+    /// Collects the data of a figure; `None` if there is nothing to show.
     pub fn new(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<Plot>> {
         let chosen = select::select(about.cells, &about.figure.filter)?;
         let x_name = options.x.replace('-', "_");
@@ -67,7 +60,7 @@ impl Plot {
         x.check(about.cells)?;
         options.y.check(about.cells)?;
         let names = Names::new(&chosen, &x_name);
-        // Who has no such parameter, where others have it, is the same along all of it.
+        // A subject without the parameter x, where others have it, is a horizontal line.
         let of_some = chosen.iter().any(|cell| cell.id.detector_params.contains_key(&x_name));
         let xs = || chosen.iter().filter(|_| of_some).filter_map(|cell| x.at(cell, None));
         let ends = match (xs().reduce(f64::min), xs().reduce(f64::max)) {
@@ -77,7 +70,7 @@ impl Plot {
         let mut scenes: Vec<String> = Vec::new();
         let mut panels = BTreeMap::<_, BTreeMap<CurveKey, Vec<(f64, &Cell)>>>::new();
         for &cell in &chosen {
-            // Without a number on this axis: a skin of auto, or none at all.
+            // `skin=auto` is no number on this axis.
             let at = x.at(cell, None).map_or_else(|| ends.clone(), |at| vec![at]);
             if at.is_empty() {
                 continue;
@@ -115,12 +108,11 @@ impl Plot {
         self.lines().flat_map(|line| &line.marks)
     }
 
-    /// All places on the x axis, of marks too.
+    /// Returns all places on the x axis, those of marks included.
     pub fn xs(&self) -> impl Iterator<Item = f64> {
         self.points().map(|point| point.x).chain(self.marks().map(|mark| mark.0))
     }
 
-    /// The lines of all panels, in the order of the legend.
     pub fn keys(&self) -> BTreeSet<&CurveKey> {
         self.panels.iter().flat_map(|panel| panel.lines.keys()).collect()
     }
@@ -130,16 +122,14 @@ impl Plot {
     }
 }
 
-/// Names that tell the lines and panels of a figure apart.
 struct Names<'a> {
     x: &'a str,
-    /// Which of these have several values.
     arithmetic: bool,
     threads: bool,
     order: bool,
-    /// What lies along x makes no line, nor a skin that all lists have.
+    /// Parameters of detectors that make lines: neither x nor a skin that all lists share.
     common: Vec<&'a str>,
-    /// The values of each parameter in a scene and dimension.
+    /// Values of each parameter, by scene and dimension.
     values: BTreeMap<(&'a str, u32, String), BTreeSet<Option<AxisValue>>>,
 }
 
@@ -178,7 +168,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The scene, with every parameter besides x that takes several values in it.
+    /// Returns the scene with every parameter besides x that has several values in it.
     fn scene(&self, id: &CellId) -> String {
         let mut label = id.scene.clone();
         for (name, value) in id.parameters().into_iter().chain([("n".into(), id.n.into())]) {
@@ -201,8 +191,8 @@ impl Curve {
         line
     }
 
-    /// Adds the cells at one x; true if their bar is over seeds. A failed seed is marked even if
-    /// others have a value.
+    /// Adds the cells at one x, and returns true if their bar is over seeds. A failed seed is
+    /// marked even if others have a value.
     fn add(&mut self, cells: &[(f64, &Cell)], y: &Expression) -> bool {
         let (x, mut values, mut failed) = (cells[0].0, Vec::new(), None);
         for (_, cell) in cells {

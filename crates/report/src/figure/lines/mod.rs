@@ -28,17 +28,14 @@ struct Sheet<'a> {
     plot: &'a Plot,
     subtitle: Vec<String>,
     columns: usize,
-    /// Width of the legend, and between two panels.
     legend: f64,
     gap: f64,
-    /// Top and bottom of the panels with their headings.
     top: f64,
     bottom: f64,
     panel: (f64, f64),
     shared: Shared<'a>,
 }
 
-/// The figure as SVG; none if there is nothing to show.
 pub fn svg(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<String>> {
     let Some(plot) = Plot::new(about, options)? else { return Ok(None) };
     let sheet = Sheet::new(about, options, &plot);
@@ -52,7 +49,6 @@ fn binary(bytes: u64) -> String {
     if bytes >= 1 << 20 { format!("{} MiB", bytes >> 20) } else { format!("{} KiB", bytes >> 10) }
 }
 
-/// The names of lines in the legend.
 fn namer(plot: &Plot) -> impl Fn(&CurveKey) -> String {
     let brief = label::brief(plot.keys().into_iter().map(|key| key.detector.as_str()));
     move |key| {
@@ -66,13 +62,13 @@ impl<'a> Sheet<'a> {
         let dims: BTreeSet<u32> = plot.panels.iter().map(|panel| panel.dim).collect();
         let scenes: BTreeSet<&str> = plot.panels.iter().map(|panel| &*panel.scene).collect();
         let count = plot.panels.len();
-        // a full grid keeps its columns; a long or ragged list is wrapped
+        // A full grid keeps its columns; a long or ragged list is wrapped.
         let full = scenes.len() <= 4 && count == scenes.len() * dims.len();
         let columns = if full { scenes.len() } else { count.min(3) };
         let rows = count.div_ceil(columns.max(1)) as f64;
         let named = namer(plot);
         let names = plot.keys().into_iter().map(|key| width(&named(key), 18.0, false));
-        // the names of the slopes stand between the panels, where no line can cross them
+        // The names of the slopes stand between the panels, where no line crosses them.
         let gap = if options.slopes { 58.0 } else { GAP };
         let legend = names.fold(150.0, f64::max) + 70.0 + gap - GAP;
         let mut subtitle = wrap(&about.experiment.question, 150);
@@ -118,7 +114,7 @@ impl<'a> Sheet<'a> {
             let left = MARGIN + LEFT + column as f64 * (across + self.gap);
             let top = self.top + HEAD + row as f64 * (down + HEAD + GAP);
             let heading = format!("{}, {}D", panel.scene, panel.dim);
-            // Smaller where it would run into its neighbour.
+            // Smaller if it would run into its neighbour.
             let fits = (across - 2.0) / width(&heading, 19.0, true);
             canvas.text(&heading, (left + 2.0, top - 13.0), HEADING.of_size(19.0 * fits.min(1.0)));
             let area = Area {
@@ -168,7 +164,7 @@ impl<'a> Sheet<'a> {
         y += 14.0;
         for (shown, words) in [
             (self.plot.points().any(|point| point.high > point.low), bars),
-            (self.shared.slopes, "dashed: cost N, N log N, N²"),
+            (self.shared.slopes, "dashed: costs of N, N log N, N²"),
             (self.plot.keys().iter().any(|key| key.parallel), "dashed: several threads"),
         ] {
             if shown {
@@ -188,7 +184,7 @@ impl<'a> Sheet<'a> {
         canvas.text("coordinates larger than", (left + 14.0, y), NOTE);
         for (name, bytes) in self.shared.caches {
             y += 20.0;
-            // The lines of panels in other dimensions lie elsewhere.
+            // Lines of panels in other dimensions lie elsewhere.
             let place = |dim: u32| self.shared.x.place(outgrown(*bytes, dim));
             let within = |dim: u32| place(dim).is_some_and(|place| place < 1.0);
             let seen = self.plot.panels.iter().any(|panel| within(panel.dim));

@@ -9,7 +9,7 @@ use crate::figure::style::{
 };
 use contactbench_record::stats::growth::Model;
 
-/// Height of one detector's row in the strip of marks.
+/// Height of one row of marks in the strip.
 pub const ROW: f64 = 17.0;
 const LABEL: Text = Text::new(17.0, INK);
 const SLOPE: Text = Text::new(15.0, FAINT);
@@ -18,15 +18,15 @@ pub struct Shared<'a> {
     pub styles: &'a Styles,
     pub x: Axis,
     pub y: Axis,
-    /// Height of the strip at the top; 0 if no panel has marks.
+    /// Height of the strip at the top; 0 without marks.
     pub strip: f64,
-    /// Height of the band at the bottom for zeros, which a logarithmic axis cannot show; 0 if there
-    /// are none.
+    /// Height of the band at the bottom for zeros, which a logarithmic axis cannot show; 0 without
+    /// zeros.
     pub zero: f64,
     pub slopes: bool,
-    /// y is per particle: the slopes, too.
+    /// The slopes are per particle, too.
     pub per_particle: bool,
-    /// Name and bytes of the caches to be marked; x is the number of particles.
+    /// Name and bytes of each cache to be marked, if x is the number of particles.
     pub caches: &'a [(String, u64)],
 }
 
@@ -38,8 +38,8 @@ pub struct Area<'a> {
     pub x_labels: bool,
 }
 
-/// Width and dashes of a line: controls are thin; several threads are dashed, and so are f32 and
-/// f64 where arithmetics are compared.
+/// Returns width and dashes of a line: controls are thin; several threads are dashed, and so are
+/// f32 and f64 where arithmetics are compared.
 pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Point>) {
     match &*key.variant {
         _ if key.parallel && !style.control => (2.0, Some((6.0, 5.0))),
@@ -50,7 +50,7 @@ pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Point>) {
     }
 }
 
-/// The number of particles whose coordinates, of eight bytes each, fill so many bytes.
+/// Returns the number of particles whose coordinates, of eight bytes each, fill this many bytes.
 pub fn outgrown(bytes: u64, dim: u32) -> f64 {
     bytes as f64 / (8.0 * f64::from(dim.max(1)))
 }
@@ -63,7 +63,7 @@ impl Area<'_> {
         if self.shared.slopes {
             self.slopes(canvas, panel);
         }
-        // controls first: they stay behind the detectors
+        // Controls first: they stay behind the detectors.
         let mut lines: Vec<_> = panel.lines.iter().collect();
         lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.get(&key.detector).control));
         for (key, line) in lines {
@@ -85,7 +85,7 @@ impl Area<'_> {
         Some(self.low.0 + self.shared.x.place(value)? * (self.high.0 - self.low.0))
     }
 
-    /// The top of the strip's lower edge and the bottom of the scale.
+    /// Returns the lower edge of the strip, and the bottom of the scale.
     fn scale(&self) -> (f64, f64) {
         (self.low.1 + self.shared.strip, self.high.1 - self.shared.zero)
     }
@@ -128,8 +128,7 @@ impl Area<'_> {
         }
     }
 
-    /// Where the coordinates alone outgrow a cache: a light line, its name at the foot of the
-    /// panel, right of it.
+    /// Draws a light line where the coordinates alone outgrow a cache, with its name at the foot.
     fn caches(&self, canvas: &mut Canvas, dim: u32) {
         let (top, bottom) = self.scale();
         let inside = self.low.0 + 2.0..self.high.0 - 2.0;
@@ -138,16 +137,16 @@ impl Area<'_> {
             let Some(x) = x else { continue };
             canvas.dashed(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)));
             let (words, text) = (format!("> {name}"), Text::new(15.0, CACHE_NAME).bold());
-            // Where it would leave the panel, it stands left of the line.
+            // The name stands left of the line if it would leave the panel.
             let right = x + 6.0 + width(&words, 15.0, true) < self.high.0;
             let (at, text) = if right { (x + 5.0, text) } else { (x - 5.0, text.ending()) };
             canvas.text(&words, (at, bottom - 11.0), text);
         }
     }
 
-    /// What algorithms of cost N, N log N and N² look like, all from the lowest first point of a
-    /// detector: from a little below it, so that they do not hide the data, unless they are per
-    /// particle, where the slope N is the flat floor of the panel.
+    /// Draws costs of N, N log N and N² from the lowest first point of a detector. They begin a
+    /// little below it, so that they do not hide the data; per particle, N is the flat floor of the
+    /// panel.
     fn slopes(&self, canvas: &mut Canvas, panel: &Panel) {
         let shared = self.shared;
         let lines = panel.lines.iter().filter(|(key, _)| !shared.styles.get(&key.detector).control);
@@ -181,7 +180,7 @@ impl Area<'_> {
                 Some(&(x, y)) if x < self.high.0 - 1.0 => {
                     canvas.text(name, (x + 7.0, y.max(top + 9.0)), SLOPE);
                 }
-                // Beside the panel, kept apart.
+                // Names beside the panel must not overlap.
                 Some(&(_, y)) => {
                     last = y.max(last + 14.0);
                     canvas.text(name, (self.high.0 + 4.0, last), SLOPE);
@@ -195,7 +194,7 @@ impl Area<'_> {
         let style = self.shared.styles.get(&key.detector);
         let (width, dash) = dash_of(style, key);
         let at = |x: f64, y: f64| Some((self.x(x)?, self.y(y)?));
-        // a mark between two points breaks the line: nothing was measured there
+        // A mark between two points breaks the line: nothing was measured there.
         let broken = |a: f64, b: f64| curve.marks.iter().any(|mark| mark.0 > a && mark.0 < b);
         for piece in curve.points.chunk_by(|a, b| !broken(a.x, b.x)) {
             let path: Vec<Point> = piece.iter().filter_map(|point| at(point.x, point.y)).collect();

@@ -1,8 +1,6 @@
-//! What a figure of speed against error shows: a panel per scene and swept parameters, a mark per
-//! detector and arithmetic.
-//!
-//! The front of a panel are the marks than which no other is both as fast and as right: the stairs
-//! from the fastest answer to the best.
+//! Data of a figure of speed against error: a panel per scene and swept parameters, a mark per
+//! detector and arithmetic. The front of a panel are the marks that no other beats in both speed
+//! and errors.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,50 +11,43 @@ use contactbench_record::experiment::{Against, SpeedError};
 use contactbench_record::record::row::{Outcome, Pass};
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// A detector in an arithmetic.
 #[derive(Default)]
 pub struct Mark {
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
-    /// Of a tracker, its skin: those of one rule have one colour.
+    /// Skin of a tracker: those of one rule share a colour.
     pub skin: Option<String>,
-    /// Median time per particle, ns.
+    /// Median time per particle, in nanoseconds.
     pub time: f64,
-    /// Ends of its interval.
     pub low: f64,
     pub high: f64,
-    /// Wrong pairs per true contact, in percent.
     pub rate: f64,
-    /// No other mark is as fast with as few errors.
+    /// True on the front.
     pub front: bool,
 }
 
 #[derive(Default)]
 pub struct Panel {
-    /// The value of the parameter that makes the columns.
     pub title: String,
     pub marks: Vec<Mark>,
     pub missing: Vec<(String, Outcome)>,
 }
 
 pub struct Row {
-    /// Scene, dimension and the other parameters.
     pub title: String,
-    /// In the order of the columns.
     pub panels: Vec<Panel>,
 }
 
 pub struct Plot {
     pub rows: Vec<Row>,
-    /// Those of the chosen cells, from the least to the most accurate.
+    /// From the least to the most accurate.
     pub arithmetics: Vec<String>,
-    /// In the order of the legend.
     pub detectors: Vec<String>,
 }
 
 impl Plot {
-    /// Collects the figure's data from the experiment's cells; none if no cell has time and errors.
+    /// Collects the data of a figure; `None` if no cell has time and errors.
     pub fn new(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<Plot>> {
         let mut chosen = select::select(about.cells, &about.figure.filter)?;
         chosen.retain(|cell| !cell.role.is_control());
@@ -72,7 +63,7 @@ impl Plot {
         for &cell in &chosen {
             let others: Vec<_> = fields.iter().map(|name| cell.id.axis(name)).collect();
             let value = across.as_ref().and_then(|name| cell.id.axis(name));
-            // Numbers by size, so that all rows begin with none, whatever their sign.
+            // By absolute value, so that all rows begin with 0.
             let size: Option<AxisValue> =
                 value.as_ref().and_then(AxisValue::number).map(|size| size.abs().into());
             let row = rows.entry((about.place(cell), cell.id.dim, others)).or_default();
@@ -112,12 +103,10 @@ impl Plot {
         self.marks().any(|mark| mark.skin.is_some())
     }
 
-    /// The most panels of a row.
     pub fn columns(&self) -> f64 {
         self.rows.iter().map(|row| row.panels.len()).max().unwrap_or(1).max(1) as f64
     }
 
-    /// The outcomes of cells without a mark.
     pub fn outcomes(&self) -> BTreeSet<Outcome> {
         self.panels().flat_map(|panel| &panel.missing).map(|missing| missing.1).collect()
     }
@@ -138,7 +127,8 @@ impl Panel {
     }
 }
 
-/// The parameter that makes the columns: the one asked for, or the one with the most values.
+/// Returns the parameter that makes the columns: the one asked for, or the one with the most
+/// values.
 fn across(options: &SpeedError, cells: &[&Cell]) -> Option<String> {
     if !options.columns.is_empty() {
         return Some(options.columns.replace('-', "_"));
@@ -153,7 +143,7 @@ fn shown(value: &AxisValue) -> String {
     value.number().map_or_else(|| value.to_string(), axis::plain)
 }
 
-/// Who is shown in one colour.
+/// Returns the name by which marks share a colour.
 fn detector(cell: &Cell) -> String {
     cell.id.contender_without(&["skin"])
 }
@@ -176,8 +166,8 @@ fn mark(cell: &Cell, against: Against, arithmetics: &[String]) -> Option<Mark> {
     })
 }
 
-/// Sorts by time. Of marks with the same errors only the fastest is on the front, of those with the
-/// same time only the best.
+/// Sorts by time. Only the fastest of marks with equal errors is on the front, and only the best of
+/// marks with equal time.
 fn find_front(marks: &mut [Mark]) {
     marks.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.rate.total_cmp(&b.rate)));
     let mut best = f64::INFINITY;
@@ -189,7 +179,7 @@ fn find_front(marks: &mut [Mark]) {
 
 #[test]
 fn the_front_has_neither_slower_nor_worse() {
-    // equal errors, equal times, a twin, dominated ones, and the slow one without errors
+    // Equal errors, equal times, a twin, dominated ones, and a slow one without errors.
     let points = [(5, 3), (4, 3), (4, 9), (2, 7), (2, 7), (3, 8), (9, 0), (12, 0)];
     let points = points.map(|(time, rate)| (f64::from(time), f64::from(rate)));
     let mut marks = points.map(|(time, rate)| Mark { time, rate, ..Mark::default() });

@@ -21,9 +21,7 @@ use panel::{BREAK, LANE, SCALE, SmallPanel, ZERO, ring, shape};
 const WIDTH: f64 = 1400.0;
 const LEFT: f64 = 104.0;
 const GAP: f64 = 14.0;
-/// Height of the headings of a row: its own, and those of its panels.
 const HEADINGS: f64 = 58.0;
-/// Room beside the panels for the names of the lines.
 const NAMES: f64 = 66.0;
 const LEGEND: f64 = 206.0;
 const NAME: Text = Text::new(18.0, INK);
@@ -35,16 +33,14 @@ struct Sheet<'a> {
     plot: &'a Plot,
     subtitle: Vec<String>,
     top: f64,
-    /// Width of a panel, and height of its field of zeros.
     across: f64,
     zero: f64,
     x: Axis,
     y: Axis,
-    /// Marks that take longer than this, ns, stand at the right edge.
+    /// Marks that take longer than this, in nanoseconds, stand at the right edge.
     limit: f64,
 }
 
-/// The figure as SVG; none if no cell has time and errors.
 pub fn svg(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<String>> {
     let Some(plot) = Plot::new(about, options)? else { return Ok(None) };
     let sheet = Sheet::new(about, options.against, &plot);
@@ -67,11 +63,10 @@ impl<'a> Sheet<'a> {
             about.experiment.question
         );
         let subtitle = wrap(&subtitle, 150);
-        // with 100% as a landmark; without any error there is still an axis to be without error on
+        // 100% is a landmark; without any error there is an axis all the same.
         let rates = plot.marks().map(|mark| mark.rate).filter(|rate| *rate > 0.0);
         let least = if rates.clone().next().is_some() { 100.0 } else { 1.0 };
-        // what is wrong and far slower than anything right must not squeeze all other marks
-        // together
+        // Wrong answers that are far slower than any right one must not squeeze the other marks.
         let right = plot.marks().filter(|mark| mark.rate == 0.0).map(|mark| mark.time);
         let right = right.fold(0.0, f64::max);
         let limit = if right > 0.0 { 3.0 * right } else { f64::INFINITY };
@@ -81,17 +76,16 @@ impl<'a> Sheet<'a> {
             plot,
             top: MARGIN + 34.0 + 22.0 * subtitle.len() as f64 + 4.0,
             subtitle,
-            // one or two panels need not fill the sheet
+            // One or two panels need not fill the sheet.
             across: ((room + GAP) / plot.columns() - GAP).min(420.0),
             zero: LANE * plot.arithmetics.len() as f64 + 4.0,
-            // bars may leave the panel, for the same reason
+            // Bars may leave the panel for the same reason.
             x: Axis::new(plot.marks().map(|mark| mark.time).filter(|time| *time <= limit), true),
             y: Axis::new(rates.chain([100.0, least]), true),
             limit,
         }
     }
 
-    /// Height of a row of panels with their headings.
     fn row(&self) -> f64 {
         HEADINGS + SCALE + BREAK + self.zero
     }
@@ -160,7 +154,7 @@ impl<'a> Sheet<'a> {
         y += 40.0;
         canvas.rect((left, y - 9.0), (left + 34.0, y + 9.0), ZERO);
         canvas.text("0", (middle, y), Text::new(17.0, INK).bold().centred());
-        canvas.text("not one pair wrong", (words, y), WORDS);
+        canvas.text("no pair is wrong", (words, y), WORDS);
         y += 28.0;
         ring(canvas, (middle, y));
         canvas.text("no other is as fast", (words, y - 2.0), WORDS);

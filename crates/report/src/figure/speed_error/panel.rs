@@ -6,19 +6,16 @@ use crate::figure::speed_error::Sheet;
 use crate::figure::speed_error::data::{Mark, Panel};
 use crate::figure::style::{Colour, FAINT, FRAME, GRID, INK, letter};
 
-/// Between the logarithmic part and the field of zeros.
+/// Gap between the logarithmic part and the field of zeros.
 pub const BREAK: f64 = 9.0;
-/// Height of the logarithmic part.
 pub const SCALE: f64 = 132.0;
-/// Room at its ends for half a mark.
+/// Room at both ends of the logarithmic part for half a mark.
 const ROOM: f64 = 7.0;
-/// Height of one arithmetic's line in the field of zeros.
 pub const LANE: f64 = 13.0;
 pub const ZERO: Colour = (229, 242, 232);
 const STAIRS: Colour = (105, 105, 105);
 const LABEL: Text = Text::new(16.0, INK);
 
-/// A ring around a mark of the front.
 pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     let point = |k: u32| (f64::from(k) * std::f64::consts::TAU / 36.0).sin_cos();
     let points: Vec<Point> =
@@ -26,8 +23,8 @@ pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     canvas.line(&points, INK, 1.8);
 }
 
-/// The shape of an arithmetic. Those that decide alike (f32 and f32-cell, textbook and f64) are
-/// told apart where they lie on each other.
+/// Shapes of arithmetics. Those that decide alike (f32 and f32-cell, textbook and f64) can be told
+/// apart where they overlap.
 pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colour: Colour) {
     match arithmetic {
         "f32" => canvas.cross(slanted((x, y), r), colour),
@@ -45,12 +42,9 @@ pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colou
     }
 }
 
-/// A panel of the sheet: where it begins.
 pub struct SmallPanel<'a> {
     pub sheet: &'a Sheet<'a>,
-    /// The left end of the time axis.
     pub left: f64,
-    /// The top of the logarithmic part.
     pub top: f64,
 }
 
@@ -59,13 +53,12 @@ impl SmallPanel<'_> {
         self.left + self.sheet.across
     }
 
-    /// The field of zeros: from here, and to there.
+    /// Returns top and bottom of the field of zeros.
     fn field(&self) -> (f64, f64) {
         let top = self.top + SCALE + BREAK;
         (top, top + self.sheet.zero)
     }
 
-    /// The middle of an arithmetic's line in the field of zeros.
     pub fn lane(&self, arithmetic: usize) -> f64 {
         self.field().0 + 2.0 + LANE * (arithmetic as f64 + 0.5)
     }
@@ -112,7 +105,6 @@ impl SmallPanel<'_> {
         if y_labels {
             let zero = (left - 8.0, (field.0 + field.1) / 2.0);
             canvas.text("0", zero, LABEL.of_size(22.0).bold().ending());
-            // the axis is broken
             let middle = self.top + SCALE + BREAK / 2.0;
             for y in [middle - 3.0, middle + 3.0] {
                 canvas.line(&[(left - 7.0, y + 3.0), (left + 7.0, y - 3.0)], STAIRS, 1.2);
@@ -120,7 +112,6 @@ impl SmallPanel<'_> {
         }
     }
 
-    /// The front, the marks, and the letters of what has no mark.
     pub fn marks(&self, canvas: &mut Canvas, panel: &Panel) {
         let right = self.right();
         let (shown, slow): (Vec<&Mark>, Vec<&Mark>) =
@@ -134,7 +125,7 @@ impl SmallPanel<'_> {
                 canvas.line(&[(inside(low), y), (inside(high), y)], self.colour(mark), 1.3);
             }
         }
-        // the front last, so that its rings are whole
+        // The front last, so that its rings are whole.
         for front in [false, true] {
             for mark in shown.iter().filter(|mark| mark.front == front) {
                 let Some(at) = self.at(mark) else { continue };
@@ -142,7 +133,7 @@ impl SmallPanel<'_> {
                     ring(canvas, at);
                 }
                 self.shape(canvas, at, mark);
-                // In the lane of right answers there is room for one.
+                // The field of right answers has room for one name.
                 if let Some(skin) = mark.skin.as_ref().filter(|_| front || mark.rate > 0.0) {
                     canvas.text(skin, (at.0, at.1 - 11.0), Text::new(12.0, FAINT).centred());
                 }
@@ -162,7 +153,6 @@ impl SmallPanel<'_> {
         }
     }
 
-    /// From each mark of the front to the next.
     fn stairs(&self, canvas: &mut Canvas, shown: &[&Mark]) {
         let mut stairs: Vec<Point> = Vec::new();
         for (x, y) in shown.iter().filter(|mark| mark.front).filter_map(|mark| self.at(mark)) {
