@@ -1,4 +1,4 @@
-//! What findings look like: tables, reports, pages, figures, pictures of scenes.
+//! Findings as tables, reports, pages and figures.
 
 pub mod csv;
 pub mod document;

@@ -1,9 +1,8 @@
 //! One colour and one marker per detector, the same in every figure of a report.
 //!
-//! The first colours are those of Okabe and Ito, which people with any of the common colour
-//! blindnesses tell apart; the others were chosen beside them, from Okabe and Ito and from Tol, to
-//! differ in lightness where hues can be mistaken. The marker says the same again, so that a figure
-//! survives a grey printer. Controls are grey, thin and dashed.
+//! The first colours are those of Okabe and Ito, which people with a common colour blindness can
+//! distinguish. The others come from Okabe and Ito and from Tol, and differ in lightness. Markers
+//! make a figure readable in grey print. Controls are grey, thin and dashed.
 //!
 //! The name of a detector decides which style it prefers, so that it mostly looks the same in all
 //! reports. If a style is taken, a detector gets the next free one. Detectors without parameters

@@ -1,5 +1,5 @@
-//! `report.html`: a report in one file that needs no server, no network and no other file. What
-//! needs no JavaScript is HTML made here. `data` gives charts and table their numbers; `markup`
+//! `report.html`: a report in one file that needs no server, no network and no other file. Only the
+//! charts and the table of results need JavaScript. `data` gives them their numbers; `markup`
 //! escapes texts of the record. Style and scripts are in `crates/report/assets`. A content security
 //! policy in the page forbids every request.
 
@@ -113,7 +113,7 @@ fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
         head.extend(sections::answer::blocks(&part.verdicts, true));
         out += &format!("<article>\n{}", document::html(&head));
         let asked = part.asks_fastest && contests;
-        // With one experiment, the card holds the sentence already.
+        // The card of a single experiment holds the sentence already.
         if parts.len() > 1 && asked {
             let sentence = document::inline_html(&part.sentence());
             out += &format!("<p class=\"lead\">{sentence}</p>\n");

@@ -50,7 +50,7 @@ pub fn machines(machines: &[Machine; 2]) -> String {
     format!("two machines: {a} and {b}{same}")
 }
 
-/// Formats a size as `480 MiB`; text that is no size stays as it is.
+/// Formats a size as `480 MiB`; other text stays as it is.
 fn cache(size: &str) -> String {
     match size_of(size) {
         Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),

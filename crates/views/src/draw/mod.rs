@@ -46,14 +46,14 @@ pub const MOST_LINES: usize = 2_000_000;
 /// Up to this number, particles are labelled.
 pub const LABELLED: usize = 60;
 
-/// What a picture shows besides particles and pairs.
+/// Options of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub title: String,
     /// Labels particles; by default up to [`LABELLED`] of them.
     pub labels: Option<bool>,
     pub grid: bool,
-    /// Where spheres are cut; by default through the worst mistake of a list, else through the
+    /// Plane that cuts spheres; by default through the worst mistake of a list, else through the
     /// middle along z.
     pub slice: Option<Slice>,
     /// Shows the whole scene, even if the mistake is too small to be seen.

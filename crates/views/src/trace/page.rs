@@ -1,5 +1,5 @@
 //! All steps as one self-contained HTML page, worked by keys, a presenter, buttons or touch.
-//! Pictures are drawn here; the page only exchanges them. What several steps share is in it once.
+//! Pictures are drawn here; the page only exchanges them. Contents that steps share are in it once.
 
 use std::collections::HashMap;
 

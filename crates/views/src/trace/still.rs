@@ -27,7 +27,7 @@ impl<'a> Stills<'a> {
         Stills { trace, scene, arrays, template, values }
     }
 
-    /// Returns the picture of step `k`, from 0, as SVG; `None` if there is no such step.
+    /// Returns the picture of step `k`, from 0, as SVG; `None` past the last step.
     pub fn svg(&self, k: usize) -> Option<String> {
         let (trace, step) = (self.trace, self.trace.steps.get(k)?);
         let [under, over] = self.scene.layers(step);

@@ -1,4 +1,4 @@
-//! What a figure shows: panels of lines and of marks for cells without a value, from the cells of
+//! Data of a figure: panels of lines and of marks for cells without a value, from the cells of
 //! an experiment.
 //!
 //! A panel is a scene (with those parameters, besides x, that are swept) in one dimension. A line
@@ -70,7 +70,7 @@ impl Plot {
         let mut scenes: Vec<String> = Vec::new();
         let mut panels = BTreeMap::<_, BTreeMap<CurveKey, Vec<(f64, &Cell)>>>::new();
         for &cell in &chosen {
-            // `skin=auto` is no number on this axis.
+            // `skin=auto` is not a number on this axis.
             let at = x.at(cell, None).map_or_else(|| ends.clone(), |at| vec![at]);
             if at.is_empty() {
                 continue;

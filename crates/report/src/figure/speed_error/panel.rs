@@ -23,8 +23,8 @@ pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     canvas.line(&points, INK, 1.8);
 }
 
-/// Shapes of arithmetics. Those that decide alike (f32 and f32-cell, textbook and f64) can be told
-/// apart where they overlap.
+/// Shapes of arithmetics. Those that decide alike (f32 and f32-cell, textbook and f64) differ even
+/// where they overlap.
 pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colour: Colour) {
     match arithmetic {
         "f32" => canvas.cross(slanted((x, y), r), colour),

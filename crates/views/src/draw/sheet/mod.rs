@@ -280,7 +280,7 @@ pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
     page.length(radii[0].min(radii[1])) < SEEN
 }
 
-/// Returns the lowest corner and the edge of a detector's cells; `None` if there are no cells.
+/// Returns the lowest corner and the edge of a detector's cells; `None` without cells.
 fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
     fn corner<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
         let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
