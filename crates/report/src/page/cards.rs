@@ -65,7 +65,7 @@ fn right(parts: &[Part<'_>]) -> (&'static str, String) {
         count => (
             "bad",
             format!(
-                "<strong>Wrong in {} of {}</strong>: {}. Such times are compared with nothing.",
+                "<strong>Wrong in {} of {}</strong>: {}. Times of wrong answers are not compared.",
                 plural(count, "cell"),
                 all.len(),
                 names(&wrong, |cell| &cell.id.detector)
@@ -74,7 +74,7 @@ fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     };
     if !off.is_empty() {
         said += &format!(
-            " In {} rounding lost or added pairs, as {} may.",
+            " Rounding lost or added pairs in {}, as {} may.",
             plural(off.len(), "cell"),
             names(&off, |cell| &cell.id.arithmetic)
         );

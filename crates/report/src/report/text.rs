@@ -42,8 +42,8 @@ impl Facts<'_> {
     }
 
     pub(super) fn terminal(&self) -> Vec<Block> {
-        let first = self.wrong.iter().chain(&self.whole);
-        let mut out: Vec<Block> = first.map(|it| Block::paragraph(it.as_str())).collect();
+        let paragraph = |text: &String| Block::paragraph(text.as_str());
+        let mut out: Vec<Block> = self.wrong.iter().map(paragraph).collect();
         out.extend(self.alerts.iter().cloned());
         for part in &self.parts {
             let mut said =
@@ -57,6 +57,7 @@ impl Facts<'_> {
             }
         }
         out.extend(sections::claims::terminal(&self.verdicts));
+        out.extend(self.whole.iter().map(paragraph));
         out
     }
 

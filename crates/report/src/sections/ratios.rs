@@ -100,14 +100,14 @@ fn blocks(found: &Ratios) -> Vec<Block> {
 }
 
 fn libraries(found: &[Library], reference: &str) -> Table {
-    let decided = |it: &Library| if it.decided() { "yes".into() } else { undecided(&it.open) };
+    let decided = |it: &Library| if it.decided() { "decided".into() } else { undecided(&it.open) };
     Table::of("", found)
         .left("scene", |it| &*it.title)
         .right("N", |it| it.n)
         .left("fastest library", |it| &*it.name)
         .right(format!("its time / {reference}"), |it| it.ratio)
         .right("both cold", |it| it.cold)
-        .left("decided", decided)
+        .left("verdict", decided)
         .into()
 }
 

@@ -81,7 +81,7 @@ pub fn sentence(winners: &Winners) -> Text {
         1 => "1 is undecided".into(),
         more => format!("{more} are undecided"),
     }));
-    let rest = if rest.is_empty() { String::new() } else { format!(" {}.", rest.join(", ")) };
+    let rest = if rest.is_empty() { String::new() } else { format!(" {}.", rest.join("; ")) };
     out.plain(format!(".{rest}{end}"))
 }
 
@@ -161,17 +161,17 @@ pub fn table(contests: &[&Contest], pictures: bool, time: fn(f64) -> String) -> 
         .when(pictures, |table| table.left("", |_| ""))
         .left("runner-up", |it| next(it).map_or("alone", |next| &*next.name))
         .right("its time / fastest", |it| next(it).and_then(|next| next.ratio))
-        .left("decided", |it| decided(it))
+        .left("verdict", |it| decided(it))
         .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
         .into()
 }
 
-/// Returns `yes`, or the detectors that may be as fast.
+/// Returns `decided`, or the detectors that may be as fast.
 fn decided(contest: &Contest) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {
         0 => Cell::Absent,
-        _ if contest.decided() => "yes".into(),
+        _ if contest.decided() => "decided".into(),
         _ => undecided(open.map(|other| &other.name)),
     }
 }

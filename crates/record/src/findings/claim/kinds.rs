@@ -188,12 +188,13 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
             |of: fn(&(f64, f64)) -> f64| fitting.iter().map(of).fold(f64::INFINITY, f64::min);
         let (low, high) = (least(|it| it.0), -least(|it| -it.0));
         let range = if low < high { format!("{low:.3} to {high:.3}") } else { format!("{low:.3}") };
+        let count = match series.len() {
+            1 => String::new(),
+            all => format!(" in {} of {all} series", fitting.len()),
+        };
         parts.push(format!(
-            "{} fits best in {} of {} series: exponent {range}; the next law is behind by ΔAICc \
-             {:.0} or more",
+            "{} fits best{count}: exponent {range}; the next law is behind by ΔAICc {:.0} or more",
             wanted.name(),
-            fitting.len(),
-            series.len(),
             least(|it| it.1)
         ));
     }
