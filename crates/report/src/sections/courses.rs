@@ -29,8 +29,8 @@ fn misses(found: &Courses) -> Vec<Block> {
          frames. Share: missed contacts among all. Since: the first frame with a missed contact. \
          Never: contacts that were not reported later either. Late: the longest delay of the \
          others. Deepest: the largest overlap of a missed contact. Dangerous: builds whose rule \
-         was already broken when it was first checked, as LAMMPS counts them. After a miss: the \
-         dangerous builds after a missed contact, and all builds after one. Trackers that are not \
+         was already broken when it was first checked, as LAMMPS counts them. Of these \
+         after a miss: dangerous builds after a missed contact. Builds after a miss: all of them. Trackers that are not \
          listed missed nothing and had no dangerous build.",
     );
     let whole = |name| move |(.., cell): Missed<'_>| value(cell, name) as u64;

@@ -33,7 +33,7 @@ fn sentence(twin: &Twin) -> String {
     let said = format!(
         "{} is the code of {}, measured again as a second subject. Over {} it takes {} times as \
          long. In a cell the two typically differ by {}, at worst by a factor of {}. {} of {} \
-         intervals exclude 1; chance alone makes {} of them do so.",
+         intervals exclude 1; by chance {} of them would.",
         twin.name,
         twin.original,
         plural(twin.cells, "cell"),
