@@ -102,7 +102,7 @@ pub enum SceneError {
     /// Cell numbers and offsets cannot represent the coordinates.
     #[error(
         "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); \
-         coordinates by cells hold fewer: take f64 or exact"
+         storage by cells holds fewer: use f64 or exact"
     )]
     Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
     /// There are more particles than can be numbered.

@@ -36,7 +36,7 @@ pub enum LatticeError {
     Flat { vector: usize, height: f64 },
     /// The square of a vector's length overflows or underflows.
     #[error(
-        "vector {} of the box is {} long, and squares of it leave the range of f64; take other \
+        "vector {} of the box is {} long, and squares of it leave the range of f64; use other \
          units",
         vector + 1, shown(*length)
     )]
