@@ -43,11 +43,10 @@ impl Finder {
     /// scene of the same shape allocates nothing beyond what the detector allocates.
     ///
     /// # Errors
-    /// Returns the refusals of the detector for the scene with its images and of the box:
-    /// [`Refusal::Images`], [`Refusal::Away`], [`Refusal::Skewed`], [`Refusal::Range`] or
-    /// [`Refusal::Exhausted`]; [`Refusal::Pairs`] if a list would exceed its limit (in small boxes
-    /// [`Refusal::Crowd`], before the search); and [`Refusal::Stored`] if a rounded arithmetic
-    /// cannot hold the images. `contacts` is then unchanged.
+    /// Returns the refusals of the detector for the scene with its images and those of
+    /// [`Images::make`](super::images::Images::make); [`Refusal::Pairs`] if a list would exceed its
+    /// limit (in small boxes [`Refusal::Crowd`], before the search); and [`Refusal::Stored`] if a
+    /// rounded arithmetic cannot hold the images. `contacts` is then unchanged.
     pub fn list(
         &mut self,
         periodic: &Periodic<'_>,

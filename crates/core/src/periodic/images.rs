@@ -83,6 +83,10 @@ impl Budget {
 impl<const D: usize> Images<D> {
     /// Makes all images that can matter in an arithmetic. Images and further data, including a copy
     /// of the scene in another storage, may take `limit` bytes.
+    ///
+    /// # Errors
+    /// Returns [`Refusal::Images`] before allocating if the limit is too low, and
+    /// [`Refusal::Away`], [`Refusal::Skewed`], [`Refusal::Range`] or [`Refusal::Exhausted`].
     pub fn make<'a>(
         &'a mut self,
         given: &'a Scene<'a, f64, D>,

@@ -9,6 +9,7 @@ use crate::contact::{Corners, Decided, Imaged, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};
 
+/// An image of a particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub owner: u32,
@@ -33,14 +34,17 @@ pub struct Made<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Made<'a, D> {
+    /// Returns the number of images, without the particles themselves.
     pub fn ghosts(&self) -> u64 {
         self.images.len() as u64
     }
 
+    /// Returns the number of particles.
     pub fn particles(&self) -> u32 {
         self.given.len() as u32
     }
 
+    /// Returns the bytes held for this scene.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
@@ -119,6 +123,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
+    /// Returns the positions of the particles, then of the images.
     pub fn places(&self) -> impl ExactSizeIterator<Item = &[f64; D]> + Clone {
         let (owners, n) = (self.owners, self.owners.len());
         (0..n + self.centres.len()).map(move |body| match body.checked_sub(n) {
@@ -127,10 +132,12 @@ impl<'a, const D: usize> Made<'a, D> {
         })
     }
 
+    /// Returns the radii of the particles, then of the images.
     pub fn radii(&self) -> &Radii<'a, f64> {
         &self.radii
     }
 
+    /// Returns the largest radius.
     pub fn largest_radius(&self) -> f64 {
         self.largest_radius
     }

@@ -10,7 +10,7 @@
 //!   image, which may not fit a double. So the contacts do not depend on which image of a particle
 //!   or which vectors of the lattice a file contains.
 //! * **The search:** every image that can matter becomes another body of an open scene
-//!   (`images.rs`). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
+//!   ([`images`]). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
 //!   timed. Boxes may be smaller than the reach, skewed, tilted by many box lengths, and open along
 //!   some vectors; particles may lie far outside. In boxes smaller than the reach each particle is
 //!   compared with all particles and images instead (`crowded.rs`).
@@ -46,8 +46,8 @@ mod contacts;
 mod crowded;
 mod finder;
 pub mod frame;
-mod images;
-mod made;
+pub mod images;
+pub mod made;
 mod near;
 mod stored;
 mod truth;
