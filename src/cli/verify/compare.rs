@@ -1,4 +1,4 @@
-//! A list against a frame of the particles.
+//! Compares a list with one frame of the particles.
 
 use std::sync::Once;
 
@@ -13,14 +13,15 @@ use contactbench_io::pairs::List;
 use contactbench_io::{About, Particles};
 use contactbench_run::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 
-/// That ids are missed.
+/// Ensures that the notice about missing ids is printed once for all frames.
 static TOLD: Once = Once::new();
 
-/// Refuses a list of another time than the particles, unless it was asked for.
+/// Refuses a list whose time differs from that of the particles, unless `--pairs-frame` asks for
+/// it.
 pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
     let of_list = match (list.step, about.step) {
         (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
-        // Where frames have no rows, the last that has may be any.
+        // If frames can have no rows, the last frame with rows may belong to any time.
         (None, _) if list.sparse && list.frame.is_some_and(|frame| frame != about.frame) => {
             format!("frame {}", list.frame.unwrap_or_default())
         }
@@ -43,8 +44,8 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
 }
 
 impl<'a> Verified<'a> {
-    /// A list against a frame of the particles. So many pairs of a kind are kept; other ways to
-    /// read the list are tried if that is asked for.
+    /// Compares a list with a frame of the particles and keeps at most `kept` pairs of each kind.
+    /// With `explain`, tries other ways to read the list.
     pub(super) fn new(
         options: &'a Verify,
         mut list: List,
@@ -68,7 +69,6 @@ impl<'a> Verified<'a> {
             }
             (base, ids) => {
                 if base.is_none() && list.ids {
-                    // Once, in however many frames.
                     TOLD.call_once(|| {
                         say!(
                             "{}: the list names particles by id, and {file} has no column id: ids \
@@ -122,7 +122,7 @@ impl<'a> Verified<'a> {
     }
 }
 
-/// Refuses a list that names images where boundaries are open.
+/// Refuses a list that names images if all boundaries are open.
 fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> {
     if !has_box {
         list.without_box();

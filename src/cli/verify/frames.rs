@@ -1,4 +1,4 @@
-//! `verify --frame all`: the contact lists of all frames, with the particles of theirs.
+//! `verify --frame all`: compares the list of each frame with the particles of that frame.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -23,12 +23,12 @@ use contactbench_run::check::verify::{Naming, Verification};
 use contactbench_run::moving::Late;
 use contactbench_terms::number::{mean_radii, plural, wrap};
 
-/// So many frames are shown, of those that are wrong the worst.
+/// Most frames that are shown; if more are wrong, the worst are shown.
 const SHOWN: usize = 12;
-/// Bytes of a missed pair while it is followed.
+/// Memory per missed pair while it is followed, in bytes.
 const FOLLOWED: u64 = 128;
 
-/// What came of one frame.
+/// Result of one frame.
 struct Row {
     frame: u64,
     step: Option<i64>,
@@ -36,14 +36,14 @@ struct Row {
     contacts: u64,
     listed: usize,
     errors: Errors,
-    /// Pairs of particles that are not there, and pairs that are there from one side only.
+    /// Pairs that name unknown particles, and pairs listed from one side only.
     others: [u64; 2],
     within_skin: u64,
     same: bool,
 }
 
 impl Row {
-    /// What is wrong in it.
+    /// Number of errors in this frame.
     fn wrong(&self) -> u64 {
         self.errors.wrong() + self.others.iter().sum::<u64>()
     }
@@ -53,32 +53,32 @@ impl Row {
     }
 }
 
-/// What came of all.
+/// Result of all frames.
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Contacts by the ids of their particles, or by their places.
+    /// Contacts by particle id, or by place in the file if there are no ids.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,
     without_rows: u64,
-    /// How the list was read: its format, what its numbers mean, and what was compared.
+    /// Format of the list, meaning of its numbers, and what was compared.
     read: Option<(&'static str, String, Option<&'static str>)>,
-    /// Contacts with walls, which were left out.
+    /// Contacts with walls, which are left out.
     walls: u64,
-    /// Contacts and pairs that --without has left out.
+    /// Contacts and pairs left out by `--without`.
     left_out_pairs: [u64; 2],
-    /// Contacts stand there from both sides, and were taken once.
+    /// Whether the list has each contact from both sides.
     both_sides: bool,
-    /// Columns that were not looked at.
+    /// Names of ignored columns.
     others: Vec<String>,
-    /// Of the first frame that is wrong.
+    /// Name and hint of the first wrong frame.
     hint: Option<(String, String)>,
-    /// Whether lists are those of other frames.
+    /// Tests whether each list belongs to the frame before or after.
     shift: Shift,
 }
 
-/// Compares frame by frame, and prints a line of each.
+/// Compares frame by frame and prints a line for each.
 pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitCode> {
     ensure!(
         options.pairs_frame.is_none(),
@@ -111,7 +111,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let (frame, step) = (about.frame, about.step);
         let list_frame = list.frame.unwrap_or(frame);
         input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
-        // Numbers that two particles share name neither.
+        // Ids that two particles share cannot name a particle.
         let ids = match particles.ids.as_deref().map(Naming::by_id) {
             Some(Ok(_)) => particles.ids_copied()?,
             _ => None,
@@ -140,7 +140,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        // A list without pairs does not say how the others are read.
+        // Takes the reading from the first list that has pairs.
         if all.rows.iter().all(|row| row.listed == 0) {
             let compared = verified.compared();
             all.read = Some((verified.list.format, words(verified.naming), compared));
@@ -181,7 +181,6 @@ impl All {
         self.rows.iter().all(|row| row.same)
     }
 
-    /// Follows the contacts that are missed from frame to frame.
     fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let Verification { missed, truth, .. } = &verified.found;
         let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
@@ -208,15 +207,14 @@ impl All {
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }
 
-    /// The first frame that is wrong, and the worst.
     fn worst(&self) -> Option<(&Row, &Row)> {
         let first = self.rows.iter().find(|row| !row.same)?;
         let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
         Some((first, worst))
     }
 
-    /// The frames that are shown: all, else those that are wrong, else the worst of these and the
-    /// first.
+    /// The frames to print: all if they are few, else the wrong ones, else the worst of these and
+    /// the first.
     fn shown(&self) -> Vec<&Row> {
         let mut rows: Vec<&Row> = self.rows.iter().collect();
         if rows.len() <= SHOWN {
@@ -265,7 +263,7 @@ impl All {
         Ok(())
     }
 
-    /// What was compared.
+    /// Lines that state what was compared.
     fn heads(&self, options: &Verify) -> Vec<String> {
         let sum = |of: fn(&Row) -> u64| self.rows.iter().map(of).sum::<u64>();
         let sizes = || self.rows.iter().map(|row| row.particles);
@@ -323,7 +321,7 @@ impl All {
         said
     }
 
-    /// What is said of all frames together.
+    /// Findings over all frames together.
     fn sentences(&self) -> Vec<String> {
         let frames = plural(self.rows.len(), "frame");
         let Some((first, worst)) = self.worst() else {
@@ -363,7 +361,7 @@ impl All {
         said
     }
 
-    /// Of all frames together.
+    /// Sum of the errors of all frames.
     fn errors(&self) -> Errors {
         let mut errors = Errors::default();
         self.rows.iter().for_each(|row| errors.add(&row.errors));

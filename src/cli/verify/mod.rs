@@ -1,5 +1,3 @@
-//! `contactbench verify`.
-
 mod compare;
 mod frames;
 mod hint;
@@ -30,7 +28,7 @@ use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 
-/// So many pairs are shown of each kind.
+/// Most pairs shown of each kind.
 const SHOWN: usize = 5;
 
 #[derive(clap::Args)]
@@ -78,23 +76,22 @@ pub struct Verify {
     json: bool,
 }
 
-/// What there is to print.
+/// The comparison of one list with one frame.
 struct Verified<'a> {
     options: &'a Verify,
     list: List,
     naming: Meaning,
-    /// The particles as given, in their box.
     periodic: Periodic<'static>,
-    /// The file says that its box repeats.
+    /// Whether the file declares a periodic box.
     repeats: bool,
     found: Verification,
-    /// A better way to read the list, if there is one.
+    /// A way to read the list that fits better, if one was found.
     reading: Option<Reading>,
-    /// The frame of the particles that the list is of, if it is another one.
+    /// Another frame that fits the list better, if one was found.
     other: Option<other::Other>,
 }
 
-/// Compares, prints the result, and says by the exit code whether the lists are the same.
+/// Compares, prints the result, and returns exit code 1 if the lists differ.
 pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     ensure!(
         matches!(options.base, None | Some(0 | 1)),
@@ -159,12 +156,11 @@ impl Verified<'_> {
         self.periodic.scene()
     }
 
-    /// The box; none in open space.
+    /// The box, or `None` in open space.
     fn lattice(&self) -> Option<&Lattice> {
         Some(self.periodic.lattice()).filter(|lattice| lattice.repeats())
     }
 
-    /// What the contacts look like.
     fn looks(&self) -> scene::doubts::Touching {
         let truth = &self.found.truth;
         match self.lattice() {
@@ -237,13 +233,13 @@ impl Verified<'_> {
         Ok(())
     }
 
-    /// How the list would agree.
+    /// How the list could be made to agree.
     fn hint(&self) -> Option<String> {
         let reading = || self.reading.as_ref().map(|it| self.sentence(it));
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// What was compared, where it is not pairs as they are.
+    /// What a row of the list stands for, or `None` in open space.
     fn compared(&self) -> Option<&'static str> {
         self.lattice()?;
         Some(match self.found.taken {
@@ -254,7 +250,7 @@ impl Verified<'_> {
         })
     }
 
-    /// The worst of `count` pairs of a kind, with their particles.
+    /// Prints the worst of `count` pairs of one kind with their particles.
     fn couples(
         &self,
         out: &mut impl Write,
@@ -338,12 +334,11 @@ impl Verified<'_> {
     }
 }
 
-/// A number of things.
 fn counted(count: u64, what: &str) -> String {
     plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
-/// What --without has left out, if anything.
+/// States what `--without` has left out, if anything.
 fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     let some = contacts + pairs > 0;
     let both = || {
@@ -356,7 +351,7 @@ fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     some.then(both)
 }
 
-/// How many pairs are wrong in which way, and by how much at most.
+/// Tabulates how many pairs are wrong in which way, and the largest error of each.
 fn errors(found: &Verification) -> Table {
     let errors = &found.errors;
     let worst = |pairs: u64, what: &str, size: f64| match pairs {
