@@ -1,4 +1,4 @@
-//! What radii and contacts say.
+//! The section of `inspect` about radii and contacts.
 
 use std::collections::HashSet;
 
@@ -17,24 +17,23 @@ use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
 use contactbench_scenes::touching;
 use contactbench_terms::number::{number, plural};
 
-/// Couples whose distance differs from the sum of their radii by less than this share of it are
-/// near tangent.
+/// A pair is near tangent if its distance differs from the sum of its radii by less than this
+/// fraction of the sum.
 const NEAR: f64 = 1e-9;
 /// Largest expected number of contacts in open space for which contacts are searched.
 const MOST: f64 = 5e7;
 
-/// The contacts of a scene, in its box or in open space.
 pub(super) enum Contacts {
     Found {
         pairs: Vec<ImagePair>,
-        /// Near tangent couples, those just apart included.
+        /// Pairs near tangency, including pairs just apart.
         near: u64,
-        /// The sum of the overlaps in mean radii.
+        /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
-    /// Estimated contacts per particle: they are too many to be looked for.
+    /// Estimated contacts per particle; there are too many contacts to search for.
     TooMany(f64),
-    /// No detector takes the scene.
+    /// Reason why the contacts could not be searched.
     Refused(String),
 }
 
@@ -45,7 +44,7 @@ impl Contacts {
         if !periodic.lattice().repeats() && 0.5 * each * n as f64 > MOST {
             return Contacts::TooMany(each);
         }
-        // As `detect` has it, so that a box much smaller than the particles is refused at once.
+        // The limit of `detect`, so that a box much smaller than the particles is refused at once.
         let limit = limit_for(n);
         let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
@@ -59,7 +58,7 @@ impl Contacts {
         Contacts::Found { pairs, near, overlap }
     }
 
-    /// Their number, where it is known.
+    /// Number of contacts, if they were searched.
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),
@@ -68,7 +67,7 @@ impl Contacts {
     }
 }
 
-/// Prints radii, contacts, and what rounding would do.
+/// Prints radii, contacts and the effect of rounding to f32.
 pub(super) fn report(
     periodic: &Periodic<'_>,
     source: &RadiusSource,
@@ -85,7 +84,7 @@ pub(super) fn report(
     for r in (0..n).map(radius) {
         (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
     }
-    // Where all are the same, their mean is not to show the rounding of a sum.
+    // If all radii are equal, the mean must not show the rounding of a sum.
     mean = if least == most { least } else { mean };
     out.line(
         "radii",
@@ -146,7 +145,7 @@ pub(super) fn report(
         }
     };
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // Those without radii are warned of as well: see `of_centres`.
+    // `of_centres` warns of coincident centres, also in files without radii.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {
@@ -154,7 +153,7 @@ pub(super) fn report(
     }
 }
 
-/// How far from the origin the scene is, and what f32 would make of it.
+/// Prints how far the scene is from the origin, and what rounding to f32 would do to it.
 fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Report) {
     let scene = periodic.scene();
     let largest = with_scene!(scene, scene => {
@@ -165,7 +164,7 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     if !diameters.is_finite() {
         return;
     }
-    // The spacing of f32 at that place, against the radius.
+    // Largest gap between neighbouring f32 numbers within the scene, in radii.
     let spacing = f32_spacing(scene);
     let mut text = format!(
         "{} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii \
@@ -180,7 +179,7 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     out.line("offset", text, values);
 }
 
-/// How many contacts f32 would miss, and how many it would add.
+/// Counts the contacts that f32 would miss and those that it would add.
 fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let Contacts::Found { pairs, .. } = contacts else { return None };
     let (limit, mut detector) =
