@@ -1,4 +1,4 @@
-//! What is printed and written of detectors that are wrong, and of refusals.
+//! Prints detectors that are wrong and refusals, and writes failing scenes to files.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -16,10 +16,9 @@ use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::mean_radii;
 use contactbench_views::draw::{self, Highlighted, Look};
 
-/// So many kinds of refusals are shown.
+/// Most kinds of refusals shown.
 const KINDS: usize = 6;
 
-/// The file that a failing scene is written to.
 pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
         .and_then(|scene| Path::new(scene).file_stem())
@@ -29,17 +28,17 @@ pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &
     folder(options).join(name.replace([':', '=', ','], "-") + regression::ending(failure))
 }
 
-/// Where files go: nobody wants them in a folder that was not named.
+/// The folder for failing scenes: `--out`, else one in the temporary folder.
 fn folder(options: &Check) -> PathBuf {
     let own = || std::env::temp_dir().join(format!("contactbench-check-{}", std::process::id()));
     options.out.clone().unwrap_or_else(own)
 }
 
-/// Couples within this of just touching, in mean radii, are decided by rounding.
+/// The contact of a pair this close to tangency depends on rounding, in mean radii.
 const TANGENT: f64 = 1e-9;
 
-/// The worst pair on the scene where the failure was noticed: smaller scenes of two different
-/// defects may be the same.
+/// The worst pair on the scene where the failure was noticed. Scenes shrunk from two different
+/// defects may be equal, so the shrunk scene is not used.
 pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
     let all = differences.missed.iter().chain(&differences.spurious);
@@ -48,7 +47,7 @@ pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
-/// Where the pairs that differ are all decided by rounding, what that means.
+/// A note if all pairs that differ are near tangency.
 pub(super) fn rounding(failure: &Failure) -> Option<String> {
     let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = &failure.found else {
         return None;
@@ -66,7 +65,7 @@ pub(super) fn rounding(failure: &Failure) -> Option<String> {
     })
 }
 
-/// What a runner said on its standard error before it died.
+/// Prints the standard error of a runner that died.
 pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<()> {
     if let Wrong::Dies { errors, .. } = wrong
         && errors.lines().count() > 1
@@ -79,7 +78,7 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Refusals of a kind differ in numbers only.
+/// Prints refusals grouped by kind; those of one kind differ only in numbers.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
     for (reason, times) in &report.refused {
@@ -102,7 +101,7 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// The scene with its contacts, and what is wrong with the pairs; none where it cannot be drawn.
+/// A drawing of the scene with the wrong pairs, or `None` if it cannot be drawn.
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
     let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());
