@@ -1,4 +1,4 @@
-//! What the verbs that read files ask about them.
+//! Options that describe how to read particle files.
 
 use std::path::Path;
 
@@ -19,19 +19,17 @@ use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
 
-/// What a file does not say: the options of [`io::OPTIONS`].
+/// How to read a file where the file leaves a choice: the options of [`io::OPTIONS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
-    /// The radius of all particles.
+    /// Radius of all particles.
     pub radius: Option<f64>,
-    /// The frame; none if no frame was chosen.
+    /// Chosen frame, if any.
     pub frame: Option<Frame>,
-    /// The box.
     pub boundaries: Boundaries,
     options: io::Options,
 }
 
-/// The options of [`Input`], for messages.
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
@@ -43,7 +41,7 @@ fn argument(option: &'static FileOption) -> Arg {
     }
     let arg = arg.value_name(value).action(ArgAction::Set);
     match name {
-        // Completions offer its values.
+        // Listed for shell completion.
         "format" => {
             let all = io::FORMATS.iter();
             let all = all.map(|format| PossibleValue::new(format.key).help(format.help));
@@ -90,18 +88,18 @@ impl FromArgMatches for Input {
 }
 
 impl Input {
-    /// The same for the readers: without a choice the last frame.
+    /// The options for `io`; the default frame is the last.
     pub fn options(&self) -> io::Options {
         io::Options { frame: self.frame.unwrap_or(Frame::Last), ..self.options }
     }
 
-    /// Was anything said?
+    /// Whether any option was given.
     pub fn is_said(&self) -> bool {
         *self != Input::default()
     }
 
-    /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
-    /// file is a file. One with a box that repeats is refused.
+    /// Reads the scene of a file, or makes one from text such as `packed:dim=3,n=1000`. An existing
+    /// file takes precedence over a generator. Refuses a periodic scene.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
         let given = self.make(text, false, |particles| {
             let source = particles.source.clone();
@@ -111,12 +109,12 @@ impl Input {
         given.open(text)
     }
 
-    /// The same with the box in which it repeats, for those who know what to do with one.
+    /// Like [`scene`](Self::scene), but keeps the periodic box.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
         self.make(text, false, |particles| particles.given(text, self.radius))
     }
 
-    /// The same with the ids of the particles, if they are wanted and there.
+    /// Like [`given`](Self::given), with the ids of the particles if they are wanted and present.
     pub fn with_ids(&self, text: &str, wanted: bool) -> anyhow::Result<WithIds> {
         let mut ids = None;
         let given = self.make(text, wanted, |particles| {
@@ -146,8 +144,8 @@ impl Input {
         }
     }
 
-    /// A generator with its parameters, or a file and how to read it. What is there as a file is a
-    /// file.
+    /// Parses a generator with its parameters, or a file with its options. An existing file takes
+    /// precedence.
     pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
@@ -173,7 +171,7 @@ impl Input {
         Ok(Origin::File(path.to_owned(), Box::new(self.options())))
     }
 
-    /// Says which of several frames is read where nobody chose one.
+    /// If no frame was chosen among several, prints which one is read.
     pub fn tell_frame(&self, name: &str, frames: u64) {
         if frames > 1 && self.frame.is_none() {
             let last = frames - 1;
@@ -182,8 +180,7 @@ impl Input {
     }
 }
 
-/// Particles and what is known of them. Which of several frames was taken is said where nobody
-/// chose one.
+/// Reads the particles of a file. If no frame was chosen among several, prints which one is read.
 pub fn load(
     path: &Path,
     input: &Input,
@@ -195,7 +192,7 @@ pub fn load(
     Ok((particles, about))
 }
 
-/// Hands all frames of a file to `body`, which takes them one by one.
+/// Passes the frames of a file to `body` as an iterator.
 pub fn frames<T>(
     path: &Path,
     options: io::Options,
@@ -205,7 +202,7 @@ pub fn frames<T>(
     explained(path, io::frames(path, io::Options { frame: Frame::All, ..options }, body))
 }
 
-/// Refuses the name of a scene.
+/// Refuses the name of a generator if a file is needed.
 fn is_file(path: &Path) -> anyhow::Result<()> {
     let text = path.display().to_string();
     let scene = text.split(':').next().is_some_and(is_generator) && !io::exists(path);
@@ -217,15 +214,14 @@ fn is_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Says what a file leaves open about its box.
+/// Prints the notices of a reader.
 pub fn tell(name: &str, notices: &[Notice], place: Place) {
     for notice in notices {
         say!("{name}: {}", notice.words(place));
     }
 }
 
-/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene
-/// that is made.
+/// Warns of doubtful particles or contacts in a scene read from a file.
 pub fn doubt(
     name: &str,
     scene: &AnyScene<'_>,
@@ -238,7 +234,7 @@ pub fn doubt(
     }
 }
 
-/// The same for verbs that do not list contacts themselves.
+/// Like [`doubt`], but searches for the contacts.
 pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     if given.source.is_some() {
         let touching = Touching::search(given);
@@ -246,23 +242,21 @@ pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     }
 }
 
-/// What has been said of the frames of a file: each notice once, and that nothing touches only if
-/// nothing does in any.
+/// Notices over the frames of a file: prints each once, and that no particles touch only if this
+/// holds in every frame.
 #[derive(Default)]
 pub struct Told {
     notices: Vec<Notice>,
-    /// That nothing touches in the last frame, and what follows from it.
+    /// Notices of the last frame that hold only if no particles touch in any frame.
     waiting: Vec<Notice>,
     touched: bool,
 }
 
 impl Told {
-    /// Prints what the reader assumed of a frame.
     pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
         self.tell(&place(name, about), &particles.notices);
     }
 
-    /// Prints what is doubtful about a frame.
     pub fn of_contacts(
         &mut self,
         place: &str,
@@ -281,8 +275,8 @@ impl Told {
         self.tell(place, &now);
     }
 
-    /// The same, where the verb does not list the contacts. Once something touches, later frames
-    /// are not searched.
+    /// Like [`of_contacts`](Self::of_contacts), but searches for the contacts until a frame has
+    /// some.
     pub fn of_given(&mut self, place: &str, given: &Given, arithmetic: Arithmetic) {
         if !self.touched && given.source.is_some() {
             let touching = Touching::search(given);
@@ -291,7 +285,7 @@ impl Told {
         }
     }
 
-    /// After the last frame.
+    /// Prints the waiting notices after the last frame if no particles touched.
     pub fn end(self, name: &str) {
         if !self.touched {
             tell(name, &self.waiting, Place::Argument);
@@ -308,7 +302,7 @@ impl Told {
     }
 }
 
-/// The file, and its frame, where that is not the first.
+/// The name of the file, followed by its frame unless that is the first.
 pub fn place(name: &str, about: &io::About) -> String {
     match about.frame {
         0 => name.to_string(),
@@ -316,7 +310,7 @@ pub fn place(name: &str, about: &io::About) -> String {
     }
 }
 
-/// With the file beside it that may be meant, where there is none of that name.
+/// If the file does not exist, adds a file with a similar name to the error.
 fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
     result.map_err(|error| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

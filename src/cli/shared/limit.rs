@@ -1,5 +1,3 @@
-//! How much memory a verb may take.
-
 use crate::cli::shared::values;
 use contactbench_core::memory;
 
@@ -13,7 +11,7 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// For a scene of so many particles.
+    /// The limit for a scene with this many particles.
     pub fn bytes(&self, particles: usize) -> u64 {
         self.memory_limit.unwrap_or_else(|| memory::limit_for(particles))
     }

@@ -1,4 +1,4 @@
-//! What several verbs share.
+//! Parts that several verbs share.
 
 #[macro_use]
 pub mod terminal;

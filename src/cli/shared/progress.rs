@@ -1,5 +1,4 @@
-//! How far a run has come: a bar with the remaining time on a terminal, plain lines elsewhere. And
-//! how far a pass over frames.
+//! Progress of a run, as a bar on a terminal and as lines elsewhere, and of a pass over frames.
 
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -10,14 +9,13 @@ use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::Progress;
 use contactbench_terms::text::line;
 
-/// A progress bar on a terminal; nothing is drawn elsewhere. The bar is removed before anything
-/// else is printed.
+/// A progress bar, drawn on terminals only and removed before other output.
 struct Bar(Option<ProgressBar>);
 
 impl Bar {
     fn new(length: Option<u64>, template: &str) -> Bar {
         Bar(std::io::stderr().is_terminal().then(|| {
-            // Templates are constant; were one wrong, the default style would do.
+            // All templates are constants; if one is wrong, the default style is used.
             let style = ProgressStyle::with_template(template);
             let bar = length.map_or_else(ProgressBar::no_length, ProgressBar::new);
             let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -28,13 +26,13 @@ impl Bar {
 }
 
 impl Drop for Bar {
-    /// What is printed next begins on a line of its own.
+    /// Removes the bar, so that the next output begins on its own line.
     fn drop(&mut self) {
         self.0.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
-/// Writes to standard error.
+/// Prints the progress of a run to standard error.
 pub struct Terminal {
     bar: Bar,
     started: Instant,
@@ -47,17 +45,17 @@ impl Default for Terminal {
     }
 }
 
-/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
+/// Counts frames, on terminals only.
 pub struct Counted(Bar);
 
 impl Counted {
-    /// Of so many frames, where that is known.
+    /// `frames` is the number of frames, if known.
     pub fn new(frames: Option<u64>) -> Counted {
         let of = if frames.is_some() { " of {len}" } else { "" };
         Counted(Bar::new(frames, &format!("frame {{pos}}{of}, {{elapsed}}")))
     }
 
-    /// The frame of this number begins.
+    /// Marks the beginning of frame `k`.
     pub fn frame(&self, k: u64) {
         self.0.0.iter().for_each(|bar| bar.set_position(k));
     }

@@ -1,5 +1,4 @@
-//! Frames as named on the command line: those of a file that has several, or of a scene that a
-//! motion moves.
+//! Frames given on the command line: those of a file, or those of a scene that a motion moves.
 
 use std::path::Path;
 
@@ -16,39 +15,37 @@ use contactbench_scenes::motion::{Frames, Motion};
 
 /// Frames of the same particles.
 pub struct Sequence<'a> {
-    /// Of the scene or the file.
+    /// Name of the scene or the file.
     pub name: &'a str,
-    /// How it moves.
+    /// Name of the motion.
     pub motion: &'a str,
-    /// They are those of a file.
+    /// Whether the frames come from a file.
     pub recorded: bool,
-    /// In each frame.
+    /// Number of particles in each frame.
     pub particles: usize,
-    /// Frames at most.
+    /// Maximum number of frames.
     pub count: u64,
-    /// Gives the frame of each number in turn, and none after the last.
+    /// Returns frame `k`, called with 0, 1, 2 and so on; `None` after the last frame.
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
 }
 
-/// Frames of a motion, where nobody says how many.
+/// Default number of frames of a motion.
 pub const FRAMES: u64 = 100;
 
-/// Which frames are wanted.
 pub struct Wanted {
-    /// The motion that was asked for.
+    /// Motion given by an option.
     pub motion: Option<Motion>,
-    /// That of a scene that would stand still, if it is to move.
+    /// Motion to use if no motion is given and the scene has only one frame.
     pub otherwise: Option<Motion>,
-    /// So many at most, as was asked for.
+    /// Number of frames given by an option.
     pub frames: Option<u64>,
-    /// Of a file, where nobody says how many.
+    /// Default number of frames of a file.
     pub of_file: u64,
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
 }
 
-/// Hands the frames to `body`; none if nothing was named, or there is one frame and no motion. A
-/// file is read once.
+/// Passes the frames to `body`. Returns `None` if no scene was given, or if it has one frame and no
+/// motion. Reads a file only once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
@@ -57,7 +54,7 @@ pub fn sequence<T>(
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
     let Source { scene, input } = source;
-    // Whoever names a motion or a frame wants that frame to move.
+    // If a motion or a frame is given, that one frame is moved.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
@@ -107,7 +104,7 @@ fn of_file<T>(
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; is it of another format?");
     let first = frames.next().transpose()?.with_context(none)?;
-    // A second frame that cannot be read is an error only once it is taken.
+    // An unreadable second frame is an error only when it is used.
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
@@ -122,7 +119,7 @@ fn of_file<T>(
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let mut told = Told::default();
-    // Whoever asks for all frames wants no fewer.
+    // `--frame all` sets no limit.
     let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
     let made = body(Sequence {
         name: &name,
