@@ -1,5 +1,3 @@
-//! `contactbench compare`.
-
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -58,18 +56,17 @@ pub struct Compare {
     ci: Outputs,
 }
 
-/// What there is to print.
 struct Comparison<'a> {
     options: &'a Compare,
     parts: &'a [Part],
     how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
-    /// Cells in which something differs that is gated.
+    /// Cells with a difference that fails the gates.
     failed: usize,
 }
 
-/// Both records compared; exit code 1 if something differs that is gated.
+/// Compares the records. Exit code 1 if a difference fails the gates.
 pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     ensure!(
         (0.0..=1000.0).contains(&options.band),
@@ -119,7 +116,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// The two builds of one record.
+/// Compares the two builds of one record.
 fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let found = Builds::new(&part.rows).with_context(|| {
         format!(
@@ -134,7 +131,7 @@ fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)
     Ok((how, cells))
 }
 
-/// Two folders, measured at different times.
+/// Compares two folders measured at different times.
 fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let [a, b] = parts else { bail!("compare takes one folder or two") };
     let both = [a, b];
@@ -161,7 +158,7 @@ fn list(names: BTreeSet<String>) -> String {
     names.into_iter().collect::<Vec<_>>().join(", ")
 }
 
-/// What continuous integration is told of a cell; `gated_time`: is one that is slower a failure?
+/// The verdict on a cell for continuous integration; with `gated_time`, a slower cell fails.
 fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     let slower = cell.timing.as_ref().filter(|timing| timing.judgement == Judgement::Slower);
     let gated = |gate: bool, why: String, else_: fn(String) -> Outcome| {
@@ -283,7 +280,6 @@ impl Comparison<'_> {
     }
 }
 
-/// The machines of a record with their processors.
 fn processors(part: &Part) -> Vec<String> {
     records::machines(part).iter().map(|name| words::machine(&part.machine(name))).collect()
 }

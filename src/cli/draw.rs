@@ -1,5 +1,3 @@
-//! `contactbench draw`.
-
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -63,10 +61,10 @@ pub struct Draw {
     limit: Limit,
 }
 
-/// Where none is named: it misses nothing.
+/// Default tracker, which misses no contact.
 const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
-/// Draws the scene, and says on standard error what there is to see.
+/// Draws the scene and prints a summary to standard error.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let place = options.output.display();
     let ending = options.output.extension().map(|it| it.to_string_lossy().to_ascii_lowercase());
@@ -127,7 +125,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads the pairs of another program, of the frame that is drawn.
+/// Reads the contact list of another program for the frame that is drawn.
 fn list(path: &Path, frame: Frame) -> anyhow::Result<List> {
     let list = io::pairs::read(path, &[], frame)?;
     let name = path.display().to_string();
@@ -187,7 +185,7 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         film.take(&frame, &pairs, step.built)?;
         k += 1;
     }
-    // Nobody asked for the next: whatever is wrong with it, the file has more.
+    // This frame was not requested, so an error in it only shows that the file has more.
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
     let (html, place) = (film::html(&film), options.output.display());

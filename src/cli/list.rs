@@ -1,5 +1,3 @@
-//! `contactbench list`.
-
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::process::ExitCode;
@@ -46,7 +44,7 @@ enum What {
     HardCases,
 }
 
-/// A thing that is listed, for people and for programs.
+/// One listed thing, for people and for programs.
 struct Item {
     name: String,
     lines: Vec<String>,
@@ -54,7 +52,7 @@ struct Item {
 }
 
 impl What {
-    /// A hundred hard cases would bury the rest: they are not among these.
+    /// Listed by default. The hard cases are not among these: they would bury the rest.
     const USUAL: [What; 6] = [
         What::Detectors,
         What::Arithmetics,
@@ -64,7 +62,7 @@ impl What {
         What::Experiments,
     ];
 
-    /// Its name in JSON, and the title of its table.
+    /// Its name in JSON and the title of its table.
     fn names(self) -> [&'static str; 2] {
         match self {
             What::Detectors => [
@@ -102,7 +100,7 @@ impl What {
         })
     }
 
-    /// The table for people: each name with the lines about it, and an empty line after them.
+    /// The table for people: each name with its lines, and an empty line after them.
     fn table(self) -> anyhow::Result<Table> {
         let names = PEERS.map(|peer| peer.name).join(", ");
         let libraries = format!("libraries, with the cargo feature peers: {names}");
@@ -117,7 +115,6 @@ impl What {
     }
 }
 
-/// Prints the tables.
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     let mut out = terminal::out();
     let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);
@@ -130,7 +127,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
         terminal::json(&Value::Object(all))?;
     } else {
         for what in wanted {
-            // Reasons are long: wrapped for the eye wherever they go.
+            // Reasons are long and therefore always wrapped.
             let most = if what == What::HardCases { 100 } else { usize::MAX };
             writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }

@@ -1,5 +1,3 @@
-//! `contactbench merge`.
-
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,7 +28,7 @@ pub struct Merge {
     ci: Outputs,
 }
 
-/// Merges, and writes the report of the whole.
+/// Merges result folders and writes the report of the whole.
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let path = options.out.join(row::FILE);
     ensure!(
@@ -66,7 +64,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     if entries != Ledger::default() {
         write(options.out.join(ledger::FILE), &entries.text())?;
     }
-    // Half a record would look like a whole one.
+    // An incomplete record under the final name would look complete.
     let half = options.out.join(".samples.jsonl.part");
     let cannot = || format!("cannot write {}; {other}", path.display());
     if half.exists() {
@@ -82,7 +80,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // A folder that is no part may hold what the others lack.
+    // A folder that is not a shard may hold the missing rows.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();

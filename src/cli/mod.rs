@@ -1,6 +1,6 @@
-//! The command line: one file per verb.
+//! The command line, one file per verb.
 
-// What is printed goes through `say!` and `terminal::out`.
+// Verbs print through `say!` and `terminal::out`.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 #[macro_use]
@@ -45,7 +45,6 @@ pub use shared::terminal::say;
                   records differ; 2 bad arguments or input; 130 ended by Ctrl-C."
 )]
 pub struct Cli {
-    /// What to do.
     #[command(subcommand)]
     pub verb: Option<Verb>,
     /// The standard reproduction in seconds: small scenes, few blocks
@@ -53,10 +52,9 @@ pub struct Cli {
     pub quick: bool,
 }
 
-/// One line for each verb: its options, and what does it.
+/// Defines the verbs: each line names the options and the function that runs them.
 macro_rules! verbs {
     ($($(#[$about:meta])* $verb:ident($options:ty) => $run:expr,)*) => {
-        /// What can be done.
         #[derive(Subcommand)]
         pub enum Verb {
             $($(#[$about])* $verb($options),)*
@@ -160,13 +158,12 @@ verbs! {
 }
 
 impl Cli {
-    /// Does what was asked for.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         self.verb.map_or_else(|| run::standard(self.quick), |verb| verb.run())
     }
 }
 
-/// Bytes as people read them.
+/// Formats a number of bytes for people.
 pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..10_000 => format!("{bytes} B"),
@@ -176,11 +173,11 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate
-/// while memory is measured.
+/// Sets the number of rayon's threads. One thread needs no pool, whose worker would allocate while
+/// memory is measured.
 fn use_threads(threads: usize) {
     if threads > 1 {
-        // Fails only if there is a pool already; nothing before this call makes one.
+        // Fails only if a pool exists; none is made before this call.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
 }

@@ -1,5 +1,3 @@
-//! `contactbench trace`.
-
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -25,7 +23,7 @@ pub struct Trace {
     page_only: bool,
 }
 
-/// Writes the page and the pictures, and says on standard error where.
+/// Writes the page and the pictures, and prints to standard error where they are.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let algorithm = options.detector;
     let (name, scene) = match options.source.get()? {

@@ -1,5 +1,3 @@
-//! `contactbench track`.
-
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -42,7 +40,7 @@ pub struct Track {
     json: bool,
 }
 
-/// Where none are named: all safe rules, LAMMPS's default, and one that looks at no particle.
+/// Default trackers: all safe rules, LAMMPS's default, and one that ignores displacements.
 const USUAL: [&str; 7] = [
     "every-step(streamed-nbs)",
     "verlet(streamed-nbs,skin=auto)",
@@ -53,11 +51,11 @@ const USUAL: [&str; 7] = [
     "verlet(streamed-nbs,rule=every-10)",
 ];
 
-/// Where no motion is named and the file has none: straight flight.
+/// Default motion for one frame: straight flight.
 const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Moves the scene, or takes the frames of a file; asks all trackers in every frame, and holds them
-/// to the truth.
+/// Runs all trackers on each frame of a motion or a file, and compares their contacts with the
+/// truth.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let texts: Vec<&str> = match options.trackers.is_empty() {
         true => USUAL.to_vec(),
@@ -80,7 +78,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     )
 }
 
-/// Asks all trackers in every frame, and prints what they did.
+/// Runs all trackers on each frame and prints the results.
 fn followed(
     options: &Track,
     trackers: &[TrackerSpec],

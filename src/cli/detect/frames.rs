@@ -1,4 +1,4 @@
-//! `detect --frame all`: the contacts of all frames of a file.
+//! `detect --frame all`: finds the contacts of all frames of a file.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -15,21 +15,20 @@ use contactbench_io as io;
 use contactbench_io::write::{Framed, framed};
 use contactbench_terms::number::plural;
 
-/// What was done.
+/// Totals over the frames.
 #[derive(Default)]
 struct Done {
     frames: usize,
     pairs: usize,
-    /// Particles of the smallest frame and of the largest, and the dimension.
+    /// Number of particles in the smallest frame and in the largest, and the dimension.
     particles: [usize; 2],
     dim: usize,
     time: Duration,
-    /// Contacts are named by ids; known from the first frame on.
+    /// Whether contacts are named by ids; decided at the first frame.
     by_id: Option<bool>,
 }
 
-/// Goes through the frames with one detector, writes the pairs, and says on standard error what was
-/// done.
+/// Detects the contacts of all frames, writes the pairs, and prints a summary to standard error.
 pub(super) fn detect(
     options: &Detect,
     spec: &DetectorSpec,
@@ -78,7 +77,7 @@ fn all(
         let given = particles.given(&name, options.source.input.radius).with_context(place)?;
         let n = given.scene.len();
         let memory_limit = options.limit.bytes(n);
-        // Detectors keep what they have allocated for the frame before.
+        // A detector keeps its buffers from the previous frame.
         let search = match search.take().filter(|search| search.memory_limit == memory_limit) {
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
@@ -102,8 +101,8 @@ fn all(
     Ok(done)
 }
 
-/// Whether the contacts of a frame are named by ids: as in the frames before it, or because the
-/// first frame has an id for each particle.
+/// Whether the contacts of this frame are named by ids: as in the frames before, or, for the first
+/// frame, if each particle has an id.
 fn by_id(
     options: &Detect,
     place: &dyn Fn() -> String,

@@ -61,7 +61,7 @@ impl Report {
 }
 
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    // With `--frame all`, the last frame is described first, then the motion between frames.
+    // `--frame all` describes the last frame first, then the motion between frames.
     let all = options.input.frame == Some(Frame::All);
     let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(

@@ -45,7 +45,7 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
 
 impl<'a> Verified<'a> {
     /// Compares a list with a frame of the particles and keeps at most `kept` pairs of each kind.
-    /// With `explain`, tries other ways to read the list.
+    /// `explain` also tries other ways to read the list.
     pub(super) fn new(
         options: &'a Verify,
         mut list: List,

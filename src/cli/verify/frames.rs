@@ -57,7 +57,7 @@ impl Row {
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Contacts by particle id, or by place in the file if there are no ids.
+    /// Contacts by particle id, or by place in a file without ids.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,

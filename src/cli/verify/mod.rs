@@ -239,7 +239,7 @@ impl Verified<'_> {
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// What a row of the list stands for, or `None` in open space.
+    /// Meaning of a row of the list, or `None` in open space.
     fn compared(&self) -> Option<&'static str> {
         self.lattice()?;
         Some(match self.found.taken {

@@ -126,7 +126,7 @@ impl Shift {
         plain(&mut list);
         plain(&mut truth);
         if let Some([last_list, last_truth]) = &self.last {
-            // Two frames without contacts are no evidence.
+            // Two frames without contacts prove nothing.
             self.compared += u32::from(!list.is_empty() && !truth.is_empty());
             self.refuted[0] |= list != *last_truth;
             self.refuted[1] |= truth != *last_list;
