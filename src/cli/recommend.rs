@@ -184,7 +184,7 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
 fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
         _ if !standing.times.is_empty() => None,
-        outcome if outcome.is_good() => Some(format!("out: {}", standing.reason)),
+        outcome if outcome.is_good() => Some(format!("dropped: {}", standing.reason)),
         outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
     }
 }

@@ -160,10 +160,10 @@ impl Ground<'_> {
         let Some((time, mut client)) = self.sample(standing, None)? else {
             if standing.outcome == Outcome::Timeout {
                 let what = match best {
-                    None => ": give more time with --seconds",
-                    Some(_) => ", and others are",
+                    None => ": give more --seconds",
+                    Some(_) => "; others had answered by then",
                 };
-                standing.reason = format!("not ready after {:.1} s{what}", patience.as_secs_f64());
+                standing.reason = format!("no answer after {:.1} s{what}", patience.as_secs_f64());
             }
             return Ok(None);
         };

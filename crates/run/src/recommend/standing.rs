@@ -117,7 +117,7 @@ impl Rule {
             let out = &mut standings[k];
             out.racing = false;
             if let Some(place) = self.place {
-                out.reason = format!("some {times:.0} times slower than the fastest in {place}");
+                out.reason = format!("about {times:.0} times as slow as the fastest in {place}");
                 out.times.clear();
             }
         }
@@ -144,10 +144,10 @@ mod tests {
         let mut all = race(&[(10, &[8, 8]), (50, &[11, 40]), (11, &[40, 32]), (121, &[])]);
         HOPELESS.apply(&mut all);
         assert_eq!(racing(&all), [true, true, true, false]);
-        assert_eq!(all[3].reason, "some 12 times slower than the fastest in a first probe");
+        assert_eq!(all[3].reason, "about 12 times as slow as the fastest in a first probe");
         FAR.apply(&mut all);
         assert_eq!(racing(&all), [true, true, false, false]);
-        assert!(all[2].reason.starts_with("some 4 times slower than the fastest in each of"));
+        assert!(all[2].reason.starts_with("about 4 times "));
         assert!(all[2].times.is_empty());
         assert!(all[1].reason.is_empty() && all[1].times.len() == 2);
         let mut slow = race(&[(10, &[10, 10]), (900, &[900, 900]), (990, &[990, 990])]);

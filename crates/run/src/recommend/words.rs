@@ -21,10 +21,9 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let mut parts = Vec::new();
     // Ratios come first, because they vary less between runs than times.
     if let Some((k, ratio)) = &verdict.next {
-        let next =
-            if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
-        let (next, takes) = (format!("{next}, {},", name(*k)), with_interval(ratio));
-        parts.push(format!("{next} takes {takes} times as long"));
+        let next = if verdict.tied.is_empty() { "the runner-up" } else { "the next slower one" };
+        let takes = with_interval(ratio);
+        parts.push(format!("{next}, {}, takes {takes} times as long", name(*k)));
     }
     if let Some(time) = per_particle(choice, n) {
         parts.push(format!("{} ns per particle in this run", number(time.median)));
@@ -36,31 +35,32 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
     for (k, ratio) in &verdict.tied {
         let takes = ratio.map_or(String::new(), |ratio| {
-            format!(", which takes {} times as long", with_interval(&ratio))
+            format!(": it takes {} times as long", with_interval(&ratio))
         });
         let memory = match bytes_per_particle(&standings[*k], n) {
-            Some(bytes) => format!(" and {} bytes per particle", number(bytes)),
+            Some(bytes) => format!(", with {} bytes per particle", number(bytes)),
             None => String::new(),
         };
-        text += &format!("\n  in time undecided against {}{takes}{memory}", name(*k));
+        text += &format!("\n  {} may be as fast{takes}{memory}", name(*k));
     }
     if !verdict.tied.is_empty() {
-        let which = if verdict.is_fastest { "with the shortest median" } else { "leaner" };
-        text += &format!("\n  the one {which} is recommended; more --seconds may decide");
+        let why =
+            if verdict.is_fastest { "its median is the shortest" } else { "it needs less memory" };
+        text += &format!(
+            "\n  {} is recommended because {why}; more --seconds may decide",
+            name(verdict.choice)
+        );
     }
     if verdict.next.is_none() && verdict.tied.is_empty() {
-        text += "\n  nobody else has a time: nothing was compared; give more time with --seconds";
+        text += "\n  no other detector has a time, so nothing was compared; give more --seconds";
     }
     text += &match (&race.twin, verdict.floor) {
         (Some(twin), Some(floor)) => format!(
-            "\n  the same once more, beside itself, takes {} times as long:\n  a factor below \
-             {floor:.2} decides nothing",
+            "\n  a second copy of it took {} times as long:\n  factors below {floor:.2} decide nothing",
             with_interval(twin)
         ),
-        _ if race.blocks < 2 => {
-            "\n  one block decides nothing; give more time with --seconds".into()
-        }
-        _ => "\n  the same once more has no times: nothing is decided".into(),
+        _ if race.blocks < 2 => "\n  one block decides nothing; give more --seconds".into(),
+        _ => "\n  the second copy of it has no times, so nothing is decided".into(),
     };
     text
 }
