@@ -1,4 +1,4 @@
-// The charts: one line per detector, drawn by uPlot. Every number comes from the data in the page, none from elsewhere.
+// Charts with one line per detector, drawn by uPlot from the data in the page.
 "use strict";
 
 /** The cells of the record as objects, words in place of their numbers. */
@@ -68,7 +68,7 @@ function choice(label, name, options, chosen, changed) {
 
 (() => {
   const ALL = Symbol("all");
-  // What a wrong answer took says nothing, as in the figures.
+  // The time of a wrong answer means nothing, as in the figures.
   const right = (read) => (c) => (c.outcome === "wrong" ? null : read(c));
   const METRICS = {
     time: { label: "Time", unit: "ns", per: true, value: (c) => c.time_ns, low: (c) => c.time_low, high: (c) => c.time_high },
@@ -308,7 +308,7 @@ function choice(label, name, options, chosen, changed) {
     }));
   }
 
-  // A page that was moved away from its folder has the figures still; pixels are made here.
+  // A page that was moved from its folder still has the figures; pixels are made here.
   for (const figure of document.querySelectorAll("figure")) {
     const [image, link] = [figure.querySelector("img"), figure.querySelector("a[download]")];
     if (!image || !link) continue;
