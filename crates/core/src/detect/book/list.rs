@@ -137,12 +137,6 @@ impl Heads {
         Some(first)
     }
 
-    /// Sets the first particle of `list`; [`EMPTY`] empties it.
-    #[inline(always)]
-    pub fn set(&mut self, list: impl Index, particle: u32) {
-        self.0[list.at()] = particle;
-    }
-
     #[inline(always)]
     pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
         probe.count(Op::ListReset);
@@ -150,6 +144,7 @@ impl Heads {
         probe.note(|| Event::Reset { heads: self.1, list: list.at() });
     }
 
+    #[cfg(test)]
     pub fn raw(&self) -> &[u32] {
         &self.0
     }
@@ -247,7 +242,8 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Returns the links of one kind as stored, for tests and traces.
+    /// Returns the links of one kind as stored.
+    #[cfg(test)]
     pub fn raw(&self, kind: usize) -> Vec<u32> {
         self.0.iter().map(|links| links[kind]).collect()
     }

@@ -47,13 +47,6 @@ impl<const D: usize> Record<D> {
     }
 }
 
-/// Copies the same particles again, in the order of the records.
-pub fn renew<T: Real, const D: usize>(records: &mut [Record<D>], bodies: &impl Bodies<T, D>) {
-    for record in records {
-        *record = Record::new(bodies, record.id);
-    }
-}
-
 /// Resizes a buffer to `count` values, which the caller overwrites. If it must grow, old and new
 /// buffer do not coexist and nothing is copied.
 pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
