@@ -1,10 +1,10 @@
-//! Records how the program is compiled, for the provenance of results: compiler, flags, features
-//! and the commit of the sources.
+//! Notes what is compiled, by what and how, for the provenance of results: the compiler, its flags,
+//! the features, and the commit that the sources are of.
 
 use std::path::Path;
 use std::process::Command;
 
-/// The sources of the program, relative to the root of the project.
+/// All that the program is made of, below the root of the project.
 const SOURCES: [&str; 7] = [
     "src",
     "crates",
@@ -16,7 +16,7 @@ const SOURCES: [&str; 7] = [
 ];
 
 fn main() {
-    // In a satellite, the current folder is not the root; the workspace holds the lock file.
+    // Of a satellite, the folder of the workspace.
     let here = std::env::current_dir().unwrap_or_default();
     let root = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
     let root = root.unwrap_or(&here);
@@ -47,8 +47,8 @@ fn main() {
     for path in &sources {
         println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
-    // A commit changes no source, so Cargo would not run this script again. It matters only if the
-    // sources differ from the last commit; otherwise commits of other files would build again.
+    // Committing changes no source. Only where there is something to commit it matters here:
+    // commits of other files build nothing again.
     if dirty == "true" {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);
@@ -63,14 +63,15 @@ fn note(name: &str, value: &str) {
     println!("cargo:rustc-env=CONTACTBENCH_{name}={value}");
 }
 
+/// The state of the sources in their repository.
 struct Commit {
-    /// The last commit that changed a source.
+    /// The last commit that changed one of them.
     revision: String,
-    /// Whether a source differs from the last commit or is not in the repository.
+    /// One differs from it, or is not in it.
     dirty: bool,
 }
 
-/// `None` without git, and outside a repository with these sources (a package or tarball).
+/// None without git, and outside of a repository that has these sources: a package, a tarball.
 fn commit(sources: &[&str]) -> Option<Commit> {
     said("git", &["ls-files", "--error-unmatch", "build.rs"])?;
     let with = |arguments: &[&str]| said("git", &[arguments, &["--"], sources].concat());
@@ -79,10 +80,10 @@ fn commit(sources: &[&str]) -> Option<Commit> {
     Some(Commit { revision, dirty }).filter(|commit| !commit.revision.is_empty())
 }
 
-/// Standard output of a program, if it succeeds.
+/// What a program says, if it ends well.
 fn said(program: &str, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(program);
-    // Reading the state of a repository must not lock it.
+    // Looking at a repository is no reason to lock it.
     let output = command.args(arguments).env("GIT_OPTIONAL_LOCKS", "0").output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
 }

@@ -1,3 +1,5 @@
+//! `contactbench compare`.
+
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -56,17 +58,18 @@ pub struct Compare {
     ci: Outputs,
 }
 
+/// What there is to print.
 struct Comparison<'a> {
     options: &'a Compare,
     parts: &'a [Part],
     how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
-    /// Cells with a difference that fails the gates.
+    /// Cells in which something differs that is gated.
     failed: usize,
 }
 
-/// Compares the records. Exit code 1 if a difference fails the gates.
+/// Both records compared; exit code 1 if something differs that is gated.
 pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     ensure!(
         (0.0..=1000.0).contains(&options.band),
@@ -116,7 +119,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// Compares the two builds of one record.
+/// The two builds of one record.
 fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let found = Builds::new(&part.rows).with_context(|| {
         format!(
@@ -131,7 +134,7 @@ fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)
     Ok((how, cells))
 }
 
-/// Compares two folders measured at different times.
+/// Two folders, measured at different times.
 fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let [a, b] = parts else { bail!("compare takes one folder or two") };
     let both = [a, b];
@@ -158,7 +161,7 @@ fn list(names: BTreeSet<String>) -> String {
     names.into_iter().collect::<Vec<_>>().join(", ")
 }
 
-/// The verdict on a cell for continuous integration; with `gated_time`, a slower cell fails.
+/// What continuous integration is told of a cell; `gated_time`: is one that is slower a failure?
 fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     let slower = cell.timing.as_ref().filter(|timing| timing.judgement == Judgement::Slower);
     let gated = |gate: bool, why: String, else_: fn(String) -> Outcome| {
@@ -280,6 +283,7 @@ impl Comparison<'_> {
     }
 }
 
+/// The machines of a record with their processors.
 fn processors(part: &Part) -> Vec<String> {
     records::machines(part).iter().map(|name| words::machine(&part.machine(name))).collect()
 }

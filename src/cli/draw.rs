@@ -1,3 +1,5 @@
+//! `contactbench draw`.
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -61,10 +63,10 @@ pub struct Draw {
     limit: Limit,
 }
 
-/// Default tracker, which misses no contact.
+/// Where none is named: it misses nothing.
 const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
-/// Draws the scene and prints a summary to standard error.
+/// Draws the scene, and says on standard error what there is to see.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let place = options.output.display();
     let ending = options.output.extension().map(|it| it.to_string_lossy().to_ascii_lowercase());
@@ -125,7 +127,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads the contact list of another program for the frame that is drawn.
+/// Reads the pairs of another program, of the frame that is drawn.
 fn list(path: &Path, frame: Frame) -> anyhow::Result<List> {
     let list = io::pairs::read(path, &[], frame)?;
     let name = path.display().to_string();
@@ -185,7 +187,7 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         film.take(&frame, &pairs, step.built)?;
         k += 1;
     }
-    // This frame was not requested, so an error in it only shows that the file has more.
+    // Nobody asked for the next: whatever is wrong with it, the file has more.
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
     let (html, place) = (film::html(&film), options.output.display());

@@ -1,3 +1,5 @@
+//! `contactbench list`.
+
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::process::ExitCode;
@@ -44,7 +46,7 @@ enum What {
     HardCases,
 }
 
-/// One listed thing, for people and for programs.
+/// A thing that is listed, for people and for programs.
 struct Item {
     name: String,
     lines: Vec<String>,
@@ -52,7 +54,7 @@ struct Item {
 }
 
 impl What {
-    /// Listed by default. The hard cases are not among these: they would bury the rest.
+    /// A hundred hard cases would bury the rest: they are not among these.
     const USUAL: [What; 6] = [
         What::Detectors,
         What::Arithmetics,
@@ -62,7 +64,7 @@ impl What {
         What::Experiments,
     ];
 
-    /// Its name in JSON and the title of its table.
+    /// Its name in JSON, and the title of its table.
     fn names(self) -> [&'static str; 2] {
         match self {
             What::Detectors => [
@@ -100,7 +102,7 @@ impl What {
         })
     }
 
-    /// The table for people: each name with its lines, and an empty line after them.
+    /// The table for people: each name with the lines about it, and an empty line after them.
     fn table(self) -> anyhow::Result<Table> {
         let names = PEERS.map(|peer| peer.name).join(", ");
         let libraries = format!("libraries, with the cargo feature peers: {names}");
@@ -115,6 +117,7 @@ impl What {
     }
 }
 
+/// Prints the tables.
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     let mut out = terminal::out();
     let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);
@@ -127,7 +130,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
         terminal::json(&Value::Object(all))?;
     } else {
         for what in wanted {
-            // Reasons are long and therefore always wrapped.
+            // Reasons are long: wrapped for the eye wherever they go.
             let most = if what == What::HardCases { 100 } else { usize::MAX };
             writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }

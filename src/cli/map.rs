@@ -1,3 +1,5 @@
+//! `contactbench map`.
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -38,7 +40,7 @@ pub struct Map {
     out: Option<PathBuf>,
 }
 
-/// Writes the map to a file or prints it.
+/// Draws the map, or prints it.
 pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let svg = options.out.as_deref().map(is_svg).transpose()?;
     let mut filter: Where = claims::parse_where(&options.filters)?;
@@ -76,7 +78,8 @@ fn is_svg(path: &Path) -> anyhow::Result<bool> {
     }
 }
 
-/// The rows of all folders and warnings about them. Folders of the same experiments are merged.
+/// The rows of all folders, merged where their experiments are the same, as `merge` does; and what
+/// is doubtful about them.
 fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     let mut warnings = Vec::new();
     let mut groups: Vec<Vec<Part>> = Vec::new();

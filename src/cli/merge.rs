@@ -1,3 +1,5 @@
+//! `contactbench merge`.
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,7 +30,7 @@ pub struct Merge {
     ci: Outputs,
 }
 
-/// Merges result folders and writes the report of the whole.
+/// Merges, and writes the report of the whole.
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let path = options.out.join(row::FILE);
     ensure!(
@@ -64,7 +66,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     if entries != Ledger::default() {
         write(options.out.join(ledger::FILE), &entries.text())?;
     }
-    // An incomplete record under the final name would look complete.
+    // Half a record would look like a whole one.
     let half = options.out.join(".samples.jsonl.part");
     let cannot = || format!("cannot write {}; {other}", path.display());
     if half.exists() {
@@ -80,7 +82,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // A folder that is not a shard may hold the missing rows.
+    // A folder that is no part may hold what the others lack.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();

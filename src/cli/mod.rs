@@ -1,6 +1,6 @@
-//! The command line, one file per verb.
+//! The command line: one file per verb.
 
-// Verbs print through `say!` and `terminal::out`.
+// What is printed goes through `say!` and `terminal::out`.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 #[macro_use]
@@ -45,6 +45,7 @@ pub use shared::terminal::say;
                   records differ; 2 bad arguments or input; 130 ended by Ctrl-C."
 )]
 pub struct Cli {
+    /// What to do.
     #[command(subcommand)]
     pub verb: Option<Verb>,
     /// The standard reproduction in seconds: small scenes, few blocks
@@ -52,9 +53,10 @@ pub struct Cli {
     pub quick: bool,
 }
 
-/// Defines the verbs: each line names the options and the function that runs them.
+/// One line for each verb: its options, and what does it.
 macro_rules! verbs {
     ($($(#[$about:meta])* $verb:ident($options:ty) => $run:expr,)*) => {
+        /// What can be done.
         #[derive(Subcommand)]
         pub enum Verb {
             $($(#[$about])* $verb($options),)*
@@ -158,12 +160,13 @@ verbs! {
 }
 
 impl Cli {
+    /// Does what was asked for.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         self.verb.map_or_else(|| run::standard(self.quick), |verb| verb.run())
     }
 }
 
-/// Formats a number of bytes for people.
+/// Bytes as people read them.
 pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..10_000 => format!("{bytes} B"),
@@ -173,11 +176,11 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Sets the number of rayon's threads. One thread needs no pool, whose worker would allocate while
-/// memory is measured.
+/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate
+/// while memory is measured.
 fn use_threads(threads: usize) {
     if threads > 1 {
-        // Fails only if a pool exists; none is made before this call.
+        // Fails only if there is a pool already; nothing before this call makes one.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
 }

@@ -1,4 +1,5 @@
-//! `contactbench new-detector`: writes a working detector to be changed, and adds it to the table.
+//! `contactbench new-detector`: a detector that works, as a file to be changed, and its lines in
+//! the table.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,16 +10,16 @@ use anyhow::{Context, bail, ensure};
 use crate::cli::shared::terminal;
 use contactbench_core::detect::{peers, table};
 
-/// Source of the new detector. The tests compile it and compare it with the truth.
+/// The detector that is written. The tests compile it and hold it to the truth.
 const TEMPLATE: &str = include_str!("template.rs");
-/// Name of the detector in the template.
+/// Its names in the template.
 const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
-/// Folder of detectors in a checkout.
+/// Where detectors are in a checkout.
 const FOLDER: &str = "crates/core/src/detect";
 
-/// Reserved words of Rust, and names that would be confusing.
+/// Words that are no names in Rust, and some that would be confusing.
 const KEYWORDS: [&str; 60] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
     "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
@@ -42,23 +43,23 @@ pub struct NewDetector {
 
 /// The three forms of a name.
 struct Names {
-    /// Name in the table: `quad-tree`.
+    /// In the table: `quad-tree`.
     name: String,
-    /// Module: `quad_tree`.
+    /// The module: `quad_tree`.
     module: String,
-    /// Type: `QuadTree`.
+    /// The type: `QuadTree`.
     kind: String,
 }
 
-/// The new text of a file.
+/// A file as it will be.
 struct Change {
     path: PathBuf,
-    /// Present text of the file; `None` if the file is new.
+    /// What it holds now; none: it is new.
     before: Option<String>,
     after: String,
 }
 
-/// Writes the file of the detector and its lines in the table, or changes nothing.
+/// Writes the detector's file and its lines; all or nothing.
 pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
     let changes = changes(&options.root, &names)?;
@@ -80,6 +81,7 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Checks a name.
 fn names(given: &str) -> anyhow::Result<Names> {
     let name = given.replace('_', "-");
     let piece = |piece: &str| {
@@ -120,7 +122,7 @@ fn names(given: &str) -> anyhow::Result<Names> {
     Ok(Names { name, module, kind })
 }
 
-/// The changes of all files.
+/// What the files will be.
 fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     let folder = root.join(FOLDER);
     let (modules, lines) = (folder.join("mod.rs"), folder.join("table/mod.rs"));
@@ -172,7 +174,7 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     ])
 }
 
-/// The public modules of a file: position of the line, and name.
+/// The public modules of a file: where the line begins, and the name.
 fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let starts = text.split_inclusive('\n').scan(0, |start, line| {
         *start += line.len();
@@ -183,11 +185,11 @@ fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Adds the line of a module in alphabetical order.
+/// With the module's line in its place in the alphabet.
 fn with_module(text: &str, module: &str) -> Option<String> {
     let last = module_lines(text).last()?;
     let at = match module_lines(text).find(|(_, other)| *other > module) {
-        // Attributes and comments before a module belong to it.
+        // Attributes and remarks before a module belong to it.
         Some((start, _)) => {
             let before = text[..start].split_inclusive('\n').rev();
             start
@@ -201,7 +203,7 @@ fn with_module(text: &str, module: &str) -> Option<String> {
     Some(format!("{}pub mod {module};\n{}", &text[..at], &text[at..]))
 }
 
-/// Adds an entry before the controls, or at the end of the table.
+/// With the entry before the controls, or before the table's end.
 fn with_line(text: &str, entry: &str) -> Option<String> {
     let begin = text.find("pub static TABLE: &[Entry] = &[\n")?;
     let end = begin + text[begin..].find("\n];\n")? + 1;
@@ -211,11 +213,11 @@ fn with_line(text: &str, entry: &str) -> Option<String> {
     Some(format!("{}{entry}{}", &text[..at], &text[at..]))
 }
 
-/// The entry in the table.
+/// The table line.
 fn entry(Names { name, module, kind }: &Names) -> String {
     let kind = format!("super::{module}::{kind}");
     let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
-    // Broken as rustfmt does it.
+    // As rustfmt breaks it.
     if constructor.len() > 101 {
         constructor = format!(
             "        constructor: Both::<\n            {kind},\n            {kind},\n        \
@@ -232,8 +234,8 @@ fn entry(Names { name, module, kind }: &Names) -> String {
     )
 }
 
-/// Writes all files under temporary names and then renames them, so that no file is half written
-/// and nothing changes unless all files could be written.
+/// Writes all files beside their places, and then puts them there: a file is as it was or as it
+/// will be, and nothing is changed unless all could be written.
 fn write_all(changes: &[Change]) -> anyhow::Result<()> {
     let written = |change: &Change| -> std::io::Result<tempfile::NamedTempFile> {
         let folder = change.path.parent().unwrap_or(Path::new("."));
@@ -251,7 +253,7 @@ fn write_all(changes: &[Change]) -> anyhow::Result<()> {
         files.push(file.with_context(|| format!("cannot write {name}; nothing was changed"))?);
     }
     for (file, Change { path, before, .. }) in files.into_iter().zip(changes) {
-        // Keeps a file that another process made in the meantime.
+        // Not over a file that has come in the meantime.
         let put = match before {
             None => file.persist_noclobber(path),
             Some(_) => file.persist(path),
@@ -287,6 +289,7 @@ mod tests {
             ["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()),
             ["after", "after"]
         );
+        // A file that has come in the meantime is not written over.
         assert!(write_all(&half[..1]).is_err() && at("new").exists());
     }
 }

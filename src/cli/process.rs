@@ -1,4 +1,4 @@
-//! The start and end of a process: arguments, errors, exit codes.
+//! The beginning and the end of a process: arguments, errors, exit codes.
 
 use std::borrow::Cow;
 use std::process::ExitCode;
@@ -12,7 +12,7 @@ use contactbench_record::record::faults::Damaged;
 use contactbench_run::check::contender;
 use contactbench_terms::text::{line, lines};
 
-/// The build of the program, as recorded by its build script.
+/// The build of the program that is compiled, as its build script notes it.
 #[macro_export]
 macro_rules! build {
     () => {
@@ -27,7 +27,7 @@ macro_rules! build {
     };
 }
 
-/// Prepares the process: panics, signals and the build.
+/// Sets what holds for the whole process.
 pub fn prepare(build: Build) {
     built::set(build);
     report_full_files();
@@ -42,7 +42,7 @@ pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
         if advice.is_none() && !error.use_stderr() {
             error.exit()
         }
-        // The error repeats the arguments, which may be file names with terminal commands.
+        // It repeats the arguments, and those may be names of files.
         match lines(&error.render().to_string()) {
             Cow::Borrowed(_) => _ = error.print(),
             Cow::Owned(clean) => eprint!("{clean}"),
@@ -52,7 +52,7 @@ pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
     })
 }
 
-/// The exit code of a verb; prints the error, if any.
+/// The exit code of a verb; an error is printed.
 pub fn ended(result: anyhow::Result<ExitCode>) -> ExitCode {
     match result {
         Ok(code) => code,
@@ -62,28 +62,28 @@ pub fn ended(result: anyhow::Result<ExitCode>) -> ExitCode {
             let words = format!("contactbench: {error:#}");
             // The faults of a record stand on lines of their own.
             words.splitn(if damaged { usize::MAX } else { 1 }, '\n').for_each(say);
-            // A damaged record is a finding, like a wrong answer.
+            // What is wrong is found, as a wrong answer is.
             ExitCode::from(if damaged { 1 } else { 2 })
         }
     }
 }
 
-/// Makes writes beyond the file size limit (`ulimit -f`) fail with a printed error. By default a
-/// signal ends the program silently.
+/// Lets writes beyond the limit on the size of files (`ulimit -f`) fail with an error that is
+/// printed. By default a signal ends the program without a word.
 fn report_full_files() {
     #[cfg(unix)]
     {
         let seen = std::sync::Arc::default();
-        // If the signal cannot be caught, the default remains.
+        // If it cannot be caught, the default stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen);
     }
 }
 
-/// Ends the program with one sentence if a detector panics because memory is exhausted.
+/// Ends the program with one sentence where a detector gets no memory, which it reports by a panic.
 fn report_missing_memory() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        // `check` reports the detector and continues.
+        // `check` reports the detector and goes on.
         let is_checked = std::thread::current().name() == Some(contender::THREAD);
         if let Some(refusal) = no_memory(panic.payload()).filter(|_| !is_checked) {
             say(&format!("contactbench: {refusal}"));
@@ -93,7 +93,7 @@ fn report_missing_memory() {
     }));
 }
 
-/// Whether the reader of the output has closed it, as `head` does.
+/// Whoever read our output has seen enough.
 fn broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause

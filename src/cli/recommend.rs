@@ -1,3 +1,5 @@
+//! `contactbench recommend`.
+
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -46,7 +48,7 @@ pub struct Recommend {
     json: bool,
 }
 
-/// Measures and recommends a detector. Exit code 1 if a detector was wrong or none can be used.
+/// Measures, and says which detector to use; exit code 1 if one was wrong, or none can be used.
 pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
@@ -123,7 +125,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     Ok(code(&race, verdict.as_ref()))
 }
 
-/// Writes the recommendation with indented lines.
+/// Writes what to use, each line of it indented.
 fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
     for (k, line) in said.lines().enumerate() {
         let head = if k == 0 { "use " } else { "  " };
@@ -132,7 +134,7 @@ fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Exit code 1 if one of our detectors was wrong or none can be used.
+/// 1 if one was wrong, or none can be used.
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     let wrong =
         |standing: &Standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours();
@@ -142,7 +144,7 @@ fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     }
 }
 
-/// The command that starts this program as a runner.
+/// This program, to be started as runner.
 fn program() -> anyhow::Result<Vec<String>> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program = std::env::current_exe();
@@ -150,7 +152,7 @@ fn program() -> anyhow::Result<Vec<String>> {
     Ok(vec![program.display().to_string()])
 }
 
-/// Shows progress, on terminals only.
+/// Says on a terminal what is being done.
 fn note() -> impl FnMut(&str) {
     let terminal = std::io::stderr().is_terminal();
     move |text| {
@@ -161,7 +163,7 @@ fn note() -> impl FnMut(&str) {
     }
 }
 
-/// The earlier scenes of a hard case; a file has none.
+/// Scenes that come before, where a hard case has some: a file has none.
 fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     if Path::new(name).exists() {
         Ok(Vec::new())
@@ -170,7 +172,7 @@ fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     }
 }
 
-/// All subjects, fastest first; those without a time last.
+/// All who were asked, fastest first; those without a time at the end.
 fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     let mut standings: Vec<&Standing> = race.standings.iter().collect();
     let rank =
@@ -180,7 +182,7 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// Why a subject has no time; `None` if it has one.
+/// Why it has no time; none if it has one.
 fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
         _ if !standing.times.is_empty() => None,
@@ -189,8 +191,8 @@ fn why_out(standing: &Standing) -> Option<String> {
     }
 }
 
-/// The detectors, fastest first; those without a time last. Intervals are left out, because one of
-/// absolute times would hold only within this run.
+/// The detectors, fastest first; those without a time at the end. An interval of absolute times
+/// would hold in one run alone.
 fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
     let base = fastest(&race.standings).map(|k| &race.standings[k]);
     let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);

@@ -1,4 +1,4 @@
-//! `contactbench report`, which also ends every run: verdicts, figures and report from a record.
+//! `contactbench report`, and what follows every run: everything right of the record.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
     finish(&options.folder, &options.ci)
 }
 
-/// Hints at the last result folder inside this one.
+/// The last result folder inside of this one, as a hint.
 fn within(folder: &Path) -> String {
     let folders = std::fs::read_dir(folder).into_iter().flatten();
     let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
@@ -50,7 +50,7 @@ fn within(folder: &Path) -> String {
     last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
 }
 
-/// Reads the record of a result folder and its experiments.
+/// The record of a result folder, and its experiments.
 fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     ensure!(
         row::exists(&folder.join(row::FILE)),
@@ -66,14 +66,14 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
         "the record in {} holds no rows yet; run the experiment first",
         folder.display()
     );
-    // Sorts the experiments in the order in which they ran.
+    // In the order in which they were run.
     let listed = part.provenance.as_ref().and_then(|fields| fields.get("experiments")?.as_array());
     let place = |name: &str| listed.and_then(|all| all.iter().position(|known| known == name));
     let mut copies: Vec<(&String, &String)> = part.experiments.iter().collect();
     copies.sort_by_key(|(name, _)| (place(name).unwrap_or(usize::MAX), *name));
     let parse = |(name, text): (&String, &String)| {
         let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
-        // File names are relative to the original experiment, which is not beside the copy.
+        // Files are named as in the experiment, which is no longer beside them.
         let experiment =
             plan::parse_copy(text).with_context(|| format!("in {}", path.display()))?;
         let what = format!("it is of the experiment {}", experiment.name);
@@ -94,7 +94,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     Ok((Record { rows, warnings, bytes }, experiments))
 }
 
-/// Makes the verdicts, figures and report of a record.
+/// Everything right of the record: verdicts, figures, report.
 pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     let (record, experiments) = read(folder)?;
     let again = || {
@@ -118,7 +118,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
         let folder = quoted(&folder.display().to_string());
         writeln!(out, "builds:  contactbench compare {folder}")?;
     }
-    // First each subject that is wrong, crashed or did not start, then the claims.
+    // What is wrong, crashed or was not started comes first, once each; then the claims.
     let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();
     if cases.is_empty() {
         let (class, name) = ("record".into(), "every answer is right".into());
@@ -133,14 +133,14 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// A subject that is wrong, for continuous integration.
+/// A contender that is wrong, for continuous integration.
 fn culprit(found: &Culprit) -> Case {
     let is = if found.outcome == Outcome::Unavailable { "was started" } else { "is right" };
     let (class, name) = ("record".into(), format!("{} {is}", found.name));
     Case { class, name, result: ci::Outcome::Failed(failures::culprit(found)) }
 }
 
-/// A claim for continuous integration. A claim about times never fails.
+/// A claim for continuous integration. Those about times gate nothing.
 fn case(verdict: &claim::Verdict) -> Case {
     let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
     let result = match verdict.status {

@@ -1,3 +1,5 @@
+//! `contactbench run`, and `contactbench` alone.
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -40,7 +42,7 @@ pub struct Run {
     ci: Outputs,
 }
 
-/// Runs the standard reproduction; `quick` selects small scenes and few blocks.
+/// Runs the standard reproduction; a quick one has small scenes and few blocks.
 pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
     let names = builtin::all()?
         .into_iter()
@@ -56,6 +58,7 @@ pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
     run_named(&options, "standard")
 }
 
+/// Runs the experiments named.
 pub fn run(options: &Run) -> anyhow::Result<ExitCode> {
     let stems = options
         .experiments
@@ -77,7 +80,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let Run { quick, resume, against, .. } = options;
     let (quick, resume, against) = (*quick, *resume, against.clone());
     let asked = Asked { experiments, quick, resume, against, shard };
-    // The progress bar is removed before anything else is printed.
+    // Its bar is gone before anything else is printed.
     let ended = session::run(&asked, &folder, &mut Terminal::default(), &mut |it| say!("{it}"));
     let error = match ended {
         Ok(0) => {
@@ -90,7 +93,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         Err(error) => error,
     };
     if error.is::<Interrupted>() {
-        // Reports the rows so far; whether claims hold is still open.
+        // A report of what there is; whether claims hold is not known yet.
         if let Err(error) = finish(&folder, &Outputs::default()) {
             say!("no report: {error:#}");
         }

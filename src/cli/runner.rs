@@ -1,3 +1,5 @@
+//! `contactbench runner`.
+
 use std::process::ExitCode;
 
 use anyhow::Context;
@@ -25,7 +27,7 @@ pub struct Serve {
     memory_limit: u64,
 }
 
-/// Serves requests until the end of the input.
+/// Serves until the end of the input.
 pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
     crate::cli::use_threads(options.threads);
     let limits = Options { memory_limit: options.memory_limit, threads: options.threads };

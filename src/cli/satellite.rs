@@ -1,4 +1,5 @@
-//! Verbs that are separate programs, found beside this one or on PATH, as git and cargo do it.
+//! Verbs that are programs of their own, found as git and cargo find theirs: beside this one, or on
+//! PATH.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -6,7 +7,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, bail};
 
-/// Arguments for the other program.
+/// Arguments that are passed on.
 #[derive(clap::Args)]
 #[command(disable_help_flag = true)]
 pub struct Passed {
@@ -15,7 +16,7 @@ pub struct Passed {
     words: Vec<OsString>,
 }
 
-/// Runs a program with these arguments; replaces this process if the system can do that.
+/// Runs a program with these arguments, in the place of this one where the system can do that.
 pub fn run(name: &str, passed: &Passed) -> anyhow::Result<ExitCode> {
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().ok().and_then(|own| Some(own.parent()?.join(&file)));

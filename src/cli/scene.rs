@@ -1,4 +1,4 @@
-//! `contactbench scene` writes a scene to a file.
+//! `contactbench scene`: writes one.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -37,7 +37,7 @@ pub struct Scene {
     frames: Option<u64>,
 }
 
-/// Makes or reads the scene and writes it with numbers that read back to the same bits.
+/// Makes or reads the scene and writes it, in numbers that read back to the same bits.
 pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     let format = options.output.as_deref().map(write::scene_format).transpose()?;
     let mut given = options.input.given(&options.scene)?;
@@ -76,7 +76,7 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes frames one after the other and keeps none.
+/// Writes frames one after the other; none is kept.
 fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
     let mut each = |out: &mut dyn std::io::Write| {
         (0..count).try_for_each(|k| {

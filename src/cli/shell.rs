@@ -1,4 +1,4 @@
-//! `contactbench completions`, and advice on mistyped commands.
+//! `contactbench completions`: what shells ask of the program.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,8 +13,8 @@ use contactbench_run::plan::builtin;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::nearest;
 
-/// Advice for an unknown verb, which may be meant as an experiment, a file or a scene, and for a
-/// second file.
+/// What to do with a word that is no verb (an experiment, a file or a scene may be meant), and with
+/// a second file.
 pub fn advice(error: &clap::Error) -> Option<String> {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) {
         return Path::new(word).is_file().then(|| {
@@ -46,6 +46,7 @@ pub struct Completions {
     shell: Shell,
 }
 
+/// Writes the script to standard output.
 pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "contactbench", &mut script);
@@ -54,8 +55,8 @@ pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Adds file names to the completions of scenes and experiments, which the generator of the script
-/// leaves out.
+/// Where a scene or an experiment may be named, a file may be, too: shells are told so, which the
+/// generator of the script does not.
 fn with_files(shell: Shell, script: &str) -> String {
     let scenes = GENERATORS.map(|generator| generator.name).join(" ");
     let experiments = builtin::names().collect::<Vec<_>>().join(" ");
@@ -73,7 +74,7 @@ fn with_files(shell: Shell, script: &str) -> String {
                     "{function}() {{\n    _alternative '{what}:{what}:({names})' \
                      'files:file:_files'\n}}\n\n"
                 );
-                // Inserted before the line that registers the completion.
+                // Before what calls the completion.
                 let end = script.rfind("\nif [ ").map_or(script.len(), |end| end + 1);
                 script.insert_str(end, &body);
             }
@@ -85,7 +86,7 @@ fn with_files(shell: Shell, script: &str) -> String {
                     );
                 }
             }
-            // Bash completes file names by default.
+            // Bash falls back to files by itself.
             _ => {}
         }
     }

@@ -7,7 +7,7 @@
 //!   along x: N^(2 - 1/D) in a box.
 //! * Memory: `16N` bytes.
 //! * Refuses scenes over the memory limit.
-//! * Deviations from the source: list here what differs, and why.
+//! * Deviations from the source: say here what differs, and why.
 
 use super::{Declare, Detector, Options, Refusal, within};
 use crate::contact::Bodies;
@@ -16,15 +16,15 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Sorts along x and tests all pairs within reach: a starting point.
+/// Sorts along x, and tests what is within reach: a place to begin.
 pub struct NewDetector {
     options: Options,
-    /// x and index of each particle, sorted by x. Kept between calls, so that a second detection of
-    /// a scene allocates nothing.
+    /// x and number of each particle, by x. Kept from call to call: a second detection of a scene
+    /// allocates nothing.
     order: Vec<(f64, u32)>,
 }
 
-/// Memory formula for `n` particles: 8 bytes of x, 4 of the index, 4 of padding.
+/// What the memory formula says for `n` particles: 8 bytes of x, 4 of the number, 4 of padding.
 fn bytes(n: usize) -> u64 {
     16 * n as u64
 }
@@ -47,7 +47,7 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let n = bodies.len();
-        // Refuses before anything is allocated or reported.
+        // Before anything is allocated or reported.
         within(&self.options, "new-detector", bytes(n), || format!("{n} particles"))?;
         self.order.clear();
         self.order.reserve_exact(n);
@@ -59,8 +59,8 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         for (k, &(x, i)) in self.order.iter().enumerate() {
             for &(further, j) in &self.order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Rounding loses no touching pair here; crate::filter proves this, and has such
-                // tests for cells, boxes and keys.
+                // Loses no touching pair to rounding; crate::filter has the same for cells, boxes
+                // and keys, and the proofs.
                 if filter::beyond(x, further, bodies.reach()) {
                     break;
                 }
@@ -81,8 +81,8 @@ mod tests {
     use crate::probe::Tally;
     use crate::scene::{Radii, Scene};
 
-    /// Four discs in a row, each touching the next exactly, and one far away. Tests that loop over
-    /// the table include the detector, too; test here what holds for it alone.
+    /// Four discs in a row, each touching the next exactly, and one far away. (Every test that
+    /// loops over the table has the detector, too: here is the place for what holds for it alone.)
     #[test]
     fn a_row_of_discs() {
         let centres: Vec<_> =

@@ -1,3 +1,5 @@
+//! `contactbench trace`.
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -23,7 +25,7 @@ pub struct Trace {
     page_only: bool,
 }
 
-/// Writes the page and the pictures, and prints to standard error where they are.
+/// Writes the page and the pictures, and says on standard error where.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let algorithm = options.detector;
     let (name, scene) = match options.source.get()? {

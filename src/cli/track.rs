@@ -1,3 +1,5 @@
+//! `contactbench track`.
+
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -40,7 +42,7 @@ pub struct Track {
     json: bool,
 }
 
-/// Default trackers: all safe rules, LAMMPS's default, and one that ignores displacements.
+/// Where none are named: all safe rules, LAMMPS's default, and one that looks at no particle.
 const USUAL: [&str; 7] = [
     "every-step(streamed-nbs)",
     "verlet(streamed-nbs,skin=auto)",
@@ -51,11 +53,11 @@ const USUAL: [&str; 7] = [
     "verlet(streamed-nbs,rule=every-10)",
 ];
 
-/// Default motion for one frame: straight flight.
+/// Where no motion is named and the file has none: straight flight.
 const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Runs all trackers on each frame of a motion or a file, and compares their contacts with the
-/// truth.
+/// Moves the scene, or takes the frames of a file; asks all trackers in every frame, and holds them
+/// to the truth.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let texts: Vec<&str> = match options.trackers.is_empty() {
         true => USUAL.to_vec(),
@@ -78,7 +80,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     )
 }
 
-/// Runs all trackers on each frame and prints the results.
+/// Asks all trackers in every frame, and prints what they did.
 fn followed(
     options: &Track,
     trackers: &[TrackerSpec],

@@ -1,4 +1,5 @@
-//! Compares the heap memory of detectors, measured by the counting allocator, with their formulas.
+//! What detectors take from the heap, measured by the counting allocator, against the formulas they
+//! declare.
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
@@ -27,13 +28,13 @@ const SCENES: [&str; 9] = [
     "clustered:dim=3,n=3000,sizes=giants,giants=3,size-ratio=30",
 ];
 
-/// Large enough for a second thread of any detector, but too large to test all pairs.
+/// Large enough for a second thread of any detector; too large to test all pairs.
 const LARGE: [&str; 2] = ["packed:n=30000", "packed:dim=3,n=30000"];
 
 #[test]
 fn formulas_hold_and_warm_calls_allocate_nothing() {
     let _quiet = crate::quiet();
-    // Foreign libraries have no formula.
+    // Libraries allocate as they please.
     for entry in TABLE.iter().filter(|entry| entry.is_ours()) {
         for text in SCENES {
             for arithmetic in Arithmetic::ALL {
@@ -70,8 +71,7 @@ const BOXES: [&str; 4] = [
     "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
 ];
 
-/// A scene in a periodic box slightly smaller than the scene, or much smaller if `outside`, so that
-/// many particles are wrapped.
+/// A scene in a box that is somewhat too small for it, or by far, so that particles are moved.
 fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let scene = scene(text);
     let corners = with_scene!(&scene, scene => {
@@ -86,7 +86,7 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let mut contacts = Contacts::default();
     let (mut finder, mut detector) =
         (Finder::new(1 << 30), find("nbs").unwrap().make(Options::default()));
-    // Gives the lists their final capacity.
+    // Lists that have room.
     finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
     let (mut finder, mut detector) = (Finder::new(1 << 30), entry.make(Options::default()));
     let mut measured = || {
@@ -126,12 +126,13 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// The formula includes the contacts collected by several threads, but not the list of these lists.
+/// With several threads the contacts are collected as well, and the formula has them; only what the
+/// shares of the threads are listed in is not in it.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
-    /// Most memory that rayon's queue of jobs may free during the measurement, in bytes.
+    /// What rayon's queue of jobs may give back meanwhile.
     const QUEUE: u64 = 2 << 10;
-    // The pool of threads is made before the measurement.
+    // The pool of threads is not the detector's.
     rayon::join(|| (), || ());
     let scene = scene(text);
     let mut detector = entry.make(Options { threads: 2, ..Options::default() });
@@ -144,9 +145,9 @@ fn two_threads(entry: &Entry, text: &str) {
             && (formula.saturating_sub(QUEUE)..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
-    // A second call needs no more memory than the first.
+    // Lists of contacts are kept, or made anew; nothing grows beyond the first call's.
     assert!(warm.peak_bytes <= formula + SHARES, "{what}, warm: {warm:?}, formula {formula}");
-    // The limit includes the collected contacts: the formula suffices, slightly less does not.
+    // As much as it takes is enough, and a little less is not: contacts are under the limit, too.
     let limited = |memory_limit| {
         let mut detector = entry.make(Options { threads: 2, memory_limit });
         detector.list(&scene, Test::Exact, &mut Vec::new())
@@ -156,8 +157,7 @@ fn two_threads(entry: &Entry, text: &str) {
     assert!(matches!(refusal, Refusal::Pairs { .. }), "{what}: {refusal}");
 }
 
-/// Measures a first and a second detection into a list with enough capacity; also returns the
-/// number of contacts.
+/// A first and a second detection into a list that has room; and how many contacts there are.
 fn cold_and_warm(
     detector: &mut dyn AnyDetector,
     scene: &AnyScene<'_>,
@@ -176,8 +176,8 @@ fn cold_and_warm(
     (cold, measured(), contacts.0)
 }
 
-/// Repeats a failed measurement up to twice, because the harness may still allocate while it prints
-/// the end of the previous test. Allocations of a detector would repeat.
+/// Measures again, twice at most, if a count is wrong: the harness may still print the end of the
+/// test before, which allocates and frees. What a detector allocates, it allocates each time.
 fn thrice(measured: impl Fn()) {
     let once = || std::panic::catch_unwind(std::panic::AssertUnwindSafe(&measured)).is_ok();
     if !once() && !once() {
@@ -186,7 +186,7 @@ fn thrice(measured: impl Fn()) {
 }
 
 /// The book's numbers for example III at S/D = 200 on 100 x 100 particles (BOOK, section 4), which
-/// leave out border cells.
+/// count no border cells.
 fn book_formulas() {
     let scene = scene("pack-c:n=10000,s=200");
     let bytes = |name: &str| {
@@ -196,8 +196,8 @@ fn book_formulas() {
             .unwrap()
             .peak_bytes
     };
-    // The centres span 19,800 diameters, cells are wider than a diameter by 2^-18, and there are 2
-    // border cells.
+    // The centres span 19,800 diameters; cells are wider than that by 2^-18; and there are 2 border
+    // cells.
     let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
     assert_eq!(bytes("nbs"), 4 * (3 * cells + 2 * 10_000));
     assert_eq!(bytes("sorting"), 4 * 3 * 10_000);

@@ -1,5 +1,5 @@
-//! Memory needed to read files, including files that announce more than they contain. The tests in
-//! crates/io check the values that are read.
+//! Memory that reading takes, also of files that announce more than they contain. The tests in
+//! crates/io check what is read.
 
 use std::io::{BufReader, Read, Write};
 
@@ -13,7 +13,7 @@ use crate::quiet;
 const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
-/// Returns the error of reading a file, and the peak memory in bytes.
+/// Returns the error of reading a file, and the most bytes that reading it took.
 fn refusal(bytes: &[u8], options: Options) -> (String, u64) {
     let (read, usage) = alloc::measure(|| io::load_from(bytes, "p", "", options));
     let message = read.map(|(_, about)| about).expect_err("it is refused");
@@ -42,7 +42,7 @@ fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
     [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &le(values)].concat()
 }
 
-/// An archive with one array, compressed with deflate.
+/// An archive of one array, packed with deflate.
 fn npz(member: &[u8]) -> Vec<u8> {
     let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
     archive.extend((member.len() as u32).to_le_bytes());
@@ -53,7 +53,7 @@ fn npz(member: &[u8]) -> Vec<u8> {
     archive
 }
 
-/// Returns a point cloud in VTK XML with a piece of this many points.
+/// Returns a point cloud in VTK XML, with a piece of this many points.
 fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
     format!(
         "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" {attributes}>\
@@ -62,7 +62,7 @@ fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
     )
 }
 
-/// Announced sizes cost nothing: memory grows with the bytes that the file really has.
+/// What a file promises costs nothing: memory follows the bytes that are there.
 #[test]
 fn promises_and_bombs_are_bounded() {
     let _guard = quiet();
@@ -94,12 +94,12 @@ fn promises_and_bombs_are_bounded() {
     deflate.write_all(&array).unwrap();
     bounded(&npz(&deflate.finish().unwrap()));
 
-    // Seventy megabytes of blanks in seventy kilobytes.
+    // Seventy megabytes of nothing in seventy kilobytes.
     let line = [b"#".as_slice(), &[b' '; 1022], b"\n"].concat();
     let message = bounded(&gz(&line.repeat(1000)).repeat(70));
     assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
 
-    // Returns a line without end.
+    // A line without end; the reader would go on for ever.
     struct Endless;
     impl Read for Endless {
         fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
@@ -116,12 +116,12 @@ fn promises_and_bombs_are_bounded() {
     assert!(usage.unwrap().peak_bytes < 4 << 20);
 }
 
-/// Compresses 160 MB to some kilobytes in two layers. Each layer alone is within the limit, but
-/// both together exceed it.
+/// A hundred and sixty megabytes in some kilobytes: each layer is in proportion to the one around
+/// it, and the whole is not.
 #[test]
 fn layers_of_compression_are_bounded_together() {
     let _guard = quiet();
-    // About 1% incompressible noise, followed by zeros.
+    // What cannot be made smaller, and zeros: a hundredth and a half of it.
     let mut state = 1u64;
     let mut noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -136,7 +136,7 @@ fn layers_of_compression_are_bounded_together() {
         assert!(peak < 100 << 20, "{peak} bytes");
     };
 
-    // One deflate block, flushed so that it can be repeated.
+    // One piece in deflate, ended so that it can be repeated.
     let mut deflate = flate2::Compress::new(Compression::best(), false);
     let mut packed = Vec::with_capacity(1 << 16);
     let header = npy(&format!("({}, 4)", pieces * piece.len() / 32), &[]);
@@ -164,7 +164,7 @@ fn layers_of_compression_are_bounded_together() {
     refused(&gz(&[vtu.as_bytes(), &data, b"</AppendedData></VTKFile>"].concat()));
 }
 
-/// Reading needs at most 2.5 times the bytes of the coordinates, including radii and buffers.
+/// Reading takes at most 2.5 times the bytes of the coordinates, radii and buffers included.
 #[test]
 fn reading_takes_little_more_than_the_coordinates() {
     let _guard = quiet();

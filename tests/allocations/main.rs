@@ -1,5 +1,5 @@
-//! Heap memory of detectors and readers. The counting allocator counts all threads, so tests run
-//! one at a time.
+//! What detectors and readers take from the heap, under the counting allocator. It counts all
+//! threads, so tests take turns.
 
 mod detectors;
 mod files;
@@ -13,7 +13,7 @@ static ALLOCATOR: Counting = Counting;
 
 static QUIET: Mutex<()> = Mutex::new(());
 
-/// Lets one test run at a time. The harness allocates while it prints the end of the previous test.
+/// Lets one test run at a time. The harness allocates while it prints the end of the test before.
 fn quiet() -> MutexGuard<'static, ()> {
     let guard = QUIET.lock().unwrap_or_else(PoisonError::into_inner);
     std::thread::sleep(std::time::Duration::from_millis(200));

@@ -1,4 +1,4 @@
-//! Shared helpers: running the program, files for it, and fake runners.
+//! What the tests of the program share: running it, and files for it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,18 @@ use std::sync::{Mutex, Once, PoisonError};
 use contactbench::record::row::{self, Measurement, Row};
 use serde_json::Value;
 
+/// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
 
+/// A run of the program that has ended.
 pub struct Ended {
     pub code: Option<i32>,
     pub stdout: String,
     pub stderr: String,
 }
 
-/// The program with arguments in `folder`, which is also its temporary folder. Colours, width and
-/// locale do not depend on the user.
+/// The program with arguments, in `folder`, which also takes what a killed program leaves behind.
+/// Colours, width, and the locale of programs that it starts are not the user's.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command
@@ -31,11 +33,12 @@ pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
+/// Runs the program to its end.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     ended(program(folder, arguments).output().unwrap())
 }
 
-/// A temporary folder in which the program runs.
+/// A folder of its own, in which the program runs.
 pub struct Place(tempfile::TempDir);
 
 impl Place {
@@ -65,13 +68,13 @@ impl Place {
             .unwrap();
     }
 
-    /// Runs the program with the arguments of a line, split as a shell splits them.
+    /// Runs the program with the arguments of a line as a shell would split it.
     pub fn run(&self, line: &str) -> Ended {
         let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
         run(self.root(), &words.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// Runs the program, which must end with this code and print all these words.
+    /// A run that ends with this code; all these words are in what it printed.
     pub fn ends(&self, code: i32, line: &str, words: &[&str]) -> Ended {
         let ended = self.run(line);
         let said = format!("{}{}", ended.stdout, ended.stderr);
@@ -84,20 +87,21 @@ impl Place {
         self.ends(0, line, &[])
     }
 
+    /// Runs a shell script.
     pub fn shell(&self, script: &str) -> Ended {
         let mut shell = Command::new("sh");
         shell.args(["-c", script]).current_dir(self.root()).env("TMPDIR", self.root());
         ended(shell.stdin(Stdio::null()).output().unwrap())
     }
 
-    /// Returns the JSON that a run prints; its exit code must be 0 or 1.
+    /// Returns what a run prints as JSON; its exit code must be 0 or 1.
     pub fn json(&self, line: &str) -> Value {
         let ended = self.run(&format!("{line} --json"));
         assert!(matches!(ended.code, Some(0 | 1)), "{line}: {}", ended.stderr);
         serde_json::from_str(&ended.stdout).unwrap_or_else(|_| panic!("{line}: {}", ended.stdout))
     }
 
-    /// The rows of a record, which must be complete.
+    /// The rows of a record, which is whole.
     pub fn rows(&self, folder: &str) -> Vec<Row> {
         let record = row::read(&self.path(folder).join(row::FILE)).unwrap();
         assert!(record.warnings.is_empty(), "{:?}", record.warnings);
@@ -105,24 +109,24 @@ impl Place {
     }
 }
 
-/// The exit code and output of a process.
+/// What a process has left.
 pub fn ended(output: Output) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// Writes a file in `folder`.
+/// A file in `folder`.
 pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();
     path
 }
 
-/// Files that several tests start from, made once.
+/// Files that several tests begin with, made once.
 pub struct Template(Vec<(PathBuf, Vec<u8>)>);
 
 impl Template {
-    /// The files that `make` leaves in its folder.
+    /// What `make` leaves in a folder.
     pub fn new(make: impl FnOnce(&Place)) -> Template {
         let place = Place::new();
         make(&place);
@@ -141,7 +145,7 @@ impl Template {
         Template(files)
     }
 
-    /// Copies the files into a new folder.
+    /// The same files in a folder of their own.
     pub fn place(&self) -> Place {
         let place = Place::new();
         for (name, bytes) in &self.0 {
@@ -173,7 +177,8 @@ pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
     bytes
 }
 
-/// The pairs in an npy file of the program. The data follow the newline that ends the header.
+/// The pairs in an npy file of the program: the data are what follows the newline that ends the
+/// header.
 pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     let bytes = std::fs::read(path).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..64]).contains("'descr': '<u4'"));
@@ -183,38 +188,38 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     words.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// The shell command of a runner that greets with f64 arithmetic, answers each listed request with
-/// shell code, and replies `unsupported` to all others.
+/// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell
+/// code, and all others as unsupported.
 pub fn fake(answers: &[(&str, &str)]) -> String {
     let hello = say(r#"{"reply":"hello","protocol":4,"detector":"fake","arithmetic":"f64"}"#);
     let cases: String = answers
         .iter()
         .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))
         .collect();
-    // Without a reply the program would wait.
+    // Silence would be waited for.
     let rest = say(r#"{"reply":"unsupported"}"#);
     format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}*) {rest} ;;\nesac\ndone")
 }
 
-/// Shell code that replies with a line.
+/// Shell code that answers with a line.
 pub fn say(line: &str) -> String {
     format!("echo '{line}'")
 }
 
-/// A runner that loads and gives these answers; it has no counts, memory or pairs unless listed.
+/// A runner that loads, gives these answers, and has neither counts, memory nor pairs otherwise.
 pub fn answers(answers: &[(&str, &str)]) -> String {
     let loaded = say(r#"{"reply":"loaded"}"#);
     fake(&[answers, &[("load", &*loaded)]].concat())
 }
 
-/// Shell code that replies with a sample of a possible time.
+/// Shell code that answers with a sample of a time that can be.
 pub fn sample(contacts: u32, digest: &str) -> String {
     let times = r#""reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000"#;
     let line = format!(r#"{{{times},"contacts":{contacts},"digest":"{digest}"}}"#);
     format!("sleep 0.002; {}", say(&line))
 }
 
-/// A runner in an experiment file: `program` with one shell script.
+/// A runner in an experiment file: `program` and one shell script.
 pub fn runner(name: &str, program: &str, script: &str) -> String {
     format!(
         "[[runner]]\nname = \"{name}\"\ncommand = [\"{program}\", \"-c\", \
@@ -222,21 +227,21 @@ pub fn runner(name: &str, program: &str, script: &str) -> String {
     )
 }
 
-/// Name of each test that was left out, with the missing program.
+/// What could not be tested here, and why.
 static UNTESTED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
 
 unsafe extern "C" {
     fn atexit(callback: extern "C" fn()) -> std::ffi::c_int;
 }
 
-/// Notes that `what` cannot be tested because `missing` is not installed. The test passes, and a
-/// line after all results lists what was left out.
+/// Notes that `what` cannot be tested here because `missing` is not there. The test passes; one
+/// line after the results of all tests says what was left out.
 pub fn untested(what: &str, missing: &str) {
     static AT_EXIT: Once = Once::new();
     let mut untested = UNTESTED.lock().unwrap_or_else(PoisonError::into_inner);
     untested.insert(what.to_string(), missing.to_string());
     // SAFETY: `atexit` may be called at any time before the end of the process, and `summary` may
-    // be called from C: it takes nothing, returns nothing, and does not unwind.
+    // be called from C: it takes nothing, gives nothing, and does not unwind.
     AT_EXIT.call_once(|| assert_eq!(unsafe { atexit(summary) }, 0));
 }
 
@@ -247,9 +252,9 @@ extern "C" fn summary() {
     eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
 }
 
-/// Runs a test of foreign programs. Such tests run one at a time, because several MPI programs that
-/// start together fail. `test` returns the reason if a program could not start; it then runs once
-/// more. If it fails again, the closing summary names it with the reason.
+/// Runs a test of programs of others: one test at a time, because several MPI programs that start
+/// together fail. `test` gives the reason if a program could not start. It is then run once more,
+/// and after that left out: the closing summary names it with the reason.
 pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -258,7 +263,7 @@ pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     }
 }
 
-/// The line of an error output that shows that MPI could not start.
+/// The reason why MPI could not start, if that is why a program failed.
 pub fn not_started(stderr: &str) -> Option<String> {
     let signs = ["ompi_mpi_init", "MPI_Init", "MPI_INIT", "unable to start a daemon", "orte_init"];
     let of_start = |line: &&str| {
@@ -267,14 +272,14 @@ pub fn not_started(stderr: &str) -> Option<String> {
     stderr.lines().find(of_start).map(|line| line.trim().to_string())
 }
 
-/// Whether a program starts with this option and succeeds.
+/// Whether a program can be started with this option, and ends well.
 pub fn starts(program: &str, option: &str) -> bool {
     let mut command = Command::new(program);
     command.arg(option).current_dir(std::env::temp_dir()).stdin(Stdio::null());
     command.output().is_ok_and(|output| output.status.success())
 }
 
-/// Whether a program is installed. If not, the closing summary names it.
+/// Is there such a program? If not, the test passes, and is named among those left out.
 pub fn has(program: &'static str) -> bool {
     let there = starts(program, "--version");
     if !there {
@@ -283,8 +288,8 @@ pub fn has(program: &'static str) -> bool {
     there
 }
 
-/// The rows without times: equal whether a run was disturbed, resumed or repeated. Fails if a
-/// measurement occurs twice.
+/// What must be the same whether a run was disturbed, resumed or repeated: everything but the times.
+/// Fails if a measurement stands twice.
 pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
     let of = |row: &Row| {
         let row = Row {

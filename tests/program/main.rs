@@ -1,4 +1,4 @@
-//! Tests of the program: verbs, files, runs, records, reports, runners, pages.
+//! What the program promises to its users: verbs, files, runs, records, reports, runners, pages.
 
 mod cases;
 mod check;
@@ -11,5 +11,5 @@ mod run;
 mod seeing;
 mod track;
 
-// Modules that the file written by `new-detector` imports from the crate of detectors.
+// What the file that `new-detector` writes finds around it in the crate of detectors.
 use contactbench::{contact, detect, filter, probe, scene, sink};

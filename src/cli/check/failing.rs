@@ -1,4 +1,4 @@
-//! Prints detectors that are wrong and refusals, and writes failing scenes to files.
+//! What is printed and written of detectors that are wrong, and of refusals.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -16,9 +16,10 @@ use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::mean_radii;
 use contactbench_views::draw::{self, Highlighted, Look};
 
-/// Most kinds of refusals shown.
+/// So many kinds of refusals are shown.
 const KINDS: usize = 6;
 
+/// The file that a failing scene is written to.
 pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
         .and_then(|scene| Path::new(scene).file_stem())
@@ -28,17 +29,17 @@ pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &
     folder(options).join(name.replace([':', '=', ','], "-") + regression::ending(failure))
 }
 
-/// The folder for failing scenes: `--out`, else one in the temporary folder.
+/// Where files go: nobody wants them in a folder that was not named.
 fn folder(options: &Check) -> PathBuf {
     let own = || std::env::temp_dir().join(format!("contactbench-check-{}", std::process::id()));
     options.out.clone().unwrap_or_else(own)
 }
 
-/// The contact of a pair this close to tangency depends on rounding, in mean radii.
+/// Couples within this of just touching, in mean radii, are decided by rounding.
 const TANGENT: f64 = 1e-9;
 
-/// The worst pair on the scene where the failure was noticed. Scenes shrunk from two different
-/// defects may be equal, so the shrunk scene is not used.
+/// The worst pair on the scene where the failure was noticed: smaller scenes of two different
+/// defects may be the same.
 pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
     let all = differences.missed.iter().chain(&differences.spurious);
@@ -47,7 +48,7 @@ pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
-/// A note if all pairs that differ are near tangency.
+/// Where the pairs that differ are all decided by rounding, what that means.
 pub(super) fn rounding(failure: &Failure) -> Option<String> {
     let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = &failure.found else {
         return None;
@@ -65,7 +66,7 @@ pub(super) fn rounding(failure: &Failure) -> Option<String> {
     })
 }
 
-/// Prints the standard error of a runner that died.
+/// What a runner said on its standard error before it died.
 pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<()> {
     if let Wrong::Dies { errors, .. } = wrong
         && errors.lines().count() > 1
@@ -78,7 +79,7 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Prints refusals grouped by kind; those of one kind differ only in numbers.
+/// Refusals of a kind differ in numbers only.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
     for (reason, times) in &report.refused {
@@ -101,7 +102,7 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// A drawing of the scene with the wrong pairs, or `None` if it cannot be drawn.
+/// The scene with its contacts, and what is wrong with the pairs; none where it cannot be drawn.
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
     let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());

@@ -1,4 +1,4 @@
-//! The detectors that are checked: those of the table, or a runner.
+//! Who is checked: detectors of the table, or a runner.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ use contactbench_run::check::process::{Foreign, Met};
 use contactbench_run::check::{Limits, Wrong, conversation};
 use contactbench_run::plan::detectors;
 
-/// Detectors that are checked together in one arithmetic.
+/// Who is checked together, and how contacts are decided.
 pub(super) struct Group {
     pub(super) contenders: Vec<Contender>,
     pub(super) arithmetics: Vec<Arithmetic>,
@@ -25,6 +25,7 @@ impl Group {
     }
 }
 
+/// Detectors of the table.
 pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     let chosen = detectors::expand(&options.detector, false)
         .map_err(anyhow::Error::msg)?
@@ -44,10 +45,10 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     Ok(Group { contenders: chosen, arithmetics })
 }
 
-/// Placeholder for the arithmetic in the command of a runner.
+/// What stands for an arithmetic in a command.
 const ARITHMETIC: &str = "{arithmetic}";
 
-/// Starts a runner in each arithmetic, greets it and prints what it offers.
+/// Starts a runner in each arithmetic, talks with it, and says what it offers.
 pub(super) fn runners(
     command: &str,
     options: &Check,
@@ -118,7 +119,7 @@ pub(super) fn runners(
     Ok(groups)
 }
 
-/// Prints faults of a runner that do not depend on the scene.
+/// What is wrong with a runner whatever the scene.
 fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
     for wrong in wrongs {
         writeln!(out, "WRONG: {wrong}")?;

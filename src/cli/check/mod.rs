@@ -1,3 +1,5 @@
+//! `contactbench check`.
+
 mod failing;
 mod group;
 mod verdicts;
@@ -39,7 +41,7 @@ pub struct Check {
     /// several times) instead of the scenes of the check
     #[arg(long, value_parser = values::SCENE, hide_possible_values = true)]
     scene: Vec<String>,
-    /// Options for reading the files of --scene
+    /// What the files of --scene do not say
     #[command(flatten)]
     input: Input,
     /// Seeds to try at most
@@ -74,17 +76,17 @@ pub struct Check {
     ci: Outputs,
 }
 
-/// A hang must be reported within 10 seconds. Scenes are small.
+/// A hang, too, is to be told within 10 seconds; scenes are small.
 const DEADLINE_S: f64 = 5.0;
-/// Result of a group on one given scene, or on the battery.
+/// What came of a group on a given scene, or on those of the battery.
 struct Checked<'a> {
     group: &'a Group,
     report: Report,
     path: Option<&'a str>,
 }
 
-/// Runs the checks. Exit code 1 means that a detector disagrees with the truth, 2 that nothing was
-/// compared, because all detectors refuse all scenes or all refuse a named scene.
+/// Runs the checks; exit code 1 if a detector disagrees with the truth, 2 if nothing was compared.
+/// A check compares nothing if all detectors refuse all scenes, or all of a named scene.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
@@ -153,7 +155,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         }
     }
     let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
-    // A runner appears once for each of its arithmetics.
+    // A runner in several arithmetics.
     names.dedup();
     let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
     let verdict = overall(&reports, &broken);
@@ -176,7 +178,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// The verdict over all scenes: any failure fails, and a scene without a comparison does not pass.
+/// The verdict on all scenes: a failure anywhere is one, and a scene without a comparison is not
+/// passed.
 fn overall(reports: &[Checked<'_>], broken: &[Wrong]) -> Verdict {
     let any = |wanted| reports.iter().any(|checked| checked.report.verdict() == wanted);
     if !broken.is_empty() || any(Verdict::Wrong) {
@@ -196,7 +199,7 @@ fn nothing_compared(reports: &[Checked<'_>]) -> String {
     format!("nothing was compared{place}: every answer was refused; this is not a pass")
 }
 
-/// Silences panic messages: a panic is reported like any wrong answer, and shrinking repeats it
+/// A detector that panics is reported like any other that is wrong, and shrinking makes it panic
 /// often.
 fn quiet_panics() {
     let hook = std::panic::take_hook();

@@ -1,4 +1,4 @@
-//! The verdicts of a check for continuous integration and as JSON.
+//! What a check found, for continuous integration and as JSON.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,8 @@ use super::{Check, Checked};
 use crate::cli::shared::ci::{Case, Outcome};
 use contactbench_run::check::{Failure, Verdict, Wrong};
 
-/// One case for each detector, arithmetic and scene (or the battery).
+/// Every detector in every arithmetic, on every given scene or on those of the battery, for
+/// continuous integration.
 pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
     let case = |wrong: &Wrong| Case {
         class: "protocol".into(),
@@ -40,8 +41,7 @@ pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Chec
                         other.arithmetic.name()
                     )),
                     (None, None) if report.has_compared(name, *arithmetic) => Outcome::Passed,
-                    // Skipped if another detector answered; otherwise a failure, or an empty check
-                    // would pass.
+                    // Beside others that answered it is skipped; alone it would pass unseen.
                     (None, None) => {
                         let why = "nothing was compared: every answer was refused".into();
                         match report.verdict() {
@@ -96,7 +96,7 @@ pub(super) fn as_json(
             "failures": failures,
         })
     };
-    // Names without repetition, in the order of the check.
+    // Each name once, in the order of the check.
     fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
         of.fold(Vec::new(), |mut names, name| {
             if !names.contains(&name) {

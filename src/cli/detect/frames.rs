@@ -1,4 +1,4 @@
-//! `detect --frame all`: finds the contacts of all frames of a file.
+//! `detect --frame all`: the contacts of all frames of a file.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -15,20 +15,21 @@ use contactbench_io as io;
 use contactbench_io::write::{Framed, framed};
 use contactbench_terms::number::plural;
 
-/// Totals over the frames.
+/// What was done.
 #[derive(Default)]
 struct Done {
     frames: usize,
     pairs: usize,
-    /// Number of particles in the smallest frame and in the largest, and the dimension.
+    /// Particles of the smallest frame and of the largest, and the dimension.
     particles: [usize; 2],
     dim: usize,
     time: Duration,
-    /// Whether contacts are named by ids; decided at the first frame.
+    /// Contacts are named by ids; known from the first frame on.
     by_id: Option<bool>,
 }
 
-/// Detects the contacts of all frames, writes the pairs, and prints a summary to standard error.
+/// Goes through the frames with one detector, writes the pairs, and says on standard error what was
+/// done.
 pub(super) fn detect(
     options: &Detect,
     spec: &DetectorSpec,
@@ -77,7 +78,7 @@ fn all(
         let given = particles.given(&name, options.source.input.radius).with_context(place)?;
         let n = given.scene.len();
         let memory_limit = options.limit.bytes(n);
-        // A detector keeps its buffers from the previous frame.
+        // Detectors keep what they have allocated for the frame before.
         let search = match search.take().filter(|search| search.memory_limit == memory_limit) {
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
@@ -101,8 +102,8 @@ fn all(
     Ok(done)
 }
 
-/// Whether the contacts of this frame are named by ids: as in the frames before, or, for the first
-/// frame, if each particle has an id.
+/// Whether the contacts of a frame are named by ids: as in the frames before it, or because the
+/// first frame has an id for each particle.
 fn by_id(
     options: &Detect,
     place: &dyn Fn() -> String,

@@ -1,3 +1,5 @@
+//! `contactbench detect`.
+
 mod frames;
 mod search;
 
@@ -59,6 +61,7 @@ pub struct Detect {
     extras: Vec<Extra>,
 }
 
+/// Reads one of [`Extra::ALL`].
 fn extra() -> impl TypedValueParser<Value = Extra> {
     let values = Extra::ALL.map(|(_, name, help)| PossibleValue::new(name).help(help));
     let named = |text: String| Extra::ALL.iter().find(|(_, name, _)| *name == text);
@@ -67,12 +70,12 @@ fn extra() -> impl TypedValueParser<Value = Extra> {
 }
 
 impl Detect {
-    /// Whether the ids must be read even if contacts are named by place.
+    /// The ids are read in any case.
     fn needs_ids(&self) -> bool {
         self.ids || self.extras.contains(&Extra::Ids)
     }
 
-    /// The ids of the particles, if they are needed.
+    /// The ids of particles, if they are asked for.
     fn ids(&self, name: &str, ids: Option<Vec<i64>>) -> anyhow::Result<Option<Vec<i64>>> {
         if !self.needs_ids() {
             return Ok(None);
@@ -94,7 +97,7 @@ impl Detect {
     }
 }
 
-/// An id that two particles share, if any.
+/// An id of two particles, if there is one.
 fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
     if ids.is_sorted_by(|a, b| a < b) {
         return Ok(None);
@@ -107,7 +110,7 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
     Ok(sorted.windows(2).find(|two| two[0] == two[1]).map(|two| two[0]))
 }
 
-/// Reads the scene, detects, writes the pairs, and prints a summary to standard error.
+/// Reads, detects, writes the pairs, and prints on standard error what was done.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
     ensure!(
@@ -172,6 +175,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Writes the pairs of one scene.
 fn write(options: &Detect, pairs: &Pairs, style: &Style<'_>) -> anyhow::Result<()> {
     let path = options.output.as_deref();
     match pairs {

@@ -1,4 +1,4 @@
-//! Finds the contacts of one scene, in a periodic box or in open space.
+//! The contacts of one scene, with its box or without.
 
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ use contactbench_io::write::Style;
 use contactbench_run::run::alloc;
 use contactbench_scenes::doubts::Touching;
 
-/// A detector that keeps its buffers between scenes.
+/// A detector, which keeps its buffers from scene to scene.
 pub(super) struct Search {
     pub memory_limit: u64,
     arithmetic: Arithmetic,
@@ -32,17 +32,20 @@ pub(super) struct Search {
 
 /// Contacts in ascending order.
 pub(super) enum Pairs {
+    /// In open space.
     Open(Vec<[u32; 2]>),
+    /// In a periodic box.
     Boxed(Vec<ImagePair>),
 }
 
+/// What a search found.
 pub(super) struct Found {
     pub pairs: Pairs,
     pub touching: Touching,
-    /// Images of particles that were made.
+    /// Images made of particles.
     pub images: usize,
     pub time: Duration,
-    /// Bytes that the detector holds after the search, if measured.
+    /// Bytes that the detector still holds after the search, if measured.
     pub memory: Option<u64>,
 }
 
@@ -63,7 +66,7 @@ impl Pairs {
     }
 }
 
-/// The style in which the contacts of a scene are written.
+/// How contacts of a scene are written.
 pub(super) fn style<'a>(
     options: &'a Detect,
     given: &'a Given,
@@ -82,7 +85,7 @@ impl Search {
         Search { memory_limit, arithmetic, threads, detector, finder: Finder::new(memory_limit) }
     }
 
-    /// Finds the contacts of a scene, in its periodic box if it has one.
+    /// Finds the contacts of a scene, in its box if it has one.
     pub fn find(
         &mut self,
         given: &Given,
@@ -105,7 +108,7 @@ impl Search {
         });
         let time = started.elapsed();
         result?;
-        // Live bytes are those of the pairs and of the detector's buffers.
+        // Live bytes are those of the lists of pairs and of the detector's buffers.
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));

@@ -1,3 +1,5 @@
+//! What the box says.
+
 use serde_json::json;
 
 use crate::cli::inspect::Report;
@@ -9,6 +11,7 @@ use contactbench_io::boxes::{along, outside};
 use contactbench_io::{About, Particles};
 use contactbench_terms::number::{number, plural};
 
+/// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &mut Report) {
     let declared = about.declared.as_ref();
     let vectors = declared.and_then(|declared| declared.vectors);
@@ -74,8 +77,8 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
     out.line("outside the box", text, json!({ "outside": outside.len() }));
 }
 
-/// Prints the heights of the box relative to the largest distance at which two particles touch, and
-/// warns if the box is so small that the nearest image is not the only one.
+/// Prints the distances of the box's faces against the farthest that two bodies touch; warns of
+/// boxes so small that the nearest image is not all.
 pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
@@ -94,7 +97,7 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
         format!("{}; bodies touch over {} at most{times}", text.join(", "), number(reach)),
         json!({ "reach": reach, "least_height_over_reach": least }),
     );
-    // Computed heights are rounded; the tolerance keeps rounding from causing a false warning.
+    // The last places of a height are rounded: nobody is warned wrongly for want of one.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
@@ -111,12 +114,12 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
     }
 }
 
-/// Formats numbers with blanks between them.
+/// Numbers with blanks between.
 fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ")
 }
 
-/// Formats vectors in brackets.
+/// Vectors in brackets.
 fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
     let rows: Vec<String> = vectors.iter().map(|v| format!("({})", list(v.as_ref()))).collect();
     rows.join(" ")

@@ -1,4 +1,4 @@
-//! The section of `inspect` about radii and contacts.
+//! What radii and contacts say.
 
 use std::collections::HashSet;
 
@@ -17,23 +17,24 @@ use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
 use contactbench_scenes::touching;
 use contactbench_terms::number::{number, plural};
 
-/// A pair is near tangent if its distance differs from the sum of its radii by less than this
-/// fraction of the sum.
+/// Couples whose distance differs from the sum of their radii by less than this share of it are
+/// near tangent.
 const NEAR: f64 = 1e-9;
 /// Largest expected number of contacts in open space for which contacts are searched.
 const MOST: f64 = 5e7;
 
+/// The contacts of a scene, in its box or in open space.
 pub(super) enum Contacts {
     Found {
         pairs: Vec<ImagePair>,
-        /// Pairs near tangency, including pairs just apart.
+        /// Near tangent couples, those just apart included.
         near: u64,
-        /// Sum of the overlaps, in mean radii.
+        /// The sum of the overlaps in mean radii.
         overlap: f64,
     },
-    /// Estimated contacts per particle; there are too many contacts to search for.
+    /// Estimated contacts per particle: they are too many to be looked for.
     TooMany(f64),
-    /// Reason why the contacts could not be searched.
+    /// No detector takes the scene.
     Refused(String),
 }
 
@@ -44,7 +45,7 @@ impl Contacts {
         if !periodic.lattice().repeats() && 0.5 * each * n as f64 > MOST {
             return Contacts::TooMany(each);
         }
-        // The limit of `detect`, so that a box much smaller than the particles is refused at once.
+        // As `detect` has it, so that a box much smaller than the particles is refused at once.
         let limit = limit_for(n);
         let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
@@ -58,7 +59,7 @@ impl Contacts {
         Contacts::Found { pairs, near, overlap }
     }
 
-    /// Number of contacts, if they were searched.
+    /// Their number, where it is known.
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),
@@ -67,7 +68,7 @@ impl Contacts {
     }
 }
 
-/// Prints radii, contacts and the effect of rounding to f32.
+/// Prints radii, contacts, and what rounding would do.
 pub(super) fn report(
     periodic: &Periodic<'_>,
     source: &RadiusSource,
@@ -84,7 +85,7 @@ pub(super) fn report(
     for r in (0..n).map(radius) {
         (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
     }
-    // If all radii are equal, the mean must not show the rounding of a sum.
+    // Where all are the same, their mean is not to show the rounding of a sum.
     mean = if least == most { least } else { mean };
     out.line(
         "radii",
@@ -145,7 +146,7 @@ pub(super) fn report(
         }
     };
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // `of_centres` warns of coincident centres, also in files without radii.
+    // Those without radii are warned of as well: see `of_centres`.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {
@@ -153,7 +154,7 @@ pub(super) fn report(
     }
 }
 
-/// Prints how far the scene is from the origin, and what rounding to f32 would do to it.
+/// How far from the origin the scene is, and what f32 would make of it.
 fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Report) {
     let scene = periodic.scene();
     let largest = with_scene!(scene, scene => {
@@ -164,7 +165,7 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     if !diameters.is_finite() {
         return;
     }
-    // Largest gap between neighbouring f32 numbers within the scene, in radii.
+    // The spacing of f32 at that place, against the radius.
     let spacing = f32_spacing(scene);
     let mut text = format!(
         "{} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii \
@@ -179,7 +180,7 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     out.line("offset", text, values);
 }
 
-/// Counts the contacts that f32 would miss and those that it would add.
+/// How many contacts f32 would miss, and how many it would add.
 fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let Contacts::Found { pairs, .. } = contacts else { return None };
     let (limit, mut detector) =

@@ -1,3 +1,5 @@
+//! `contactbench inspect`.
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,7 +32,7 @@ pub struct Inspect {
     json: bool,
 }
 
-/// Findings: labelled values for people, all values for programs, and warnings.
+/// Findings: labels with their values for people, all values for programs, and warnings.
 #[derive(Default)]
 struct Report {
     lines: Vec<(&'static str, String)>,
@@ -60,8 +62,9 @@ impl Report {
     }
 }
 
+/// Reads the file, looks for contacts, prints what was found, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    // `--frame all` describes the last frame first, then the motion between frames.
+    // Of all frames the last is described, and then how they follow each other.
     let all = options.input.frame == Some(Frame::All);
     let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(
@@ -88,7 +91,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the head and wraps the text beside it.
+/// The head, then the text wrapped beside it.
 fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::io::Result<()> {
     let indent = head.chars().count();
     for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
@@ -97,7 +100,7 @@ fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::i
     Ok(())
 }
 
-/// Reports what the reader found in the file.
+/// What the reader says.
 fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Report) {
     let name = options.file.display().to_string();
     out.line("file", name.clone(), json!({ "file": name }));
@@ -132,7 +135,7 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Re
     out.warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
 }
 
-/// Reports what follows from the centres alone.
+/// What the centres say.
 fn of_centres(particles: &Particles, out: &mut Report) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
@@ -149,7 +152,7 @@ fn of_centres(particles: &Particles, out: &mut Report) {
         .map(|k| format!("{} {} to {}", ["x", "y", "z"][k], number(low[k]), number(high[k])))
         .collect();
     out.line("centres", text.join(", "), json!({ "low": low[..dim], "high": high[..dim] }));
-    // Adding 0 makes -0 and 0 the same key.
+    // -0 is where 0 is.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.sort_unstable_by_key(|&k| key(k));
@@ -163,6 +166,7 @@ fn of_centres(particles: &Particles, out: &mut Report) {
     }
 }
 
+/// Describes the scene with its radii.
 fn of_scene(
     options: &Inspect,
     particles: Particles,

@@ -1,8 +1,10 @@
+//! The option `--arithmetic`.
+
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use contactbench_core::contact::Arithmetic;
 
-/// Parses the name of an arithmetic; the help lists the names with their meanings.
+/// Takes the names of the arithmetics, and lists them in the help, each with its meaning.
 pub fn arithmetic() -> impl TypedValueParser<Value = Arithmetic> {
     let value =
         |arithmetic: Arithmetic| PossibleValue::new(arithmetic.name()).help(arithmetic.summary());

@@ -1,4 +1,5 @@
-//! Output for continuous integration: JUnit XML, GitHub annotations and the summary of a job.
+//! What continuous integration reads: JUnit XML, annotations as GitHub shows them next to a change,
+//! and the summary of a job.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -24,23 +25,27 @@ pub struct Outputs {
     pub summary: Option<PathBuf>,
 }
 
-/// A verdict on one thing that was checked.
+/// A verdict on one thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Dotted path of the class: `scaling.packed`.
+    /// What it belongs to, with dots: `scaling.packed`.
     pub class: String,
+    /// What it is.
     pub name: String,
+    /// What came of it.
     pub result: Outcome,
 }
 
+/// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
+    /// As it should be.
     Passed,
-    /// Not a failure, but worth showing, with the reason.
+    /// No failure, but to be seen: why.
     Noted(String),
-    /// Failed, with the reason.
+    /// A failure: why.
     Failed(String),
-    /// Not decided, with the reason.
+    /// Nothing can be said: why.
     Skipped(String),
 }
 
@@ -63,7 +68,7 @@ impl Outcome {
 }
 
 impl Outputs {
-    /// Writes the requested outputs.
+    /// Writes what was asked for.
     pub fn write(&self, suite: &str, cases: &[Case]) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))
@@ -73,14 +78,14 @@ impl Outputs {
             write::append(path, &summary(suite, cases), "--summary")?;
         }
         if self.annotations {
-            // Annotations bypass the printer that strips terminal commands.
+            // Commands to the log, and so not by way of what takes commands apart.
             std::io::stdout().lock().write_all(annotations(suite, cases).as_bytes())?;
         }
         Ok(())
     }
 }
 
-/// The cases as an XML document with one suite.
+/// The cases as a document with one suite.
 pub fn junit(suite: &str, cases: &[Case]) -> String {
     let count =
         |wanted: fn(&Outcome) -> bool| cases.iter().filter(|case| wanted(&case.result)).count();
@@ -119,14 +124,13 @@ pub fn junit(suite: &str, cases: &[Case]) -> String {
     out + "</testsuite>\n</testsuites>\n"
 }
 
-/// Escapes text for XML elements and attributes. A line break in an attribute is escaped, because
-/// it would be read as a blank.
+/// Text for particles and attributes. In an attribute a bare line break would be read as a blank.
 fn xml(text: &str) -> String {
     let broken = [('\n', "&#10;"), ('\t', "&#9;"), ('\r', "&#13;")];
     broken.into_iter().fold(html(text), |text, (c, name)| text.replace(c, name))
 }
 
-/// One line for each failure and each note.
+/// A line per failure and per note.
 pub fn annotations(suite: &str, cases: &[Case]) -> String {
     let mut out = String::new();
     for Case { class, name, result } in cases {
@@ -143,7 +147,7 @@ pub fn annotations(suite: &str, cases: &[Case]) -> String {
     out
 }
 
-/// The verdicts as Markdown: the counts, then a line for each case that did not pass.
+/// The verdicts as Markdown: their numbers, then a line for each that is not passed.
 pub fn summary(suite: &str, cases: &[Case]) -> String {
     let (mut numbers, mut lines) = (Vec::new(), String::new());
     for kind in ["failed", "noted", "skipped", "passed"] {
@@ -160,7 +164,7 @@ pub fn summary(suite: &str, cases: &[Case]) -> String {
     format!("### contactbench {suite}: {}\n\n{head}{lines}\n", numbers.join(", "))
 }
 
-/// The first line of a text, escaped for a cell of a Markdown table.
+/// The first line of a text, as a cell of a table.
 fn cell(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default();
     lines(first)
@@ -170,7 +174,7 @@ fn cell(text: &str) -> String {
         .collect()
 }
 
-/// Escapes the text of a workflow command: one line, in which % begins an escape.
+/// The text of a workflow command: one line, in which % begins an escape.
 fn command(text: &str) -> String {
     lines(text).replace('%', "%25").replace('\n', "%0A")
 }

@@ -1,4 +1,4 @@
-//! Options that describe how to read particle files.
+//! What the verbs that read files ask about them.
 
 use std::path::Path;
 
@@ -19,17 +19,19 @@ use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
 
-/// How to read a file where the file leaves a choice: the options of [`io::OPTIONS`].
+/// What a file does not say: the options of [`io::OPTIONS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
-    /// Radius of all particles.
+    /// The radius of all particles.
     pub radius: Option<f64>,
-    /// Chosen frame, if any.
+    /// The frame; none if no frame was chosen.
     pub frame: Option<Frame>,
+    /// The box.
     pub boundaries: Boundaries,
     options: io::Options,
 }
 
+/// The options of [`Input`], for messages.
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
@@ -41,7 +43,7 @@ fn argument(option: &'static FileOption) -> Arg {
     }
     let arg = arg.value_name(value).action(ArgAction::Set);
     match name {
-        // Listed for shell completion.
+        // Completions offer its values.
         "format" => {
             let all = io::FORMATS.iter();
             let all = all.map(|format| PossibleValue::new(format.key).help(format.help));
@@ -88,18 +90,18 @@ impl FromArgMatches for Input {
 }
 
 impl Input {
-    /// The options for `io`; the default frame is the last.
+    /// The same for the readers: without a choice the last frame.
     pub fn options(&self) -> io::Options {
         io::Options { frame: self.frame.unwrap_or(Frame::Last), ..self.options }
     }
 
-    /// Whether any option was given.
+    /// Was anything said?
     pub fn is_said(&self) -> bool {
         *self != Input::default()
     }
 
-    /// Reads the scene of a file, or makes one from text such as `packed:dim=3,n=1000`. An existing
-    /// file takes precedence over a generator. Refuses a periodic scene.
+    /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
+    /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
         let given = self.make(text, false, |particles| {
             let source = particles.source.clone();
@@ -109,12 +111,12 @@ impl Input {
         given.open(text)
     }
 
-    /// Like [`scene`](Self::scene), but keeps the periodic box.
+    /// The same with the box in which it repeats, for those who know what to do with one.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
         self.make(text, false, |particles| particles.given(text, self.radius))
     }
 
-    /// Like [`given`](Self::given), with the ids of the particles if they are wanted and present.
+    /// The same with the ids of the particles, if they are wanted and there.
     pub fn with_ids(&self, text: &str, wanted: bool) -> anyhow::Result<WithIds> {
         let mut ids = None;
         let given = self.make(text, wanted, |particles| {
@@ -144,8 +146,8 @@ impl Input {
         }
     }
 
-    /// Parses a generator with its parameters, or a file with its options. An existing file takes
-    /// precedence.
+    /// A generator with its parameters, or a file and how to read it. What is there as a file is a
+    /// file.
     pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
@@ -171,7 +173,7 @@ impl Input {
         Ok(Origin::File(path.to_owned(), Box::new(self.options())))
     }
 
-    /// If no frame was chosen among several, prints which one is read.
+    /// Says which of several frames is read where nobody chose one.
     pub fn tell_frame(&self, name: &str, frames: u64) {
         if frames > 1 && self.frame.is_none() {
             let last = frames - 1;
@@ -180,7 +182,8 @@ impl Input {
     }
 }
 
-/// Reads the particles of a file. If no frame was chosen among several, prints which one is read.
+/// Particles and what is known of them. Which of several frames was taken is said where nobody
+/// chose one.
 pub fn load(
     path: &Path,
     input: &Input,
@@ -192,7 +195,7 @@ pub fn load(
     Ok((particles, about))
 }
 
-/// Passes the frames of a file to `body` as an iterator.
+/// Hands all frames of a file to `body`, which takes them one by one.
 pub fn frames<T>(
     path: &Path,
     options: io::Options,
@@ -202,7 +205,7 @@ pub fn frames<T>(
     explained(path, io::frames(path, io::Options { frame: Frame::All, ..options }, body))
 }
 
-/// Refuses the name of a generator if a file is needed.
+/// Refuses the name of a scene.
 fn is_file(path: &Path) -> anyhow::Result<()> {
     let text = path.display().to_string();
     let scene = text.split(':').next().is_some_and(is_generator) && !io::exists(path);
@@ -214,14 +217,15 @@ fn is_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the notices of a reader.
+/// Says what a file leaves open about its box.
 pub fn tell(name: &str, notices: &[Notice], place: Place) {
     for notice in notices {
         say!("{name}: {}", notice.words(place));
     }
 }
 
-/// Warns of doubtful particles or contacts in a scene read from a file.
+/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene
+/// that is made.
 pub fn doubt(
     name: &str,
     scene: &AnyScene<'_>,
@@ -234,7 +238,7 @@ pub fn doubt(
     }
 }
 
-/// Like [`doubt`], but searches for the contacts.
+/// The same for verbs that do not list contacts themselves.
 pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     if given.source.is_some() {
         let touching = Touching::search(given);
@@ -242,21 +246,23 @@ pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     }
 }
 
-/// Notices over the frames of a file: prints each once, and that no particles touch only if this
-/// holds in every frame.
+/// What has been said of the frames of a file: each notice once, and that nothing touches only if
+/// nothing does in any.
 #[derive(Default)]
 pub struct Told {
     notices: Vec<Notice>,
-    /// Notices of the last frame that hold only if no particles touch in any frame.
+    /// That nothing touches in the last frame, and what follows from it.
     waiting: Vec<Notice>,
     touched: bool,
 }
 
 impl Told {
+    /// Prints what the reader assumed of a frame.
     pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
         self.tell(&place(name, about), &particles.notices);
     }
 
+    /// Prints what is doubtful about a frame.
     pub fn of_contacts(
         &mut self,
         place: &str,
@@ -275,8 +281,8 @@ impl Told {
         self.tell(place, &now);
     }
 
-    /// Like [`of_contacts`](Self::of_contacts), but searches for the contacts until a frame has
-    /// some.
+    /// The same, where the verb does not list the contacts. Once something touches, later frames
+    /// are not searched.
     pub fn of_given(&mut self, place: &str, given: &Given, arithmetic: Arithmetic) {
         if !self.touched && given.source.is_some() {
             let touching = Touching::search(given);
@@ -285,7 +291,7 @@ impl Told {
         }
     }
 
-    /// Prints the waiting notices after the last frame if no particles touched.
+    /// After the last frame.
     pub fn end(self, name: &str) {
         if !self.touched {
             tell(name, &self.waiting, Place::Argument);
@@ -302,7 +308,7 @@ impl Told {
     }
 }
 
-/// The name of the file, followed by its frame unless that is the first.
+/// The file, and its frame, where that is not the first.
 pub fn place(name: &str, about: &io::About) -> String {
     match about.frame {
         0 => name.to_string(),
@@ -310,7 +316,7 @@ pub fn place(name: &str, about: &io::About) -> String {
     }
 }
 
-/// If the file does not exist, adds a file with a similar name to the error.
+/// With the file beside it that may be meant, where there is none of that name.
 fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
     result.map_err(|error| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

@@ -1,3 +1,5 @@
+//! How much memory a verb may take.
+
 use crate::cli::shared::values;
 use contactbench_core::memory;
 
@@ -11,7 +13,7 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// The limit for a scene with this many particles.
+    /// For a scene of so many particles.
     pub fn bytes(&self, particles: usize) -> u64 {
         self.memory_limit.unwrap_or_else(|| memory::limit_for(particles))
     }

@@ -1,4 +1,4 @@
-//! Parts that several verbs share.
+//! What several verbs share.
 
 #[macro_use]
 pub mod terminal;

@@ -1,4 +1,5 @@
-//! Progress of a run, as a bar on a terminal and as lines elsewhere, and of a pass over frames.
+//! How far a run has come: a bar with the remaining time on a terminal, plain lines elsewhere. And
+//! how far a pass over frames.
 
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -9,13 +10,14 @@ use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::Progress;
 use contactbench_terms::text::line;
 
-/// A progress bar, drawn on terminals only and removed before other output.
+/// A progress bar on a terminal; nothing is drawn elsewhere. The bar is removed before anything
+/// else is printed.
 struct Bar(Option<ProgressBar>);
 
 impl Bar {
     fn new(length: Option<u64>, template: &str) -> Bar {
         Bar(std::io::stderr().is_terminal().then(|| {
-            // All templates are constants; if one is wrong, the default style is used.
+            // Templates are constant; were one wrong, the default style would do.
             let style = ProgressStyle::with_template(template);
             let bar = length.map_or_else(ProgressBar::no_length, ProgressBar::new);
             let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -26,13 +28,13 @@ impl Bar {
 }
 
 impl Drop for Bar {
-    /// Removes the bar, so that the next output begins on its own line.
+    /// What is printed next begins on a line of its own.
     fn drop(&mut self) {
         self.0.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
-/// Prints the progress of a run to standard error.
+/// Writes to standard error.
 pub struct Terminal {
     bar: Bar,
     started: Instant,
@@ -45,17 +47,17 @@ impl Default for Terminal {
     }
 }
 
-/// Counts frames, on terminals only.
+/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
 pub struct Counted(Bar);
 
 impl Counted {
-    /// `frames` is the number of frames, if known.
+    /// Of so many frames, where that is known.
     pub fn new(frames: Option<u64>) -> Counted {
         let of = if frames.is_some() { " of {len}" } else { "" };
         Counted(Bar::new(frames, &format!("frame {{pos}}{of}, {{elapsed}}")))
     }
 
-    /// Marks the beginning of frame `k`.
+    /// The frame of this number begins.
     pub fn frame(&self, k: u64) {
         self.0.0.iter().for_each(|bar| bar.set_position(k));
     }

@@ -1,4 +1,4 @@
-//! Scenes given on the command line: a file, or a generator with its parameters.
+//! A scene as named on the command line: a file, or a generator with its parameters.
 
 use std::path::Path;
 
@@ -10,32 +10,33 @@ use contactbench_core::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
 
+/// Particles and their ids.
 pub type WithIds = (Given, Option<Vec<i64>>);
 
-/// The scene, as a file or a generator.
+/// Where a scene comes from.
 #[derive(clap::Args)]
 pub struct Source {
     /// A particle file, or a scene such as packed:n=200,seed=2 (see: contactbench list scenes)
     #[arg(value_parser = values::SCENE, hide_possible_values = true)]
     pub scene: Option<String>,
-    /// Options for reading the file
+    /// What the file does not say
     #[command(flatten)]
     pub input: Input,
 }
 
 impl Source {
-    /// Reads or makes the scene and returns it with its name, or `None` if none was given. An
-    /// existing file takes precedence over a generator.
+    /// Reads or makes it; its name and the scene, or none if none was named. A file goes before a
+    /// generator of the same name.
     pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
         self.named(|text| self.input.scene(text))
     }
 
-    /// Like [`get`](Self::get), but keeps the periodic box.
+    /// The same with the box in which it repeats, for those who know what to do with one.
     pub fn given(&self) -> anyhow::Result<Option<(String, Given)>> {
         self.named(|text| self.input.given(text))
     }
 
-    /// Like [`given`](Self::given), with the ids of the particles if they are wanted and present.
+    /// The same with the ids of the particles, if they are wanted and there.
     pub fn with_ids(&self, ids: bool) -> anyhow::Result<Option<(String, WithIds)>> {
         self.named(|text| self.input.with_ids(text, ids))
     }
@@ -52,7 +53,7 @@ impl Source {
             return Ok(None);
         };
         let scene = make(text)?;
-        // The name of a file leaves out its folders.
+        // A file goes by its name without folders.
         let file = Path::new(text).file_name().filter(|_| io::exists(Path::new(text)));
         Ok(Some((
             file.map_or_else(|| text.clone(), |name| name.to_string_lossy().into_owned()),

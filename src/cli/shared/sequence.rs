@@ -1,4 +1,5 @@
-//! Frames given on the command line: those of a file, or those of a scene that a motion moves.
+//! Frames as named on the command line: those of a file that has several, or of a scene that a
+//! motion moves.
 
 use std::path::Path;
 
@@ -15,37 +16,39 @@ use contactbench_scenes::motion::{Frames, Motion};
 
 /// Frames of the same particles.
 pub struct Sequence<'a> {
-    /// Name of the scene or the file.
+    /// Of the scene or the file.
     pub name: &'a str,
-    /// Name of the motion.
+    /// How it moves.
     pub motion: &'a str,
-    /// Whether the frames come from a file.
+    /// They are those of a file.
     pub recorded: bool,
-    /// Number of particles in each frame.
+    /// In each frame.
     pub particles: usize,
-    /// Maximum number of frames.
+    /// Frames at most.
     pub count: u64,
-    /// Returns frame `k`, called with 0, 1, 2 and so on; `None` after the last frame.
+    /// Gives the frame of each number in turn, and none after the last.
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
 }
 
-/// Default number of frames of a motion.
+/// Frames of a motion, where nobody says how many.
 pub const FRAMES: u64 = 100;
 
+/// Which frames are wanted.
 pub struct Wanted {
-    /// Motion given by an option.
+    /// The motion that was asked for.
     pub motion: Option<Motion>,
-    /// Motion to use if no motion is given and the scene has only one frame.
+    /// That of a scene that would stand still, if it is to move.
     pub otherwise: Option<Motion>,
-    /// Number of frames given by an option.
+    /// So many at most, as was asked for.
     pub frames: Option<u64>,
-    /// Default number of frames of a file.
+    /// Of a file, where nobody says how many.
     pub of_file: u64,
+    /// How contacts are decided.
     pub arithmetic: Arithmetic,
 }
 
-/// Passes the frames to `body`. Returns `None` if no scene was given, or if it has one frame and no
-/// motion. Reads a file only once.
+/// Hands the frames to `body`; none if nothing was named, or there is one frame and no motion. A
+/// file is read once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
@@ -54,7 +57,7 @@ pub fn sequence<T>(
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
     let Source { scene, input } = source;
-    // If a motion or a frame is given, that one frame is moved.
+    // Whoever names a motion or a frame wants that frame to move.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
@@ -104,7 +107,7 @@ fn of_file<T>(
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; is it of another format?");
     let first = frames.next().transpose()?.with_context(none)?;
-    // An unreadable second frame is an error only when it is used.
+    // A second frame that cannot be read is an error only once it is taken.
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
@@ -119,7 +122,7 @@ fn of_file<T>(
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let mut told = Told::default();
-    // `--frame all` sets no limit.
+    // Whoever asks for all frames wants no fewer.
     let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
     let made = body(Sequence {
         name: &name,

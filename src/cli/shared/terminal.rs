@@ -1,5 +1,5 @@
-//! Output for people: lines on standard error and standard output, cleaned by [`text`] of terminal
-//! and log commands, and wrapped at words on terminals.
+//! What people read of a verb: lines on standard error and standard output, cleaned of commands to
+//! terminals and logs ([`text`]), and wrapped at words where they go to a terminal.
 
 use std::io::{Result, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use anyhow::Context;
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
 
-/// Columns of the terminal, or the largest number if the output does not go to one.
+/// Columns of the terminal; all there can be where the output goes to a file or another program.
 pub fn width() -> usize {
     #[cfg(unix)]
     return columns(std::io::stdout());
@@ -25,7 +25,7 @@ fn columns(terminal: impl std::os::fd::AsFd) -> usize {
     }
 }
 
-/// Prints a line on standard error and ignores errors.
+/// Prints a line on standard error. A line that cannot be written is lost.
 pub fn say(line: &str) {
     #[cfg(unix)]
     let width = columns(std::io::stderr());
@@ -40,16 +40,17 @@ macro_rules! say {
     ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };
 }
 
-/// Standard output for people. Files and commands to a log do not go through it.
+/// Standard output for words that people read: not for files, nor for commands to a log.
 pub fn out() -> Words<std::io::StdoutLock<'static>> {
     Words { out: std::io::stdout().lock(), width: width() }
 }
 
-/// Prints a value as JSON on standard output in one write.
+/// Prints a value for programs on standard output, in one piece.
 pub fn json(value: &serde_json::Value) -> Result<()> {
     writeln!(std::io::stdout(), "{value:#}")
 }
 
+/// See [`out`].
 pub struct Words<W> {
     out: W,
     width: usize,
@@ -75,7 +76,7 @@ impl<W: Write> Write for Words<W> {
     }
 }
 
-/// Breaks lines longer than `width` at words and indents the continuation below the first word.
+/// Lines that are longer than this are broken at words, and go on below their first word.
 fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
     let fits = |line: &str| line.len() <= width || line.chars().count() <= width;
     if text.split('\n').all(fits) {
@@ -95,14 +96,14 @@ fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
     lines.join("\n").into()
 }
 
-/// Writes a whole file; errors name `option`, which chooses another path.
+/// Writes a file whole; `option` names another place for it.
 pub fn save(path: &Path, bytes: &[u8], option: &str) -> anyhow::Result<()> {
     let place = path.display();
     let cannot = || format!("cannot write {place}; choose another place with {option}");
     contactbench_io::write::whole(path, |out| out.write_all(bytes)).with_context(cannot)
 }
 
-/// Quotes a word for a shell.
+/// A word as a shell reads it back.
 pub fn quoted(word: &str) -> String {
     let plain =
         !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./+=,:@%".contains(c));

@@ -1,4 +1,4 @@
-//! Output of `track`: a summary of the motion, a table of trackers, and JSON.
+//! What `track` says: what the motion is like, a table of trackers, and all of it for programs.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use contactbench_report::table::{Cell, Table};
 use contactbench_run::moving::{Followed, Moved, Tracked};
 use contactbench_terms::number::{number, percent, plural, radii};
 
-/// Median and maximum of the times of frames, in nanoseconds per particle.
+/// The middle of the times of frames and the longest, in nanoseconds per particle.
 fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
     let mut times = tracked.times.clone();
     times.sort_unstable();
@@ -19,14 +19,14 @@ fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
     Some([per(times.get(times.len() / 2)?), per(times.last()?)])
 }
 
-/// Mean time per particle and frame, in nanoseconds.
+/// The time of all frames together, per particle and frame, in nanoseconds.
 fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
     let all: Duration = tracked.times.iter().sum();
     let steps = tracked.times.len() as f64 * particles.max(1) as f64;
     (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
 }
 
-/// Describes the motion between frames; empty if there is only one frame.
+/// What a motion is like from frame to frame; nothing where there is but one.
 pub fn motion(moved: &Moved) -> String {
     let Moved { frames, contacts, born, ended, tunnelled, uncounted, way, .. } = moved;
     if moved.steps() == 0 {
@@ -59,19 +59,19 @@ pub fn motion(moved: &Moved) -> String {
     said
 }
 
-/// The detector of all trackers, if they share one.
+/// The detector of all trackers, if it is the same.
 fn common(followed: &Followed) -> Option<&DetectorSpec> {
     let mut all = followed.trackers.iter().map(|it| it.spec.detector());
     let first = all.next()?;
     all.all(|other| other == first).then_some(first)
 }
 
-/// The name of a tracker in a table, without its detector if `common`.
+/// Returns the name of a tracker in a table, without its detector if `common`.
 fn label(spec: &TrackerSpec, common: bool) -> String {
     if common { spec.setting() } else { spec.to_string() }
 }
 
-/// Text and tables about all trackers.
+/// What is said of all of them.
 pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let moved = &followed.moved;
     let frames = plural(moved.frames as usize, "frame");
@@ -129,6 +129,7 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     blocks
 }
 
+/// One row for each tracker.
 pub fn table(followed: &Followed) -> Table {
     let particles = followed.moved.particles;
     let common = common(followed).is_some();
@@ -149,6 +150,7 @@ pub fn table(followed: &Followed) -> Table {
         .into()
 }
 
+/// All of it for programs.
 pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     let particles = &followed.moved.particles;
     let trackers = followed.trackers.iter().map(|it| {
@@ -186,7 +188,7 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     all
 }
 
-/// The summary of the motion as JSON.
+/// What a motion is like, for programs.
 pub fn moved_as_json(moved: &Moved) -> Value {
     let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     json!({

@@ -1,5 +1,5 @@
 //! Values of options as people write them: whole numbers such as 1e6, bytes such as 4GiB, and names
-//! that shells complete.
+//! that completions offer.
 
 use std::ffi::OsStr;
 
@@ -10,29 +10,32 @@ use contactbench_run::plan::{builtin, detectors};
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::number;
 
-/// Parses a whole number: `1000000`, `1e6`, `1_000_000`.
+/// A whole number: `1000000`, `1e6`, `1_000_000`.
 pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let value = number::whole(text).and_then(|value| T::try_from(value).ok());
     value.ok_or_else(|| "it must be a whole number, such as 1000 or 1e6".into())
 }
 
-/// Parses a number of bytes: `4294967296`, `4GiB`, `512MB`.
+/// A number of bytes: `4294967296`, `4GiB`, `512MB`.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let must = "it must be a number of bytes, such as 4294967296, 4GiB or 512MB";
     number::bytes(text).ok_or_else(|| must.into())
 }
 
-/// Accepts any text; shells complete these names.
+/// Any text; shells complete it with these names.
 #[derive(Clone, Copy)]
 pub struct Named(fn() -> Vec<&'static str>);
 
+/// Detectors.
 pub const DETECTOR: Named = Named(|| TABLE.iter().map(|entry| entry.name).collect());
-/// Names of detectors and of groups.
+/// Detectors and groups of them.
 pub const DETECTORS: Named = Named(|| {
     let names = TABLE.iter().map(|entry| entry.name);
     names.chain(detectors::groups()).collect()
 });
+/// Scenes.
 pub const SCENE: Named = Named(|| GENERATORS.iter().map(|generator| generator.name).collect());
+/// Experiments.
 pub const EXPERIMENT: Named = Named(|| builtin::names().collect());
 
 impl TypedValueParser for Named {

@@ -1,4 +1,4 @@
-//! Compares a list with one frame of the particles.
+//! A list against a frame of the particles.
 
 use std::sync::Once;
 
@@ -13,15 +13,14 @@ use contactbench_io::pairs::List;
 use contactbench_io::{About, Particles};
 use contactbench_run::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 
-/// Ensures that the notice about missing ids is printed once for all frames.
+/// That ids are missed.
 static TOLD: Once = Once::new();
 
-/// Refuses a list whose time differs from that of the particles, unless `--pairs-frame` asks for
-/// it.
+/// Refuses a list of another time than the particles, unless it was asked for.
 pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
     let of_list = match (list.step, about.step) {
         (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
-        // If frames can have no rows, the last frame with rows may belong to any time.
+        // Where frames have no rows, the last that has may be any.
         (None, _) if list.sparse && list.frame.is_some_and(|frame| frame != about.frame) => {
             format!("frame {}", list.frame.unwrap_or_default())
         }
@@ -44,8 +43,8 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
 }
 
 impl<'a> Verified<'a> {
-    /// Compares a list with a frame of the particles and keeps at most `kept` pairs of each kind.
-    /// `explain` also tries other ways to read the list.
+    /// A list against a frame of the particles. So many pairs of a kind are kept; other ways to
+    /// read the list are tried if that is asked for.
     pub(super) fn new(
         options: &'a Verify,
         mut list: List,
@@ -69,6 +68,7 @@ impl<'a> Verified<'a> {
             }
             (base, ids) => {
                 if base.is_none() && list.ids {
+                    // Once, in however many frames.
                     TOLD.call_once(|| {
                         say!(
                             "{}: the list names particles by id, and {file} has no column id: ids \
@@ -122,7 +122,7 @@ impl<'a> Verified<'a> {
     }
 }
 
-/// Refuses a list that names images if all boundaries are open.
+/// Refuses a list that names images where boundaries are open.
 fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> {
     if !has_box {
         list.without_box();

@@ -1,4 +1,4 @@
-//! `verify --frame all`: compares the list of each frame with the particles of that frame.
+//! `verify --frame all`: the contact lists of all frames, with the particles of theirs.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -23,12 +23,12 @@ use contactbench_run::check::verify::{Naming, Verification};
 use contactbench_run::moving::Late;
 use contactbench_terms::number::{mean_radii, plural, wrap};
 
-/// Most frames that are shown; if more are wrong, the worst are shown.
+/// So many frames are shown, of those that are wrong the worst.
 const SHOWN: usize = 12;
-/// Memory per missed pair while it is followed, in bytes.
+/// Bytes of a missed pair while it is followed.
 const FOLLOWED: u64 = 128;
 
-/// Result of one frame.
+/// What came of one frame.
 struct Row {
     frame: u64,
     step: Option<i64>,
@@ -36,14 +36,14 @@ struct Row {
     contacts: u64,
     listed: usize,
     errors: Errors,
-    /// Pairs that name unknown particles, and pairs listed from one side only.
+    /// Pairs of particles that are not there, and pairs that are there from one side only.
     others: [u64; 2],
     within_skin: u64,
     same: bool,
 }
 
 impl Row {
-    /// Number of errors in this frame.
+    /// What is wrong in it.
     fn wrong(&self) -> u64 {
         self.errors.wrong() + self.others.iter().sum::<u64>()
     }
@@ -53,32 +53,32 @@ impl Row {
     }
 }
 
-/// Result of all frames.
+/// What came of all.
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Contacts by particle id, or by place in a file without ids.
+    /// Contacts by the ids of their particles, or by their places.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,
     without_rows: u64,
-    /// Format of the list, meaning of its numbers, and what was compared.
+    /// How the list was read: its format, what its numbers mean, and what was compared.
     read: Option<(&'static str, String, Option<&'static str>)>,
-    /// Contacts with walls, which are left out.
+    /// Contacts with walls, which were left out.
     walls: u64,
-    /// Contacts and pairs left out by `--without`.
+    /// Contacts and pairs that --without has left out.
     left_out_pairs: [u64; 2],
-    /// Whether the list has each contact from both sides.
+    /// Contacts stand there from both sides, and were taken once.
     both_sides: bool,
-    /// Names of ignored columns.
+    /// Columns that were not looked at.
     others: Vec<String>,
-    /// Name and hint of the first wrong frame.
+    /// Of the first frame that is wrong.
     hint: Option<(String, String)>,
-    /// Tests whether each list belongs to the frame before or after.
+    /// Whether lists are those of other frames.
     shift: Shift,
 }
 
-/// Compares frame by frame and prints a line for each.
+/// Compares frame by frame, and prints a line of each.
 pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitCode> {
     ensure!(
         options.pairs_frame.is_none(),
@@ -111,7 +111,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let (frame, step) = (about.frame, about.step);
         let list_frame = list.frame.unwrap_or(frame);
         input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
-        // Ids that two particles share cannot name a particle.
+        // Numbers that two particles share name neither.
         let ids = match particles.ids.as_deref().map(Naming::by_id) {
             Some(Ok(_)) => particles.ids_copied()?,
             _ => None,
@@ -140,7 +140,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        // Takes the reading from the first list that has pairs.
+        // A list without pairs does not say how the others are read.
         if all.rows.iter().all(|row| row.listed == 0) {
             let compared = verified.compared();
             all.read = Some((verified.list.format, words(verified.naming), compared));
@@ -181,6 +181,7 @@ impl All {
         self.rows.iter().all(|row| row.same)
     }
 
+    /// Follows the contacts that are missed from frame to frame.
     fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let Verification { missed, truth, .. } = &verified.found;
         let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
@@ -207,14 +208,15 @@ impl All {
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }
 
+    /// The first frame that is wrong, and the worst.
     fn worst(&self) -> Option<(&Row, &Row)> {
         let first = self.rows.iter().find(|row| !row.same)?;
         let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
         Some((first, worst))
     }
 
-    /// The frames to print: all if they are few, else the wrong ones, else the worst of these and
-    /// the first.
+    /// The frames that are shown: all, else those that are wrong, else the worst of these and the
+    /// first.
     fn shown(&self) -> Vec<&Row> {
         let mut rows: Vec<&Row> = self.rows.iter().collect();
         if rows.len() <= SHOWN {
@@ -263,7 +265,7 @@ impl All {
         Ok(())
     }
 
-    /// Lines that state what was compared.
+    /// What was compared.
     fn heads(&self, options: &Verify) -> Vec<String> {
         let sum = |of: fn(&Row) -> u64| self.rows.iter().map(of).sum::<u64>();
         let sizes = || self.rows.iter().map(|row| row.particles);
@@ -321,7 +323,7 @@ impl All {
         said
     }
 
-    /// Findings over all frames together.
+    /// What is said of all frames together.
     fn sentences(&self) -> Vec<String> {
         let frames = plural(self.rows.len(), "frame");
         let Some((first, worst)) = self.worst() else {
@@ -361,7 +363,7 @@ impl All {
         said
     }
 
-    /// Sum of the errors of all frames.
+    /// Of all frames together.
     fn errors(&self) -> Errors {
         let mut errors = Errors::default();
         self.rows.iter().for_each(|row| errors.add(&row.errors));

@@ -1,17 +1,18 @@
-//! Explains how a list that differs could be read so that it agrees.
+//! What a list that differs may mean, in words and options.
 
 use crate::cli::verify::Verified;
 use contactbench_run::check::verify::{Mistake, Reading};
 
 impl Verified<'_> {
-    /// Options that make `verify` read the list this way.
+    /// The options with which the list would be read so.
     pub(super) fn flags(&self, reading: &Reading) -> Vec<String> {
-        // A box declared in the file needs no option.
+        // What the file says needs no option.
         let said = |mistake: &Mistake| matches!(mistake, Mistake::Declared(_)) && self.repeats;
         let needed = reading.mistakes.iter().filter(|mistake| !said(mistake));
         needed.filter_map(|mistake| mistake.flags(self.scene().dim())).collect()
     }
 
+    /// How the list would agree, and what to do.
     pub(super) fn sentence(&self, reading: &Reading) -> String {
         let with = reading.sentence();
         let flags = self.flags(reading);

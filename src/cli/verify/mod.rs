@@ -1,3 +1,5 @@
+//! `contactbench verify`.
+
 mod compare;
 mod frames;
 mod hint;
@@ -28,7 +30,7 @@ use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 
-/// Most pairs shown of each kind.
+/// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
 
 #[derive(clap::Args)]
@@ -76,22 +78,23 @@ pub struct Verify {
     json: bool,
 }
 
-/// The comparison of one list with one frame.
+/// What there is to print.
 struct Verified<'a> {
     options: &'a Verify,
     list: List,
     naming: Meaning,
+    /// The particles as given, in their box.
     periodic: Periodic<'static>,
-    /// Whether the file declares a periodic box.
+    /// The file says that its box repeats.
     repeats: bool,
     found: Verification,
-    /// A way to read the list that fits better, if one was found.
+    /// A better way to read the list, if there is one.
     reading: Option<Reading>,
-    /// Another frame that fits the list better, if one was found.
+    /// The frame of the particles that the list is of, if it is another one.
     other: Option<other::Other>,
 }
 
-/// Compares, prints the result, and returns exit code 1 if the lists differ.
+/// Compares, prints the result, and says by the exit code whether the lists are the same.
 pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     ensure!(
         matches!(options.base, None | Some(0 | 1)),
@@ -156,11 +159,12 @@ impl Verified<'_> {
         self.periodic.scene()
     }
 
-    /// The box, or `None` in open space.
+    /// The box; none in open space.
     fn lattice(&self) -> Option<&Lattice> {
         Some(self.periodic.lattice()).filter(|lattice| lattice.repeats())
     }
 
+    /// What the contacts look like.
     fn looks(&self) -> scene::doubts::Touching {
         let truth = &self.found.truth;
         match self.lattice() {
@@ -233,13 +237,13 @@ impl Verified<'_> {
         Ok(())
     }
 
-    /// How the list could be made to agree.
+    /// How the list would agree.
     fn hint(&self) -> Option<String> {
         let reading = || self.reading.as_ref().map(|it| self.sentence(it));
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// Meaning of a row of the list, or `None` in open space.
+    /// What was compared, where it is not pairs as they are.
     fn compared(&self) -> Option<&'static str> {
         self.lattice()?;
         Some(match self.found.taken {
@@ -250,7 +254,7 @@ impl Verified<'_> {
         })
     }
 
-    /// Prints the worst of `count` pairs of one kind with their particles.
+    /// The worst of `count` pairs of a kind, with their particles.
     fn couples(
         &self,
         out: &mut impl Write,
@@ -334,11 +338,12 @@ impl Verified<'_> {
     }
 }
 
+/// A number of things.
 fn counted(count: u64, what: &str) -> String {
     plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
-/// States what `--without` has left out, if anything.
+/// What --without has left out, if anything.
 fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     let some = contacts + pairs > 0;
     let both = || {
@@ -351,7 +356,7 @@ fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     some.then(both)
 }
 
-/// Tabulates how many pairs are wrong in which way, and the largest error of each.
+/// How many pairs are wrong in which way, and by how much at most.
 fn errors(found: &Verification) -> Table {
     let errors = &found.errors;
     let worst = |pairs: u64, what: &str, size: f64| match pairs {

@@ -5,27 +5,27 @@ use crate::cli::verify::{Verified, Verify, counted};
 use contactbench_io as io;
 use contactbench_run::check::verify::Meaning;
 
-/// The search for a hint stops after this many particles over all frames, or pairs.
+/// Most particles, summed over frames, and most pairs that are compared for a hint.
 const MOST: u64 = 2_000_000;
-/// Number of frames after which a constant shift by one frame is believed.
+/// Frames after which lists that are one frame late or early are believed to be.
 const ENOUGH: u32 = 8;
 
-/// A frame of the particles that fits the list better than the given one.
+/// Another frame of the particles, of which a list is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
     frame: u64,
-    /// Pairs that still differ in that frame.
+    /// Pairs that differ all the same.
     wrong: u64,
 }
 
 impl Verified<'_> {
-    /// Looks for the frame that fits the list best among the frames around `given`, unless another
-    /// reading explains the list. The best frame must at least halve the differences.
+    /// Looks for the frame that fits the list best: among those around `given`, if the file has
+    /// others, and if no other reading explains the list. It has to be better by half.
     pub(super) fn look_at_others(&mut self, given: u64) {
         let Verify { file, .. } = self.options;
         let explained = self.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
         let pairs = self.list.pairs.len() as u64;
-        // A pipe can be read only once.
+        // A pipe can be read once.
         let is_file = std::fs::metadata(file).is_ok_and(|file| file.is_file());
         if self.found.is_same() || explained || !is_file || !(1..=MOST).contains(&pairs) {
             return;
@@ -34,7 +34,7 @@ impl Verified<'_> {
         let without = options.without;
         let all = io::Options { ids: true, without, ..options.input.options() };
         let mut best: Option<Other> = None;
-        // An error while searching for a hint is ignored.
+        // A hint is not worth an error.
         let _ = input::frames(file, all, |frames| {
             for frame in frames {
                 let (particles, about) = frame?;
@@ -66,7 +66,7 @@ impl Verified<'_> {
         self.other = best.filter(|best| best.wrong < half);
     }
 
-    /// Options that select the other frame.
+    /// The options for the other frame.
     pub(super) fn other_flags(&self, other: Other) -> String {
         let list = self.list.frame.filter(|_| self.options.pairs_frame.is_none());
         let of_list = list.map_or(String::new(), |frame| format!(" --pairs-frame {frame}"));
@@ -94,18 +94,18 @@ impl Verified<'_> {
     }
 }
 
-/// Tests whether the list of each frame belongs to the frame before, or to the frame after.
+/// Whether the lists of several frames are each that of the frame before, or of the frame after.
 #[derive(Default)]
 pub(super) struct Shift {
-    /// List and truth of the previous frame, as pairs of names used in the list.
+    /// List and truth of the last frame, by the names in the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
-    /// Whether some list did not match the frame before, and the frame after.
+    /// Lists that were not of the frame before, and not of the frame after.
     refuted: [bool; 2],
 }
 
 impl Shift {
-    /// Adds a frame; called from the first frame that differs.
+    /// Adds a frame, from the first that differs on.
     pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let pairs = verified.list.pairs.len() as u64 + verified.found.truth.len();
         if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {
@@ -126,7 +126,7 @@ impl Shift {
         plain(&mut list);
         plain(&mut truth);
         if let Some([last_list, last_truth]) = &self.last {
-            // Two frames without contacts prove nothing.
+            // Two frames without contacts show nothing.
             self.compared += u32::from(!list.is_empty() && !truth.is_empty());
             self.refuted[0] |= list != *last_truth;
             self.refuted[1] |= truth != *last_list;
@@ -134,7 +134,7 @@ impl Shift {
         self.last = Some([list, truth]);
     }
 
-    /// The hint, if at least two frames agree with a shift.
+    /// What the lists of two frames or more show.
     pub(super) fn sentence(&self) -> Option<String> {
         let which = match self.refuted {
             _ if self.compared == 0 => return None,

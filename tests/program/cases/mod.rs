@@ -57,7 +57,7 @@ fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// One scenario: its folder, the last run, and the failed expectations.
+/// One scenario: its folder, the last run, and what did not hold.
 struct Scenario {
     place: Place,
     last: Option<(String, Ended)>,
@@ -73,7 +73,7 @@ impl Scenario {
         self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
     }
 
-    /// Checks that all words are in a text, or none.
+    /// Holds words to a text: all are in it, or none is.
     fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
         let text = flat(text);
         for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {
@@ -99,7 +99,7 @@ impl Scenario {
         self.words(at, words, &said, true);
     }
 
-    /// Executes a line; returns whether the line is valid.
+    /// Obeys a line; returns whether it has a meaning.
     fn obey(&mut self, at: &str, line: &str) -> bool {
         let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
         let (name, text) = rest.split_once(' ').unwrap_or((rest, ""));
@@ -147,7 +147,7 @@ impl Scenario {
     }
 }
 
-/// Runs all scenarios of a text.
+/// Holds all scenarios of a text.
 fn all(name: &str, text: &str) {
     let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
     let mut scenario: Option<Scenario> = None;

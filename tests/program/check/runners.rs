@@ -1,11 +1,11 @@
-//! Correct runners: the examples, noisy ones, and this program.
+//! Runners that are right: the examples, noisy ones, this program.
 
 use std::process::Command;
 
 use super::{CPP, PYTHON, changed, check, root};
 use crate::common::{PROGRAM, Place, has};
 
-/// Compiles a C++ program; fails on any error or warning.
+/// Compiles a program in C++; fails on any error or warning.
 fn built(at: &Place, arguments: &str) {
     let mut compiler = Command::new("c++");
     compiler.args(["-Wall", "-Wextra", "-Werror"]).args(arguments.split(' '));
@@ -35,7 +35,7 @@ fn the_example_in_cpp_passes() {
         return;
     }
     let at = Place::new();
-    // The command in the example, with paths of this checkout.
+    // The command that the example gives, with paths of this checkout.
     let line = CPP.lines().find_map(|line| line.strip_prefix("//     g++ ")).unwrap();
     let line = line.replace("runners ", &format!("'{}' ", root().join("runners").display()));
     built(&at, &line.replace("examples/", &format!("'{}'/", root().join("examples").display())));
@@ -44,7 +44,7 @@ fn the_example_in_cpp_passes() {
     check(&at, "./my_detector", "--seconds 0", 0, &words);
 }
 
-/// Output of a library, from Python or by file descriptor, is not taken for a reply.
+/// What a library prints, from Python or by its descriptor, is not taken for a reply.
 #[test]
 fn noisy_runners_in_python_are_understood() {
     if !has("python3") {
@@ -99,7 +99,7 @@ fn this_program_is_a_runner_in_every_arithmetic() {
     let words = ["f32", "f32-cell", "f64", "exact"];
     let words = words.map(|it| format!(", {it} arithmetic, has all requests\n"));
     check(&at, &command, "--seconds 0", 0, &words.each_ref().map(String::as_str));
-    // A runner that ignores the requested arithmetic.
+    // One that takes no notice of what it is asked.
     let command = format!("sh -c \"exec '{PROGRAM}' runner --detector nbs\" {{arithmetic}}");
     let words = ["WRONG: it breaks the protocol: started with f64", " detections by nbs: WRONG"];
     check(&at, &command, "--seconds 0 --arithmetic f64 --arithmetic exact", 1, &words);

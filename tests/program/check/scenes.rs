@@ -1,4 +1,4 @@
-//! `check` of detectors on the battery and on given scenes.
+//! `check` of detectors, on the battery and on scenes.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     let words = ["2 particles, 1 missed, 0 spurious, 0 duplicate pairs"];
     let wrong = at.ends(1, "check --detector nothing --seeds 1 --annotations", &words).stdout;
     assert!(wrong.contains("::error title=contactbench check%3A generated%3A nothing%2C exact"));
-    // The commands that `check` prints reproduce the difference.
+    // The commands that `check` prints show the difference.
     let lines = wrong.lines().filter(|line| !line.starts_with("::"));
     let commands: Vec<&str> =
         lines.filter_map(|line| Some(line.split_once("contactbench ")?.1)).collect();
@@ -31,8 +31,8 @@ fn check_takes_scenes() {
     let at = Place::new();
     at.file("two.csv", "# a comment\nx,y,r\n0,0,1\n2,0,1\n9,0,1\n");
     at.file("far.csv", "x,y,z,r\n0,0,0,1\n1e40,0,0,1\n");
-    // All detectors run on the first scene in both arithmetics. On the second, only those without
-    // an array over cells run, in exact arithmetic; the others refuse, and f32 overflows.
+    // All detectors on a scene in two arithmetics; on the other those that need no array over
+    // cells, in exact: the others refuse, and f32 cannot hold it.
     let scene = io::scene(&at.path("far.csv"), io::Options::default()).unwrap();
     let takes = |entry: &&Entry| {
         entry.make(Options::default()).list(&scene, Test::Exact, &mut Vec::new()).is_ok()
@@ -49,8 +49,8 @@ fn check_takes_scenes() {
     let words = "on two.csv: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n";
     at.ends(1, &format!("{line} --out new/folder"), &[words]);
     assert!(at.path("new/folder/failing-nothing-exact-two.csv").exists());
-    // Without --out, `check` makes a folder in the temporary folder, which is this one in the
-    // tests.
+    // Without --out, `check` writes into a new temporary folder. The tests use this folder as the
+    // temporary one, so it gains one folder.
     let before = std::fs::read_dir(at.root()).unwrap().count();
     let wrong = at.ends(1, line, &[]).stdout;
     let place = wrong.lines().find_map(|line| line.split_once("smallest failing scene: "));

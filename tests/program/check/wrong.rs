@@ -1,4 +1,4 @@
-//! `check` finds each kind of wrong runner.
+//! Each way to be wrong is found out.
 
 use super::{changed, smallest};
 use crate::common::{Place, has};
@@ -23,7 +23,7 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
     let again = "check --scene ./failing-my-detector-f64.csv --runner 'python3 changed.py'";
     assert!(ended.stdout.contains(&format!("  again:  contactbench {again}")), "{}", ended.stdout);
     at.ends(1, again, &[": 1 missed, 0 spurious"]);
-    // Neighbours that do not touch become spurious pairs.
+    // Pairs of neighbours in the list that do not touch: spurious ones.
     let change = ["<= total * total:", "<= 1.21 * total * total:"];
     let ended = changed(&at, change, "", 1, &["0 missed, 1 spurious"]);
     assert_eq!(smallest(&ended).0, 2, "{}", ended.stdout);
@@ -31,12 +31,13 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
 
 const NONE: &str = "    pairs = []\n";
 
-/// Text of the example, its replacement, and words that `check` prints. The failing scene is small.
+/// Whatever is wrong, the scene is small, and the words name it: pieces of the example, what stands
+/// in their place, words that are printed.
 const WAYS: [(&str, &str, &str); 14] = [
-    // Prints to the channel before the greeting and between replies.
+    // Speaks of other things, before and in between.
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
     ("    return pairs\n", "    print('found', file=channel)\n    return pairs\n", "found"),
-    // Wrong protocol, arithmetic, digest and unit of time; a sample without repetition.
+    // Another version, arithmetic, digest, unit of time; a sample without repetition.
     (
         "\"protocol\": 4",
         "\"protocol\": 3",
@@ -55,13 +56,13 @@ const WAYS: [(&str, &str, &str); 14] = [
         "while calls == 0:",
         "repeat the detection until min_ns are over",
     ),
-    // The count differs from the list that was written.
+    // The count of a list that is not the one that it writes.
     (
         "\"contacts\": len(pairs)}\n    return",
         "\"contacts\": len(pairs) + 1}\n    return",
         "and its file holds",
     ),
-    // The runner dies when a file is missing, or rejects unknown fields.
+    // A missing file is its end; a field that it does not know is an error.
     (
         "except Exception",
         "except ZeroDivisionError",
@@ -73,7 +74,7 @@ const WAYS: [(&str, &str, &str); 14] = [
          n=n, radius=radius)",
         "a field that it does not know",
     ),
-    // The runner reuses radii of earlier scenes.
+    // What it has seen before.
     (
         NONE,
         "    known = globals().setdefault('known', {})\n    radii = \
@@ -94,12 +95,12 @@ fn every_way_to_be_wrong_is_named() {
     for (old, new, words) in WAYS {
         changed(&at, [old, new], "--seconds 0", 1, &[words]);
     }
-    // The runner dies and prints why.
+    // Dies, and prints why.
     let dies =
         "    if len(centres) > 10: sys.exit('first words\\nno room for more')\n    pairs = []\n";
     let words = ["it dies: exit status: 1: no room for more", "    first words\n    no room for"];
     let ended = changed(&at, [NONE, dies], "--seconds 0", 1, &words);
-    // Each death costs a restart, so the time limit decides how far the scene shrinks.
+    // Each death costs a new start: how far it is made smaller depends on the time that this takes.
     assert!((11..=17).contains(&smallest(&ended).0), "{}", ended.stdout);
     at.file(
         "hangs.py",
@@ -111,14 +112,14 @@ fn every_way_to_be_wrong_is_named() {
     );
     let line = "check --out . --runner 'python3 hangs.py' --deadline 2";
     at.ends(1, line, &["it hangs: not ready after 2 s", "17 particles"]);
-    // The runner refuses every scene.
+    // Refuses all.
     let refuses = "reply = answer(scene, **asked) if asked['request'] == 'load' else {'reply': \
                    'refused', 'reason': 'no'}";
     let words = ["0 detections by my-detector: nothing was compared", "my-detector: no"];
     changed(&at, ["reply = answer(scene, **asked)", refuses], "--seconds 0", 2, &words);
 }
 
-/// Only the hard scenes of the battery show errors at near-tangent pairs and subnormal numbers.
+/// Near-tangent couples, subnormal numbers: what only the hard scenes of the battery show.
 #[test]
 fn what_is_nearly_right_is_found() {
     if !has("python3") {

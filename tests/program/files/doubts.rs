@@ -16,7 +16,7 @@ const KINDS: [(&str, &str); 10] = [
     ("deep", "mean radii in the mean"),
 ];
 
-/// The kinds of the notices in a text, in order.
+/// The kinds of notices in a text, each as often as it stands there.
 fn notices(text: &str) -> Vec<&'static str> {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let of = |(kind, words): (&'static str, &str)| vec![kind; text.matches(words).count()];
@@ -60,7 +60,7 @@ fn each_kind_is_recognised_and_nothing_else() {
         (scaled, &["apart", "scaled"]),
         (gas, &["deep"]),
         (format!("x,y,z,r\n{}", six.collect::<String>()), &["digits"]),
-        // A lattice has coordinates of few digits by nature.
+        // The few digits of a lattice are not reported.
         (table(lattice), &["apart"]),
         ("x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n".into(), &["flat"]),
     ] {

@@ -1,4 +1,4 @@
-//! `detect` with all formats of input and output.
+//! `detect` and the files that it reads and writes.
 
 mod doubts;
 mod limits;
@@ -10,7 +10,7 @@ use contactbench::scene::spec::Spec;
 
 use crate::common::Place;
 
-/// In every format, written scenes read back to the same bits.
+/// What is written reads back to the same bits, in every format.
 #[test]
 fn scenes_are_written_and_read_back_to_the_bit() {
     let at = Place::new();
@@ -25,7 +25,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
             at.good(&format!("scene {spec} -o {name}"));
             let dim = name.ends_with("npy").then_some(expected.dim() as u32);
             let found = io::scene(&at.path(name), Options { dim, ..Options::NONE }).unwrap();
-            // Equal radii are read back as one radius.
+            // A list of equal radii comes back as one radius for all.
             assert_eq!(found, expected, "{spec} in {name}");
         }
         assert_eq!(at.good(&format!("scene {spec}")).stdout, at.read("scene.csv"));

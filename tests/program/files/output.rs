@@ -1,4 +1,4 @@
-//! All output formats of pairs.
+//! Pairs in every form of output.
 
 use std::process::Stdio;
 
@@ -19,8 +19,8 @@ const DETECTORS: [&str; 12] = [
     "bvh",
 ];
 
-/// A hexagonal layer of 12 x 12 slightly overlapping discs with individual radii. The order is a
-/// permutation, because 7 and 144 have no common factor.
+/// A hexagonal layer of 12 x 12 discs that overlap a little, in no simple order (7 and 144 have no
+/// common factor), with a radius each.
 fn layer() -> Vec<[f64; 3]> {
     let place = |k: u32| {
         let (row, column) = (k / 12, k % 12);
@@ -45,7 +45,7 @@ fn every_form_of_output_holds_the_same_pairs() {
     assert!(truth.len() > particles.len(), "a dense layer: {} pairs", truth.len());
     let text: String = truth.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
     let text = format!("i,j\n{text}");
-    // None of the pairs is near tangency, so all arithmetics agree.
+    // No two of these discs touch exactly, so that all arithmetics agree.
     for detector in DETECTORS {
         let line = format!("detect layer.csv --detector {detector}");
         assert_eq!(at.good(&line).stdout, text, "{detector}");
@@ -58,7 +58,7 @@ fn every_form_of_output_holds_the_same_pairs() {
         let line = format!("detect layer.csv --detector {detector} --threads 2");
         assert_eq!(at.good(&line).stdout, text, "{detector}");
     }
-    // `--dim 2` reads three columns of an array as x, y, radius.
+    // The same particles as npy: three columns are x, y, radius where two dimensions are asked for.
     at.file("layer.npy", npy(&particles.iter().map(|it| it.to_vec()).collect::<Vec<_>>()));
     assert_eq!(at.good("detect layer.npy --dim 2").stdout, text);
     at.file("nan.npy", npy(&[vec![0.0, 0.0, 0.0], vec![1.0, f64::NAN, 0.0]]));
@@ -70,9 +70,9 @@ fn every_form_of_output_holds_the_same_pairs() {
 #[test]
 fn a_reader_that_has_seen_enough_is_no_error_and_a_full_disk_is_one() {
     let at = Place::new();
-    // 400 discs at one point give 79,800 pairs, more than any pipe holds.
+    // 400 discs in one place: 79,800 pairs, more than any pipe holds.
     at.file("heap.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(400)));
-    // Two lines stay in the buffer until the end.
+    // Two pairs of lines wait in a buffer until the end.
     at.file("two.csv", "x,y,r\n0,0,1\n0,0,1\n");
     let first = at.shell(&format!("{{ {PROGRAM} detect heap.csv; echo $? > code; }} | head -1"));
     assert_eq!(first.stdout, "i,j\n");

@@ -1,5 +1,5 @@
-//! Real particle sets, which are not part of the project; `CONTACTBENCH_DATA` names their folder.
-//! All detectors that do not refuse find the number of contacts found in exact rational arithmetic.
+//! Real particle sets, which are not part of the project: `CONTACTBENCH_DATA` names their folder.
+//! Every detector that does not refuse finds as many contacts as exact rational arithmetic did.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn real_sets_have_their_number_of_contacts() {
     ] {
         let scene = read(file, radius);
         assert!(n == 0 || scene.len() == n, "{file}: {}", scene.len());
-        // Brute force takes too long for the largest set.
+        // Brute force would take long for the largest set.
         let small = scene.len() <= oracle::BRUTE_FORCE;
         let asked = TABLE.iter().filter(|it| it.must_be_right() && (it.name != "direct" || small));
         for entry in asked {
@@ -41,10 +41,10 @@ fn real_sets_have_their_number_of_contacts() {
         }
         assert_eq!(oracle::truth(&scene, Arithmetic::Exact).unwrap().digest, digest, "{file}");
     }
-    // Rounding loses contacts of a packing that is exactly jammed.
+    // What rounding makes of a packing that is exactly jammed.
     let jammed = read("rcp_packing/centres.npy", Some(0.5));
     assert_eq!(oracle::truth(&jammed, Arithmetic::F32).unwrap().digest.contacts, 14_851);
-    // The CSV has four of the twelve columns of the dump, and the same scene to the bit.
+    // The dump has twelve columns, the CSV that was made of it four: the same scene to the bit.
     let both = ["dump", "csv"].map(|it| read(&format!("liggghts_packing/packing.{it}"), None));
     assert_eq!(both[0], both[1]);
 }

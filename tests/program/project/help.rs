@@ -1,3 +1,5 @@
+//! Help, lists, completions and colours.
+
 use std::process::{Command, Stdio};
 
 use contactbench::detect::table::TABLE;
@@ -10,7 +12,7 @@ fn every_verb_explains_itself_with_an_example_that_parses() {
     let at = Place::new();
     let help = at.ends(0, "--help", &["Exit codes: 0 "]).stdout;
     let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    // Names of verbs are indented by two blanks, continued lines by more.
+    // The name of a verb stands after two blanks; lines that go on are indented further.
     let verbs = lines.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
     let verbs: Vec<&str> = verbs.filter_map(|line| line.split_whitespace().next()).collect();
     for verb in ["run", "report", "list", "check", "detect", "runner"] {
@@ -18,7 +20,7 @@ fn every_verb_explains_itself_with_an_example_that_parses() {
     }
     for verb in verbs.iter().filter(|verb| **verb != "help") {
         let help = at.run(&format!("{verb} --help"));
-        // A verb that is a separate program may not have been built.
+        // A verb that is a program of its own may not have been built.
         if help.stderr.contains("this verb is the program ") {
             continue;
         }
@@ -78,8 +80,8 @@ fn list_names_every_detector_scene_and_experiment() {
     assert!(!begins(&experiments, "nbs") && !begins(&detectors, "scaling"));
 }
 
-/// Only terminals get colours, and only if NO_COLOR is not set. `script` of util-linux makes a
-/// terminal.
+/// Pipes and files get no colours; a terminal, which `script` of util-linux makes, gets them unless
+/// NO_COLOR is set.
 #[test]
 fn colours_are_for_terminals() {
     let at = Place::new();

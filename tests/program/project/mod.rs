@@ -1,4 +1,4 @@
-//! Tests of the pages, the protocol, runners, templates and imports between crates.
+//! Tests of the project's pages, protocol, runners and templates, and of the walls between crates.
 
 mod codes;
 mod help;

@@ -1,5 +1,5 @@
-//! `new-detector`: its file is compiled here and compared with the truth. Its lines are inserted at
-//! the right places, or none is.
+//! `new-detector`: the detector that it writes is compiled here and held to the truth, and its
+//! lines come to the right places, all or none.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,10 +46,10 @@ fn what_is_written_works() {
         .map(|it| format!("on {}:\n{}", it.found_on, check::as_csv(&it.smallest.scene)))
         .collect();
     assert!(failures.is_empty() && !report.cut && report.cases > 400, "{failures:?}");
-    // It refuses only what the arithmetic cannot hold.
+    // It refuses what the arithmetic cannot hold, and nothing else.
     let refused = &report.refused;
     assert!(refused.keys().all(|reason| !reason.starts_with("new-detector")), "{refused:?}");
-    // It respects the memory limit.
+    // A limit is kept to.
     let scene = contactbench::scene::spec::Spec::parse("packed:n=300").unwrap().make().unwrap();
     for (memory_limit, enough) in [(16 * 300, true), (16 * 300 - 1, false)] {
         let (mut count, mut detector) =
@@ -70,7 +70,7 @@ fn checkout() -> Place {
     at
 }
 
-/// Maps the names of all files to their texts.
+/// Name to text of all files.
 fn files(at: &Place) -> BTreeMap<String, String> {
     let entries = std::fs::read_dir(at.path(FOLDER)).unwrap().map(|entry| entry.unwrap());
     let files = entries.filter(|entry| entry.path().is_file());
@@ -79,7 +79,7 @@ fn files(at: &Place) -> BTreeMap<String, String> {
     names.map(|name| (name.clone(), at.read(&format!("{FOLDER}/{name}")))).collect()
 }
 
-/// The lines that `after` has in addition to those of `before`, which it has in the same order.
+/// The lines of `after` without those of `before`, which must all be there, in order.
 fn added<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
     let mut old = before.lines().peekable();
     let new = after.lines().filter(|line| old.next_if_eq(line).is_none()).collect();
@@ -103,11 +103,10 @@ fn the_lines_come_to_their_places() {
         assert_eq!(at.ends(0, &line, &[&format!("check --detector {name}")]).stderr, "");
         let after = files(&at);
         assert_eq!(after.len(), 3);
-        // The file is the template compiled above, with other names.
+        // The file is the template that is compiled above, with other names.
         let file = &after[&format!("{module}.rs")];
         assert_eq!(*file, TEMPLATE.replace("new-detector", name).replace("NewDetector", kind));
-        // One module line, in alphabetical order; attributes of the next module stay with that
-        // module.
+        // One module, in its place; what belongs to the next one stays with it.
         assert_eq!(added(&before["mod.rs"], &after["mod.rs"]), [format!("pub mod {module};")]);
         let modules = after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
         assert!(modules.clone().is_sorted(), "{:?}", modules.collect::<Vec<_>>());
@@ -118,7 +117,7 @@ fn the_lines_come_to_their_places() {
         assert!(lines.contains(&format!("super::{module}::{kind}")), "{lines}");
         let place = |name: &str| table.find(&format!("name: \"{name}\",")).unwrap();
         assert!(place("kd-tree") < place(name) && place(name) < place("nothing"));
-        // A second call fails.
+        // Once only.
         at.ends(2, &line, &["already; take another name"]);
         assert_eq!(files(&at), after);
     }

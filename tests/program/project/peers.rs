@@ -1,6 +1,6 @@
-//! Libraries compared with our detectors: the crates behind the feature `peers`, and the runners in
-//! `runners/`, some of simulation codes. A missing library is unavailable with a hint how to get
-//! it. All others are right, except those that compute in single precision.
+//! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
+//! `runners/`, those of simulation codes among them. What is not there is unavailable, and says how
+//! to get it; what is there is right, but for those that compute in single precision.
 
 use std::io::Write;
 use std::path::Path;
@@ -37,7 +37,7 @@ fn rows(place: &Path, text: &str) -> Vec<Row> {
     let (file, out) = (at.file("t.toml", format!("{HEAD}{text}")), at.path("result"));
     let [file, out] = [file, out].map(|path| path.display().to_string());
     let mut command = program(place, &["run", &file, "--out", &out]);
-    // Programs compiled by runners are kept with the tests.
+    // Programs that runners compile stay with the tests.
     command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR")).env("TMPDIR", at.root());
     ended(command.output().unwrap());
     at.rows("result")
@@ -69,7 +69,7 @@ fn an_experiment_may_name_peers_that_were_not_compiled() {
     let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
     let detectors = format!("detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n");
     let rows = rows(Path::new("."), &format!("{detectors}{scene}"));
-    // The twin of nbs adds a row in the first arithmetic.
+    // And the twin of nbs, in the first arithmetic.
     assert_eq!(rows.len(), 4 * (2 * (1 + PEERS.len()) + 1) * 3);
     for row in &rows {
         let peer = !row.id.detector.starts_with("nbs");
@@ -96,8 +96,7 @@ fn runners_are_right_or_unavailable() {
         let wrong = row.outcome == Outcome::Wrong && SINGLE.contains(&row.id.detector.as_str());
         let absent = row.outcome == Outcome::Unavailable
             && ["pip install", "apt-get install"].iter().any(|way| row.reason.contains(way));
-        // Libraries refuse fewer than two particles: a periodic box needs an extent, a list a
-        // cutoff.
+        // A periodic box needs an extent, and a neighbour list a cutoff.
         let refused = row.outcome == Outcome::Refused && row.id.n < 2;
         assert!(row.outcome == Outcome::Ok || wrong || absent || refused, "{row:?}");
         assert_eq!(
@@ -128,7 +127,7 @@ fn runners_away_from_the_repository_say_where_to_start() {
 /// Returns the reply of a runner that cannot load its library.
 fn reply(command: &mut Command) -> Option<Value> {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    // A runner that has exited has closed its input.
+    // A runner that prints no more has closed its input.
     let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
     let output = child.wait_with_output().unwrap();
     let reply: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -136,7 +135,7 @@ fn reply(command: &mut Command) -> Option<Value> {
     Some(reply["reason"].clone())
 }
 
-/// The libraries cannot be imported, because modules of the same names fail, and the programs
+/// Libraries that cannot be imported, because others of their names fail to be, and programs that
 /// cannot be compiled.
 #[test]
 fn a_runner_without_its_library_or_compiler_names_the_way_to_get_it() {

@@ -1,5 +1,5 @@
-//! Tests README and the pages in docs: their Rust code equals that of the example, which is
-//! compiled and tested, and their commands work.
+//! README and the pages in docs are true: the Rust code is the code of the example, which is
+//! compiled and right, and the commands work as written.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,8 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
 }
 
-/// The lines between `// PAGE: name` and `// PAGE: end` in the example, without common indentation.
+/// What stands between `// PAGE: name` and `// PAGE: end` in the example, without common
+/// indentation.
 fn marked(name: &str) -> String {
     let lines =
         EXAMPLE.lines().skip_while(|line| line.trim() != format!("// PAGE: {name}")).skip(1);
@@ -50,8 +51,9 @@ fn the_code_is_that_of_the_example() {
     assert!((10..50).contains(&detector.lines().count()), "{} lines", detector.lines().count());
 }
 
-/// Runs the commands of a page in order and in one folder, so that later blocks can use files of
-/// earlier ones. Returns their number. Blocks that begin with cargo take minutes and are skipped.
+/// Runs the commands of a page in order and in one folder, so that a block can use the files of
+/// those before it; their number. Blocks that begin with cargo build and run for minutes, and are
+/// left out.
 fn run_commands_of(page: &str, at: &Place) -> usize {
     let program = Path::new(PROGRAM).parent().unwrap().display();
     let mut run = 0;
@@ -77,7 +79,7 @@ fn the_commands_work_as_written() {
     }
 }
 
-/// The measured columns of the table of detectors equal those of the record that it links to.
+/// The measured columns of the table of detectors are those of the record that it links to.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
@@ -94,8 +96,7 @@ fn the_measured_table_is_that_of_the_record() {
         .filter(|line| line.starts_with("| `"))
         .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
         .collect();
-    // A detector added by a user is in neither table; every recorded detector is in the table of
-    // the page.
+    // A detector that a user adds is in neither; one that is in the record is in the table of the page.
     let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
     let recorded = |name: &str| cells.iter().filter(is_shown).any(|cell| cell.id.detector == name);
     let names: Vec<String> = ours
@@ -126,7 +127,7 @@ fn anchors(page: &Path) -> Vec<String> {
     heads.map(|head| head.chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
 }
 
-/// Links of pages and write-ups lead to existing files and headings.
+/// Files and headings that pages and write-ups link to exist.
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use contactbench::detect::table::TABLE;
 
-/// Crates of the project that each crate may be linked with. A record and its report need no
+/// The crates of the project that each crate is linked with. A record and its report need no
 /// detector.
 const WALLS: [(&str, &[&str]); 8] = [
     ("terms", &[]),
@@ -35,7 +35,7 @@ fn crates_import_only_those_below_them() {
     }
 }
 
-/// All entries below a folder of the project, without the folder itself.
+/// All entries below a folder of the project, the folder aside.
 fn below(folder: &str) -> Vec<PathBuf> {
     let (mut found, mut folders) = (Vec::new(), vec![root().join(folder)]);
     while let Some(next) = folders.pop() {
@@ -79,8 +79,8 @@ fn code_lines_are_at_most_100_columns() {
     assert!(wide.is_empty(), "{wide:#?}");
 }
 
-/// Outside the core, the properties of a detector are read from its entry in the table. The
-/// campaigns and the traces are exceptions, because they are about single detectors.
+/// What others need to know of a detector are fields of its entry. The core's own files, the
+/// campaigns, and the lectures on the book's detectors, are about single detectors.
 #[test]
 fn names_of_detectors_stand_in_the_table_alone() {
     let mut seen = 0;

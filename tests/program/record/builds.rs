@@ -1,4 +1,4 @@
-//! Two builds measured side by side.
+//! Two builds side by side.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ fn few() -> String {
     few.replace("s = [2, 5, 9]", "s = 2")
 }
 
-/// Two builds alternate: the same program twice, then one that counts more operations.
+/// Two builds take turns: the same program twice, and one that does more for the same answer.
 #[test]
 fn builds_take_turns_in_one_record() {
     let at = Place::new();
@@ -35,7 +35,7 @@ fn builds_take_turns_in_one_record() {
             assert!(row.time_ns.unwrap().abs_diff(mean) <= 1, "{row:?}");
         }
     }
-    // Both builds of a block run on one processor.
+    // Builds that take turns share one processor.
     let place = |row: &Row| (row.block, row.id.scene_id());
     for row in named("nbs") {
         let other = named("nbs@base").into_iter().find(|other| place(other) == place(row));
@@ -61,8 +61,8 @@ fn builds_take_turns_in_one_record() {
     at.ends(2, "compare one", &["one is of one build", "run --against PROGRAM"]);
 }
 
-/// A block measures all builds in turns. If only some of its rows were written, the block is
-/// repeated, and the later rows count.
+/// A block takes all builds in turns, so that one of which only some rows are there is taken again;
+/// the later rows count.
 #[test]
 fn builds_that_were_stopped_are_resumed() {
     let at = Place::new();
@@ -78,14 +78,14 @@ fn builds_that_were_stopped_are_resumed() {
     let text = at.read("result/samples.jsonl");
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let timed = lines.iter().position(|line| line.contains("\"pass\":\"time\"")).unwrap();
-    // Stops in the first block, and in the second block of the last scene.
+    // In the first block, in the second block of the last scene.
     for kept in [timed + 1, lines.len() - 1] {
         at.file("result/samples.jsonl", lines[..kept].concat());
         at.good(&format!("{run} --resume"));
         assert!(at.read("result/samples.jsonl").starts_with(&lines[..kept].concat()), "{kept}");
         let resumed = latest();
         assert_eq!(steady(&resumed.values().cloned().collect::<Vec<_>>()), expected, "{kept}");
-        // All rows of a comparison were measured on the same side of the stop.
+        // Those that are compared met the same state of the machine: none is of before the stop.
         let blocks = |row: &Row| (row.block, row.id.scene_id());
         for row in resumed.values().filter(|row| row.pass == Pass::Time) {
             let kept = |row: &Row| whole.get(&row.measurement()) == Some(row);

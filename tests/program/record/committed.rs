@@ -1,4 +1,4 @@
-//! Pages about the committed records agree with the records.
+//! What is written about the committed records is what they say.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::committed::committed;
 use crate::common::{Place, untested};
 
-/// Most lines of a write-up: one and a half screens.
+/// Most lines of a write-up: a page of one screen and a half.
 const LONGEST: usize = 70;
 
 fn read(path: impl AsRef<Path>) -> String {
@@ -27,12 +27,12 @@ fn name(record: &Path) -> String {
     record.strip_prefix(root().join("results")).unwrap().display().to_string()
 }
 
-/// Returns the folder whose README.md is about this record: its own, or its parent.
+/// Returns the folder whose README.md is about this record: its own, or the one around it.
 fn write_up(record: &Path) -> &Path {
     if record.join("README.md").exists() { record } else { record.parent().unwrap() }
 }
 
-/// Returns the numbers with a decimal point in a text; all measured numbers are printed with one.
+/// Returns the numbers with a decimal point in a text: measured ones, as all of them are printed.
 fn measured(text: &str) -> BTreeSet<&str> {
     text.split(|c: char| !c.is_ascii_digit() && c != '.')
         .map(|word| word.trim_end_matches('.'))
@@ -40,21 +40,21 @@ fn measured(text: &str) -> BTreeSet<&str> {
         .collect()
 }
 
-/// Returns the numbers of `page` that are not in the reports of these records.
+/// Returns the numbers that `page` has and the reports of these records have not.
 fn invented<'a>(page: &'a str, records: &[PathBuf]) -> Vec<&'a str> {
     let reports: String = records.iter().map(|folder| read(folder.join("report.md"))).collect();
     let known = measured(&reports);
     measured(page).into_iter().filter(|number| !known.contains(number)).collect()
 }
 
-/// Returns the text between a heading of the second level and the next.
+/// Returns what stands between a heading of the second level and the next.
 fn section<'a>(page: &'a str, heading: &str) -> &'a str {
     let start = format!("\n## {heading}\n");
     let rest = page.split_once(&start).unwrap_or_else(|| panic!("no section {heading}")).1;
     rest.split("\n## ").next().unwrap_or(rest)
 }
 
-/// Returns a field of the provenance as text, or `None` for a record without provenance.
+/// Returns a field of the provenance as text; none for a record without provenance.
 fn provenance(record: &Path, field: &str) -> Option<String> {
     let text = std::fs::read_to_string(record.join("provenance.json")).ok()?;
     let fields: Value = serde_json::from_str(&text).unwrap();
@@ -78,6 +78,7 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// Returns the pages that quote records.
 fn pages() -> Vec<(PathBuf, String)> {
     let mut pages = ["README.md", "DESIGN.md"].map(|page| root().join(page)).to_vec();
     let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
@@ -85,7 +86,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages.into_iter().map(|page| (page.clone(), read(page))).collect()
 }
 
-/// Returns the paragraphs of a page that link to a record or to the write-up about it.
+/// Returns the paragraphs of a page that link to a record, or to the write-up about it.
 fn quotes<'a>(text: &'a str, record: &Path) -> impl Iterator<Item = &'a str> {
     let links = [
         format!("results/{}/", name(record)),
@@ -124,12 +125,12 @@ fn what_the_pages_quote_is_in_the_records() {
     let result = readme.split_once("**One result:**").unwrap().1.split_once("\n\n").unwrap().0;
     let of = |name: &str| invented(result, &[results.join("reference").join(name)]);
     let (amd, intel) = (of("vectors-amd"), of("vectors-intel"));
-    // Each number was measured on only one of the two processors, and the page names it.
+    // On which of the two processors each number was measured stands beside it.
     assert_eq!(amd.iter().filter(|number| intel.contains(number)).count(), 0, "{amd:?} {intel:?}");
     assert!(amd.len() < measured(result).len() && intel.len() < measured(result).len());
 }
 
-/// Returns the names of the detectors in a record, also of those inside trackers.
+/// Returns the names of the detectors in a record, alone or in trackers.
 fn detectors(record: &Path) -> BTreeSet<String> {
     let summary = record.join("summary.csv");
     let text = if summary.exists() {
@@ -151,8 +152,8 @@ fn detectors(record: &Path) -> BTreeSet<String> {
     records.flat_map(|row| columns.iter().map(|&k| name(&row[k])).collect::<Vec<_>>()).collect()
 }
 
-/// Returns the detectors of a record whose code has changed since `revision`, comments aside, or
-/// `None` if the history of commits is missing.
+/// Returns the detectors of a record whose code has changed since `revision`, comments aside; none
+/// if the history of commits is not there.
 fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     let is_code = |line: &str| {
         let code = line.get(1..).unwrap_or_default().trim();
@@ -163,7 +164,7 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     let mut changed = BTreeSet::new();
     for name in detectors(record) {
         let stem = if name == "streamed-nbs" { "streamed".into() } else { name.replace('-', "_") };
-        // Matches the crate at any path, because moving a file does not change the detector.
+        // Wherever the crate stood: a file that was only moved has not changed.
         let path = format!("*core/src/detect/*{stem}*");
         if git(&["diff", "-M", revision, "--", &path])?.lines().any(is_code) {
             changed.insert(name);
@@ -172,8 +173,8 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     Some(changed)
 }
 
-/// A write-up names the program that made each record, and the detectors changed since. A page that
-/// links to such a record also names the program.
+/// A write-up names for each record the program that made it and the detectors that have changed
+/// since, and a page that links to such a record names the program, too.
 #[test]
 fn records_of_an_older_program_say_so() {
     let pages = pages();
@@ -205,7 +206,7 @@ fn records_of_an_older_program_say_so() {
     }
 }
 
-/// results/README.md has a line for each record that agrees with its provenance, rows and report.
+/// results/README.md has a line for each record, which its provenance, rows and report bear out.
 /// Pages quote only records of committed sources whose times may be quoted.
 #[test]
 fn the_index_names_every_record() {
@@ -247,7 +248,7 @@ fn the_index_names_every_record() {
     }
 }
 
-/// All verbs that read records read compressed ones; none appends to them.
+/// All verbs that read a record read a compressed one, and none appends to it.
 #[test]
 fn verbs_read_compressed_records() {
     let record = &root().join("results/reference-motion/million");

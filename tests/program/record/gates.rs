@@ -1,11 +1,11 @@
-//! Differences that fail a comparison, and differences that are only shown.
+//! Columns that fail a comparison, and columns that are only shown.
 
 use serde_json::Value;
 
 use super::{OTHER, changed, junit, started};
 use crate::common::Place;
 
-/// Whether a row belongs to the cell that is changed: nbs with 50 discs.
+/// A cell that the changes below touch: nbs with 50 discs.
 fn is_cell(row: &Value, pass: &str) -> bool {
     (row["n"] == 50 && row["dim"] == 2) && row["detector"] == "nbs" && row["pass"] == pass
 }
@@ -29,7 +29,7 @@ fn counts_bytes_and_digests_are_gated() {
                 (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
             }
         }),
-        // All three detectors change, because answers that differ within a record are refused.
+        // A record in which only one of them has it would contradict itself.
         ("answer", 3, |row| {
             if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
                 row["digest"] = OTHER.into()
@@ -67,7 +67,7 @@ fn slower(row: &mut Value) {
     }
 }
 
-/// Returns the exit code of a comparison, its JSON, and the cell of sweep in it.
+/// Returns the exit code of a comparison, what it prints, and the times of the cell of sweep.
 fn compared(at: &Place, more: &str) -> (Option<i32>, Value, Value) {
     let ended = at.run(&format!("compare a slower --json {more}"));
     let all: Value = serde_json::from_str(&ended.stdout).unwrap();
@@ -88,8 +88,8 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert_eq!(compared(&at, "--gate-time --band 1000").0, Some(0));
     changed(&at, "slower", slower, |fields| fields["profile"] = "another".into());
     assert_eq!(compared(&at, "--against nbs").2["verdict"], "not-judged");
-    // Times of another machine without a common control are shown, but not judged. They are judged
-    // against a detector of both on request, and never fail. The processors are named first.
+    // Another machine, and no control in both: shown, not judged, and never gated; judged against a
+    // detector of both, if that is asked for. Processors are named first.
     let elsewhere = |row: &mut Value| {
         slower(row);
         row["machine"] = "other".into();
@@ -115,7 +115,7 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert!(ended.stdout.starts_with("NOTE: two machines: "), "{}", ended.stdout);
 }
 
-/// A run that was cut short fails a strict comparison.
+/// A run that was cut short has not passed what it has not measured.
 #[test]
 fn what_one_has_not_measured_is_lacking() {
     let at = started();
@@ -136,13 +136,13 @@ fn what_cannot_be_compared_is_refused() {
     at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);
     changed(&at, "b", |row| row["seed"] = 7.into(), |_| ());
     at.ends(2, "compare a b", &["a and b have no cell in common"]);
-    // A record of an older schema can be compared.
+    // Records of an older schema.
     let old = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/records/schema-3");
     let line = format!("compare {old} {old} --strict --against nbs");
     at.ends(0, &line, &["the same everywhere"]);
 }
 
-/// Only a comparison that could have failed passes the gate.
+/// The gate is passed only by a comparison that could have failed.
 #[test]
 fn a_gate_that_sees_nothing_is_not_passed() {
     let at = started();
@@ -156,14 +156,13 @@ fn a_gate_that_sees_nothing_is_not_passed() {
         }
     };
     at.good("compare a a --gate-time");
-    // The times of the twin change, although its code is equal.
+    // Equal code that moved.
     changed(&at, "moved", times(|_| 6, "nbs-twin"), |_| ());
     let words = ["nbs-twin is equal code and moved by 6.00"];
     at.ends(2, "compare a moved --gate-time", &words);
     let ended = at.ends(0, "compare a moved", &words);
     assert!(!ended.stdout.contains("slower "), "a verdict: {}", ended.stdout);
-    // Times of one detector scatter by a factor of 50: the gate passes as long as another can be
-    // judged.
+    // Times that scatter by a factor of 50: one of two detectors sees, or none does.
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "sweep"), |_| ());
     at.good("compare noisy noisy --gate-time");
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "nbs"), |_| ());

@@ -1,5 +1,5 @@
-//! All verbs that read a record refuse one that contradicts itself: they exit with code 1, name
-//! every faulty row, and write nothing.
+//! A record that contradicts itself is refused by every verb that reads one: exit code 1, every row
+//! named, and nothing is made of it.
 
 use std::sync::OnceLock;
 
@@ -15,7 +15,7 @@ const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading
 const RECORD: &str = "a/samples.jsonl";
 const COPY: &str = "a/experiments/t.toml";
 
-/// A result folder `a`, merged into `whole`, and the text of its record. All tests share one run.
+/// A result folder `a`, merged into `whole`, and the text of its record; all tests share one run.
 fn measured() -> (Place, String) {
     static RUN: OnceLock<Template> = OnceLock::new();
     let template = RUN.get_or_init(|| {
@@ -30,14 +30,14 @@ fn measured() -> (Place, String) {
     (at, text)
 }
 
-/// The report is refused with these words and prints nothing to standard output.
+/// The record is refused with these words, and nothing is printed of it.
 fn refused(at: &Place, words: &[&str]) -> Ended {
     let ended = at.ends(1, "report a", words);
     assert_eq!(ended.stdout, "");
     ended
 }
 
-/// Forges line `number` (from 1) of the record: changes it and renews its checksum.
+/// The record with line `number`, from 1, as a liar would write it: changed, and sealed again.
 fn forged(text: &str, number: usize, change: impl FnOnce(&mut Value)) -> String {
     let mut lines: Vec<String> = text.lines().map(String::from).collect();
     let mut row: Value = serde_json::from_str(&seal::unsealed(&lines[number - 1])).unwrap();
@@ -51,7 +51,7 @@ fn line(text: &str, words: &[&str]) -> usize {
     text.lines().position(|line| words.iter().all(|words| line.contains(words))).unwrap() + 1
 }
 
-/// Every verb that reads a record refuses it and writes no file.
+/// Every verb that reads a record refuses it, and leaves no trace.
 #[test]
 fn every_verb_refuses_a_damaged_record() {
     let (at, text) = measured();
@@ -82,7 +82,7 @@ fn an_edited_line_is_named() {
         (time, whole, whole.replacen(ns, "\"time_ns\":1", 1), another),
         (time, whole, whole.replacen("\"detector\":\"", "\"detector\":\"x", 1), another),
         (time, whole, whole.replacen("0x", "0x1", 1), another),
-        // Without checksum, as a line of an older schema, and as malformed JSON.
+        // Without its check, as a line of an older schema, and as no row at all.
         (time, whole, seal::unsealed(whole), "it has no check at its end"),
         (1, first, older(first), another),
         (time, whole, older(&seal::unsealed(whole)), "its schema is 3, after lines of schema 4"),
@@ -92,7 +92,7 @@ fn an_edited_line_is_named() {
         at.file(RECORD, text.replacen(line, &edited, 1));
         refused(&at, &["1 fault: ", &format!("{RECORD}:{number}: {words}")]);
     }
-    // A resumed run measures the removed row again.
+    // The lines named taken out, a run measures them again.
     let left = text.split_inclusive('\n').filter(|line| line.trim() != whole);
     at.file(RECORD, left.collect::<String>());
     at.good("run t.toml --resume --out a");
@@ -134,12 +134,12 @@ fn rows_are_held_to_each_other() {
         at.file(RECORD, forged(&text, number, change));
         refused(&at, &[&format!("{RECORD}:{number}: "), words]);
     }
-    // Several faults are all reported.
+    // Several are all named, and the better half is not.
     let two = forged(&text, time, |row| row["digest"] = super::OTHER.into());
     at.file(RECORD, forged(&two, count, |row| row["dim"] = 1.into()));
     let ended = refused(&at, &["2 faults: "]);
     assert_eq!(ended.stderr.matches("a/samples.jsonl:").count(), 2, "{}", ended.stderr);
-    // A processor takes one sample at a time, so the same start with another time is an edit.
+    // A processor takes one sample at a time: the same beginning with another time is an edit.
     let slower = forged(&text, time, |row| {
         let ns = row["time_ns"].as_u64().unwrap() * 10;
         (row["time_ns"], row["elapsed_ns"], row["calls"]) = (ns.into(), ns.into(), 1.into());
@@ -154,7 +154,7 @@ fn rows_are_held_to_each_other() {
 #[test]
 fn what_stands_beside_the_record_is_whole() {
     let (at, _) = measured();
-    // A truncated or malformed provenance.
+    // A provenance that is cut off, or none of a run.
     let fields = at.read("a/provenance.json");
     for (damaged, words) in [
         (fields[..fields.len() / 2].to_string(), "it is not whole"),
@@ -172,20 +172,20 @@ fn what_stands_beside_the_record_is_whole() {
     for (damaged, words) in [
         (entries.replacen("\"entry\"", "\"entries\"", 1), "a/provenance.jsonl:1: it is no entry"),
         (entries.replacen("\"sha256\":\"", "\"sha256\":\"0", 1), "a/provenance.jsonl:1: its check"),
-        // Rows refer to processes that must be listed.
+        // Rows point to processes that are there.
         (less, "which is not in provenance.jsonl"),
     ] {
         at.file("a/provenance.jsonl", damaged);
         refused(&at, &[words]);
     }
-    // A last line torn by a kill, even within a character, is ignored.
+    // What a kill left torn, within a character, is not there, and the run goes on.
     let torn = [entries.as_bytes(), b"{\"entry\":\"span\",\"scene\":\"\xc3"].concat();
     at.file("a/provenance.jsonl", torn);
     at.good("run t.toml --resume --out a");
     at.good("report a");
 }
 
-/// Symbolic links must not lead out of the folder, for reading or writing.
+/// Links out of the folder, for reading and for writing.
 #[cfg(unix)]
 #[test]
 fn no_path_leaves_the_folder() {
@@ -207,7 +207,7 @@ fn no_path_leaves_the_folder() {
     }
 }
 
-/// Loosening a claim after the run, or removing part of the plan with its rows, is detected.
+/// A claim loosened after the run, or a plan cut together with its rows, is damage like any other.
 #[test]
 fn copies_of_experiments_are_under_the_seal() {
     let (at, text) = measured();
@@ -215,7 +215,7 @@ fn copies_of_experiments_are_under_the_seal() {
     let edited = "a/experiments/t.toml: its SHA-256 is ";
     at.file(COPY, format!("{before}# loosened\n"));
     refused(&at, &["1 fault: ", edited, "it was edited"]);
-    // Part of the plan is removed with its rows, so no line is torn or changed.
+    // The plan cut, and the rows with it: no line is torn or changed.
     at.file(COPY, before.replace("n = [50, 80]", "n = [50]"));
     let rows: String = text.split_inclusive('\n').filter(|it| !it.contains("\"n\":80,")).collect();
     assert_ne!(rows, text);
@@ -228,7 +228,7 @@ fn copies_of_experiments_are_under_the_seal() {
     at.file("a/experiments/u.toml", &before);
     refused(&at, &["a/experiments/u.toml: the run had no experiment of this name"]);
     at.remove("a/experiments/u.toml");
-    // The experiments of a merged record are sealed, too.
+    // A merged record is sealed as its parts are.
     at.file("whole/experiments/t.toml", format!("{before}# loosened\n"));
     at.ends(1, "report whole", &[]);
     at.good("run t.toml --resume --out a");

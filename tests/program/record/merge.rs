@@ -1,4 +1,4 @@
-//! Merging of shards and machines.
+//! Shards and machines put together.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,10 +24,10 @@ fn shards_merge_to_the_record_of_the_whole() {
     let words = ["the same everywhere (28 cells compared, 0 in one only)"];
     at.ends(0, "compare a whole --strict", &words);
     at.ends(0, "merge part-1 part-3 --out two", &["missing: 1 part, the first is 2/3"]);
-    // A single shard is incomplete, which is an error only with --strict.
+    // A single shard is incomplete, which is an error only on request.
     at.good("compare a part-1");
     at.ends(1, "compare a part-1 --strict", &[]);
-    // A shard without scenes can be merged.
+    // More shards than scenes: the last have nothing to do, and can be merged all the same.
     at.ends(0, "run t.toml --shard 9/9 --out empty", &["more shards than scenes"]);
     at.good("merge empty whole --out again");
     assert_eq!(at.rows("again"), at.rows("whole"));
@@ -45,8 +45,8 @@ fn a_merge_keeps_rows_once() {
     let whole = at.rows("a");
     at.good("merge a a --out twice");
     assert_eq!(at.rows("twice"), whole, "the same row twice is one row");
-    // A second run on the same machine adds blocks. Rows that were merged before are recognised,
-    // even if their blocks have other numbers.
+    // The same machine once more: further blocks, paired as before; what was merged before is known
+    // again, under whatever number.
     at.good("run t.toml --out b");
     at.good("merge a b --out more");
     let more = at.rows("more");
@@ -63,8 +63,8 @@ fn a_merge_keeps_rows_once() {
 fn a_merge_keeps_machines_apart() {
     let at = started();
     let whole = at.rows("a");
-    // Another machine, one of the same name with another processor, one with another cache, and a
-    // merged record of an older version, which lists no caches.
+    // Another machine, one that only has the same name, one with another cache, and what an older
+    // version wrote of a merged record: nothing about caches.
     let name = whole[0].id.machine.clone().unwrap();
     let elsewhere = |row: &mut Value| {
         slower(row);
@@ -111,7 +111,7 @@ fn a_merge_keeps_machines_apart() {
         assert!(medians.values().all(|kinds| kinds.len() == 1), "{name}: {medians:?}");
         assert_eq!(medians.len(), count, "{name}");
     }
-    // Each machine of a merged record can be compared with itself in another record.
+    // Each machine of a merged record against itself elsewhere.
     at.ends(0, "compare three a", &["(28 cells compared"]);
 }
 
@@ -129,8 +129,7 @@ fn what_does_not_belong_together_is_not_merged() {
     at.ends(2, "merge a count --out b", &["of nbs (exact, packed) with N = 50 in count"]);
     changed(&at, "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     at.ends(2, "merge a scene --out b", &["the scene packed with N = 50"]);
-    // Removes the checksums of the experiments, so that the other experiment is not taken for an
-    // edit.
+    // Of another experiment from the beginning: its copy is not sealed.
     changed(&at, "text", |_| (), |fields| fields["experiments_sha256"] = Value::Null);
     at.file("text/experiments/t.toml", EXPERIMENT.replace("blocks = 5", "blocks = 6"));
     at.ends(2, "merge a text --out b", &["the experiment t is not the same in a and text"]);

@@ -1,5 +1,5 @@
-//! Comparing and merging result folders of shards, machines and revisions; their pages; records
-//! that contradict themselves.
+//! Tests of comparing and merging result folders (shards, machines, revisions), of their pages, and
+//! of records that contradict themselves.
 
 mod builds;
 mod ci;
@@ -41,10 +41,10 @@ to = "list_push"
 where = { detector = "nbs" }
 "#;
 
-/// A fingerprint that no scene or answer has.
+/// A fingerprint that nothing has.
 const OTHER: &str = "0x0000000000000001";
 
-/// Copies a result folder and changes its rows and provenance.
+/// A copy of a result folder, with its rows and its provenance changed.
 fn changed(at: &Place, to: &str, change: impl Fn(&mut Value), fields_changed: impl Fn(&mut Value)) {
     copied(at, ["a", to], change, fields_changed);
 }
@@ -60,7 +60,7 @@ fn copied(
         change(&mut value);
         value
     };
-    // Makes the row valid: one detection in each sample, and a new checksum.
+    // As a run would have written it: one detection in each sample, and a check of the line.
     let change = |row: &mut Value| {
         change(row);
         if row["time_ns"].is_u64() {
@@ -79,7 +79,8 @@ fn copied(
     at.file(&format!("{to}/{}", provenance::FILE), provenance::text(&fields).unwrap());
 }
 
-/// A result folder `a` with reproducible times: 1000 ns plus the number of the block.
+/// A result folder `a`, with times that do not depend on what else the machine does: 1000 ns and
+/// the number of the block.
 fn started() -> Place {
     static RUN: OnceLock<Template> = OnceLock::new();
     let calm = |row: &mut Value| {
@@ -97,7 +98,7 @@ fn started() -> Place {
     template.place()
 }
 
-/// Counts the test cases and failures of a well-formed JUnit file.
+/// Test cases and failures of a file that is well-formed.
 pub fn junit(path: &Path) -> (usize, usize) {
     let text = std::fs::read_to_string(path).unwrap();
     let document = roxmltree::Document::parse(&text).unwrap();

@@ -1,5 +1,5 @@
-//! Origins of rows and reasons to doubt their times: recorded during the measurement, and shown
-//! with the times.
+//! Origins of rows, and reasons to doubt their times: recorded during the measurement, and printed
+//! wherever times are shown.
 
 use std::path::Path;
 use std::process::Command;
@@ -31,7 +31,7 @@ fn every_row_names_the_program_that_answered_and_when() {
     at.file("library.sh", library);
     let named = "[[runner]]\nname = \"library\"\ncommand = [\"sh\", \"library.sh\"]\n";
     at.file("t.toml", format!("{TEXT}{named}{}", runner("missing", "no-such-program", "")));
-    // The library gives wrong answers.
+    // The answers of the library are wrong.
     at.ends(1, "run t.toml --out result", &[]);
     let ledger = Ledger::read(&at.path("result"));
     let own = sum(Path::new(PROGRAM));
@@ -68,14 +68,13 @@ fn every_row_names_the_program_that_answered_and_when() {
             assert!(span.seconds > 0.0 && span.own_s > 0.0 && span.cores > 0, "{span:?}");
         }
     }
-    // Each level of instructions is a process of its own, and so is the library. There are two
-    // scenes.
+    // One program with three levels of instructions, and a library; two scenes. Rows point there.
     let levels = if Level::best().name() == "portable" { 2 } else { 3 };
     let spans = if cfg!(target_os = "linux") { 2 } else { 0 };
     assert_eq!((ledger.processes.len(), ledger.spans.len()), (levels + 1, spans));
     let text = at.read("result/samples.jsonl");
     assert!(!text.contains("sha256") && !text.contains("revision"));
-    // Merging keeps the processes of the rows.
+    // The entries stay with the rows.
     at.ends(1, "merge result result --out twice", &[]);
     assert_eq!(Ledger::read(&at.path("twice")), ledger);
     let page = at.read("twice/report.md");
@@ -84,7 +83,7 @@ fn every_row_names_the_program_that_answered_and_when() {
     }
 }
 
-/// Hides repositories in parent folders and the user's settings from git.
+/// A command in a folder that knows nothing of repositories above it, nor of the user's settings.
 fn git_free(mut command: Command, folder: &Path) -> Command {
     command.current_dir(folder).env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap());
     command.env("GIT_CONFIG_GLOBAL", "/dev/null").env("GIT_CONFIG_NOSYSTEM", "1");
@@ -101,13 +100,13 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     let mut compiler = Command::new(rustc);
     compiler.args(["--edition", "2024", "-o"]).args([&script, &source]);
     assert!(compiler.status().unwrap().success());
-    // A source tree without a repository.
+    // A tarball, unpacked somewhere.
     let tree = at.path("tree");
     std::fs::create_dir_all(tree.join("src")).unwrap();
     for name in ["build.rs", "src/lib.rs", "README.md"] {
         at.file(&format!("tree/{name}"), "1");
     }
-    // Revision, state of the sources, and whether the script runs again after the next commit.
+    // Revision, state of the sources, and whether it looks again after the next commit.
     let noted = || {
         let output = git_free(Command::new(&script), &tree).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -129,7 +128,7 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     if git(&["init", "-q"]).is_none() {
         return untested("that the build notes its commit", "git");
     }
-    // The repository does not track these sources.
+    // In a repository of others.
     assert_eq!(noted(), unknown);
     let commit = || {
         git(&["add", "-A"]).unwrap();
@@ -207,13 +206,13 @@ fn a_doubtful_record_has_its_doubt_on_every_page() {
             assert!(page[at..].contains(words), "{words} is not in\n{page}");
         }
         assert!(doubts[0].as_str().unwrap().starts_with(words), "{doubts}");
-        // The doubt stands at the top, before the results that it concerns.
+        // At the head, before what it is about.
         assert!(pages[0].find(doubt) < pages[0].find("fast"), "{}", pages[0]);
         assert!(pages[1].find(doubt) < pages[1].find("**?**"), "{}", pages[1]);
     }
 }
 
-/// The other build is a shell script whose second answer differs from all others.
+/// Another build, in shell: its second answer is another than the rest.
 #[cfg(unix)]
 #[test]
 fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {

@@ -1,9 +1,9 @@
-//! Reports of a partly executed plan: they begin with how much of the plan was measured, and do not
-//! judge claims about the rest.
+//! A part of a plan is not the whole: reports say on top how much of the plan is there, and claims
+//! over what is not there are not covered.
 
 use crate::common::{Ended, Place};
 
-/// Nine spacings; a quick run takes two of them.
+/// Nine spacings, of which a quick run takes two.
 const EXPERIMENT: &str = r#"
 name = "t"
 title = "t"
@@ -45,7 +45,7 @@ fn reports_name_what_is_missing_and_claim_nothing_of_it() {
     let ended = at.ends(0, "run t.toml --out result", &["claims"]);
     shown(&at, &ended, &["9 scenes, 18 cells", "9 cells of twins"]);
     assert!(!ended.stdout.contains("not covered"), "{}", ended.stdout);
-    // Each scene has three cells of eight rows: the two planned and a twin.
+    // Each scene has three cells of eight rows: a twin takes part beside those planned.
     let whole = at.read("result/samples.jsonl");
     at.file("result/samples.jsonl", whole.split_inclusive('\n').take(5 * 24).collect::<String>());
     let none = "2 claims: 2 not covered";

@@ -1,12 +1,12 @@
-//! Runners that crash, hang, give wrong answers, or do not exist.
+//! Runners that crash, hang, lie or are not there.
 
 use contactbench::record::row::{Outcome, Pass, Row};
 
 use super::{EMPTY, HEAD, SPARSE, of, rows};
 use crate::common::{PROGRAM, Place, answers, fake, runner, sample, say};
 
-/// Rows of a runner that reports impossible numbers are refused with the reason, and `check` prints
-/// the same. The tests of `run/possible` cover which numbers are impossible.
+/// A runner that reports impossible numbers loses its rows, with the reason; `check` prints the
+/// same. The tests of `run/possible` cover which numbers are impossible.
 #[test]
 fn impossible_numbers_are_refused() {
     let fields = r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#;
@@ -32,7 +32,7 @@ fn impossible_numbers_are_refused() {
     assert!(of(&rows, "nbs", 25).iter().all(|row| row.outcome == Outcome::Ok));
 }
 
-/// Name, program, script, outcomes of count, memory and time, and words of the last reason.
+/// Name, program, script, outcomes of count, memory and time, and words of the reason of the last.
 fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static str)> {
     use Outcome::*;
     let right = sample(0, EMPTY);
@@ -45,8 +45,8 @@ fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static st
     let old = say(r#"{"reply":"hello","protocol":0,"detector":"old"}"#);
     let strays = answers(&[("count", &loaded), ("sample", &right)]);
     let skips = fake(&[("sample", &right)]);
-    // The array of 9·10^9 cells is within the limit of the runner, but not within its address
-    // space, which is the experiment's limit plus 1 GiB for the program.
+    // An array of 9·10^9 cells, which the runner is allowed but its address space is not: limit,
+    // and 1 GiB for the program.
     let greedy = format!("exec {PROGRAM} runner --detector screening --memory-limit 99000000000");
     let stray = "answered Count with Loaded";
     vec![
@@ -75,7 +75,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     let cases = cases();
     let runners: String =
         cases.iter().map(|(name, program, script, ..)| runner(name, program, script)).collect();
-    // 100 discs in rows of 10, 3000 diameters apart.
+    // 100 discs, 3000 diameters apart in a row of 10.
     let text = format!(
         "time-limit-s = 1\nmemory-limit-mib = 1\ndetectors = [\"screening\", \"nbs\"]\n\
          [[scene]]\nname = \"pack-c\"\nn = 100\ns = 3000\n[[scene]]\nname = \"packed\"\nn = [100, \
@@ -102,11 +102,11 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     assert_eq!(alone.iter().filter(right).count(), 1, "{alone:?}");
     let other = of(&sparse, "other", 100);
     assert!(other.iter().all(|row| row.outcome == Outcome::Wrong || row.pass != Pass::Time));
-    // Too slow with 100 particles, so 400 are not tried.
+    // Too slow with 100 particles: not tried with 400.
     let late = of(&dense, "hangs", 400);
     let untried = |row: &&Row| row.outcome == Outcome::Timeout && row.reason.contains("not tried");
     assert!(late.len() == 3 && late.iter().all(untried), "{late:?}");
-    // The detector refuses and names the number of bytes.
+    // Refused by the detector itself, with numbers and remedy.
     for row in of(&sparse, "screening", 100) {
         assert!(row.outcome == Outcome::Refused && row.reason.contains("1048576 bytes"), "{row:?}");
     }
@@ -119,10 +119,10 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
 #[test]
 fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     let one = sample(1, "0x910a2dec89025cc1");
-    // The pair 0,1 does not touch in this scene.
+    // One pair, (0, 1), which is none of the scene's.
     let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
     let open = answers(&[("sample", &one), ("pairs", write)]);
-    // The list that the runner writes differs from the one that was judged.
+    // A runner that writes another list than the one it was judged by.
     let fickle = answers(&[("sample", &sample(1, "0x0000000000000001")), ("pairs", write)]);
     let text = format!(
         "detectors = [\"nbs\"]\n{SPARSE}{}{}{}",
@@ -144,8 +144,8 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     }
 }
 
-/// A runner defined in the experiment that cannot start fails the run, unless it is optional. One
-/// that crashes in every scene fails the run, too.
+/// A runner of the experiment's own that cannot start is named with the reason and fails the run,
+/// unless it is optional; one that crashed in every scene fails it, too.
 #[test]
 fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     let crashes = runner("mine", "sh", &fake(&[("load", "exit 3")]));
@@ -165,12 +165,12 @@ fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
         at.ends(code, "run t.toml --out result --summary a.md", words);
         let summary = at.read("a.md");
         assert_eq!(summary.contains("| failed | record | mine "), code == 1, "{summary}");
-        // The report of the record repeats this.
+        // The report of the record says the same.
         at.ends(code, "report result", &[]);
     }
 }
 
-/// A wrong answer is printed once, before all else, and comes first on every page.
+/// A wrong answer is the first thing that is printed, once, and the first in every page.
 #[test]
 fn who_is_wrong_comes_first_and_once() {
     let at = Place::new();
@@ -193,7 +193,7 @@ fn who_is_wrong_comes_first_and_once() {
     let junit = at.read("junit.xml");
     let first = junit.split("<testcase ").nth(1).unwrap();
     assert!(first.contains("fake is right") && first.contains("<failure"), "{junit}");
-    // A folder without a record, and the parent of a result folder.
+    // A folder without a record, and the one around a result folder.
     std::fs::create_dir(at.path("empty")).unwrap();
     at.ends(2, "report empty", &["empty has no samples.jsonl"]);
     at.ends(2, "report .", &["such as ./out"]);

@@ -1,8 +1,8 @@
-//! Foreign text must not act as a command in a terminal, a log or a spreadsheet.
+//! Text from outside reaches neither a terminal, nor a log, nor a spreadsheet as a command.
 
 use crate::common::{Ended, Place, fake, run, say};
 
-/// Allows no control characters except line feeds, and no line that a log takes for a command.
+/// No control characters but line feeds, and no line that a log takes for a command.
 fn harmless(what: &str, ended: &Ended) {
     for text in [&ended.stdout, &ended.stderr] {
         assert!(text.chars().all(|c| c == '\n' || !c.is_control()), "{what}: {text:?}");

@@ -1,3 +1,5 @@
+//! `recommend`.
+
 use crate::common::Place;
 
 #[test]
@@ -11,7 +13,7 @@ fn recommend_names_one_and_why_not_the_others() {
         of(name);
     }
     assert!(find("nothing").is_none() && find("nbs-twin").is_none());
-    // The array over cells exceeds the memory limit.
+    // An array over cells does not fit.
     let refused = of("screening");
     assert_eq!(refused["outcome"], "refused");
     assert!(refused["reason"].as_str().unwrap().contains("300000"), "{refused}");
@@ -21,7 +23,7 @@ fn recommend_names_one_and_why_not_the_others() {
     let time = &choice["ns_per_particle"];
     let times = ["low", "median", "high"].map(|it| time[it].as_f64().unwrap());
     assert!(times.is_sorted(), "{time}");
-    // The choice uses the least memory among the undecided detectors that are not much slower.
+    // It is the leanest of those that cannot be told apart and are not much slower.
     assert_eq!(time["blocks"], answer["blocks"]);
     for name in answer["cannot_tell_apart"].as_array().unwrap() {
         let tied = of(name.as_str().unwrap());

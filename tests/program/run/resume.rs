@@ -1,5 +1,5 @@
-//! A resumed run ends with the rows of an undisturbed one, wherever it was killed, and never
-//! overwrites results.
+//! A killed run continues: wherever it stopped, a resumed run ends with the rows of an undisturbed
+//! one, and no result is ever written over.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Stdio;
@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::common::{self, PROGRAM, Place, Template, answers, fake, program, runner};
 
-/// Exit code of a whole run of [`experiment`], in which two runners crash in every scene.
+/// A whole run of [`experiment`] ends with this, because two of its runners crash in every scene.
 pub const WHOLE: i32 = 1;
 
 const RUN: &str = "run t.toml --out result";
@@ -22,8 +22,8 @@ const RECORD: &str = "result/samples.jsonl";
 
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 2\n";
 
-/// Cells that succeed, are refused, belong to a control, crash in a timed pass (in an arithmetic
-/// that only the runner names), crash at once, or cannot start.
+/// Cells that succeed, are refused, do nothing on purpose, crash in a timed pass (in an arithmetic
+/// that only the runner knows), crash at once, and are not there at all.
 pub fn experiment() -> String {
     format!(
         "{HEAD}memory-limit-mib = 1\ndetectors = [\"nbs\", \"screening\", \
@@ -34,16 +34,18 @@ pub fn experiment() -> String {
     )
 }
 
-/// In each of two scenes: nbs, its twin and nothing have 4 rows (count, memory, 2 blocks), late has
-/// 3 (count, memory, block 1), early and absent have 3 (one for each pass). screening has 4 rows in
-/// one scene and, refused, 3 in the other.
+/// Scenes; rows of nbs, of its twin, of nothing (count, memory, 2 blocks), of late (count, memory,
+/// block 1), of early and of absent (one per pass); and screening once good (4 rows), once refused
+/// (3).
 const ROWS: usize = 2 * (4 + 4 + 4 + 3 + 3 + 3) + 4 + 3;
 
+/// The rows of the result, without their times.
 pub fn steady(at: &Place) -> BTreeMap<Measurement, String> {
     common::steady(&at.rows("result"))
 }
 
-/// A copy of an undisturbed run, its rows, and its duration. All tests share one run.
+/// A copy of an undisturbed run in a folder of its own; all tests share one run, and how long it
+/// took.
 fn undisturbed() -> (Place, BTreeMap<Measurement, String>, Duration) {
     static RUN_ONCE: OnceLock<(Template, Duration)> = OnceLock::new();
     let (template, took) = RUN_ONCE.get_or_init(|| {
@@ -67,7 +69,7 @@ fn a_record_that_was_cut_is_completed() {
     let (at, expected, _) = undisturbed();
     let whole = at.read(RECORD);
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
-    // Steps of eleven rows reach all passes and outcomes.
+    // Every eleventh row meets all passes and outcomes.
     for kept in (0..lines.len()).step_by(11) {
         let torn = &lines[kept][..lines[kept].len() / 2];
         at.file(RECORD, lines[..kept].concat() + torn);
@@ -84,14 +86,14 @@ fn a_record_that_was_cut_is_completed() {
 #[test]
 fn a_run_killed_at_random_moments_is_completed() {
     let (_at, expected, took) = undisturbed();
-    // Repeats a failure: `CONTACTBENCH_SEED=7 cargo test --test program resume`.
+    // A seed to repeat a failure with: `CONTACTBENCH_SEED=7 cargo test --test program resume`.
     let given = std::env::var("CONTACTBENCH_SEED").ok().and_then(|text| text.parse().ok());
     let now = || std::time::UNIX_EPOCH.elapsed().map_or(1, |since| since.subsec_nanos().into());
     let seed: u64 = given.unwrap_or_else(now);
     eprintln!("CONTACTBENCH_SEED={seed}, an undisturbed run takes {took:?}");
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cut_short = 0;
-    // Tries more than three kills only until one falls within the run.
+    // More only while none fell into the run.
     for kill in 1..=20 {
         if kill > 3 && cut_short > 0 {
             break;
@@ -99,7 +101,7 @@ fn a_run_killed_at_random_moments_is_completed() {
         let what = format!("kill {kill} of seed {seed}");
         let at = Place::new();
         at.file("t.toml", experiment());
-        // Kills the program after a random time.
+        // Kills the program after a while, with nothing tidied up.
         let mut killed = |line: &str| {
             let words: Vec<&str> = line.split(' ').collect();
             let mut program = program(at.root(), &words);
@@ -113,7 +115,7 @@ fn a_run_killed_at_random_moments_is_completed() {
         };
         let rows = killed(RUN);
         cut_short += usize::from(rows > 0 && rows < ROWS);
-        // Every second run is also killed while it resumes.
+        // Every other one is killed when it is resumed, too.
         assert!(kill % 2 == 1 || killed(RESUME) >= rows, "{what}: rows were lost");
         at.ends(WHOLE, RESUME, &[]);
         assert_eq!(steady(&at), expected, "{what}: {rows} rows were there");
@@ -126,8 +128,8 @@ fn a_full_disk_costs_no_row() {
     let (_at, expected, _) = undisturbed();
     let at = Place::new();
     at.file("t.toml", experiment());
-    // Limits files to 8 KiB (16 blocks of 512 bytes) and ignores the signal, so that writing fails
-    // as on a full disk.
+    // No file may have more than 8 KiB (16 blocks of 512 bytes); the signal that goes with it is
+    // ignored, so that writing fails as on a full disk.
     let ended = at.shell(&format!("trap '' XFSZ; ulimit -f 16; exec {PROGRAM} {RUN}"));
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
     let rows = at.rows("result").len();
@@ -201,7 +203,7 @@ fn a_resumed_run_remembers_which_detector_was_too_slow() {
     assert_eq!(steady(&at), expected, "the reason says that it was not tried");
 }
 
-/// Two virtual machines with the same name and different processors.
+/// Two virtual machines of one name on two kinds of processors.
 #[test]
 fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
     let (at, ..) = undisturbed();
@@ -213,7 +215,7 @@ fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
     assert!(fields["cpu_features"].is_array() || !cfg!(target_arch = "x86_64"), "{fields}");
     fields["caches"]["L3"] = "300M".into();
     at.file("result/provenance.json", provenance::text(&fields).unwrap());
-    // The second time, the name of the new machine is already in the record.
+    // The second time it is known already.
     for kept in [half, half + 2] {
         at.file(RECORD, text.split_inclusive('\n').take(kept).collect::<String>());
         let note = format!("the record was begun on {here}, this is {here}-2");
@@ -236,7 +238,7 @@ fn a_result_is_never_written_over() {
     let ended = at.ends(2, RUN, &["--resume", "--out"]);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
     assert!(before == files());
-    // Only a torn last line is repaired.
+    // Anything but a torn last line is not repaired.
     at.file(RECORD, format!("not a row\n{}", before[0]));
     at.ends(1, RESUME, &["samples.jsonl:1: it is not a row"]);
 }

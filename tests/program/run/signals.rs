@@ -1,3 +1,5 @@
+//! Ctrl-C and SIGTERM.
+
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
@@ -8,8 +10,8 @@ use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
-/// Starts a run and waits until its runner hangs, which it does unless the file `go` exists. The
-/// ids of its processes are in `pids`.
+/// Starts a run with a runner that hangs unless the file `go` exists; the ids of its processes are
+/// in `pids`. Waits until the runner hangs.
 fn hanging(at: &Place) -> Child {
     let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let waits = runner("waits", "sh", &answers(&[("sample", sample)]));
@@ -61,14 +63,14 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
 fn a_second_ctrl_c_ends_at_once() {
     let at = Place::new();
     let mut child = hanging(&at);
-    // Nothing reads the report, so writing it blocks after the first signal.
+    // After the first signal the report waits for a reader who never comes.
     assert_eq!(at.shell("mkfifo result/report.md").code, Some(0));
     signal(&child, Signal::INT);
     std::thread::sleep(Duration::from_millis(500));
     let began = Instant::now();
     while child.try_wait().unwrap().is_none() {
         assert!(began.elapsed() < Duration::from_secs(30), "a second signal does not end it");
-        // Two pending signals of a kind arrive as one.
+        // Two of a kind may arrive as one.
         let _ = kill_process(Pid::from_child(&child), Signal::INT);
         std::thread::sleep(Duration::from_millis(100));
     }

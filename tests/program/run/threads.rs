@@ -1,4 +1,4 @@
-//! Numbers of threads as an axis, copies that run beside each other, and the memory of both.
+//! Threads as an axis, copies beside each other, and what both take.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +21,8 @@ fn memory_is_measured_with_the_threads_of_the_row_and_sequential_detectors_have_
     let contacts = rows[0].contacts.unwrap();
     let ((peak, formula), (peak_of_two, formula_of_two)) = (memory(1), memory(2));
     assert_eq!(peak, formula);
-    // The formula includes the contacts collected by each thread, but not the list of these lists.
+    // The contacts that the threads have found are collected, and in the formula; what their lists
+    // are listed in is not.
     assert!(contacts > 400 && formula_of_two >= peak + 8 * contacts, "{formula_of_two}, {peak}");
     let lists = formula_of_two..formula_of_two + (16 << 10);
     assert!(lists.contains(&peak_of_two), "{peak_of_two}, formula {formula_of_two}");
@@ -65,14 +66,14 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     ] {
         assert_eq!((&passes(detector, 1), &passes(detector, 2)), (one, two), "{detector}");
     }
-    // All rows of the cell with two threads exist; only the ceiling is unavailable.
+    // Without the copies its cell with two threads is whole.
     let expected = [&ok[..], &[(Pass::Ceiling, 0, Outcome::Unavailable)]].concat();
     assert_eq!(passes("particular", 2), expected);
     for row in rows.iter().filter(|row| row.pass == Pass::Ceiling && row.outcome == Outcome::Ok) {
         assert!(row.time_ns > Some(0) && row.calls >= Some(2), "{row:?}");
         assert!(row.digest.is_some() && row.counts.is_empty(), "{row:?}");
     }
-    // Two scenes with three subjects of two threads, one of which has no time with one thread.
+    // Two scenes with three contenders of two threads, but that one of them has no time with one.
     let lines = |name: &str| at.read(&format!("result/{name}")).lines().count();
     assert_eq!(lines("threads.csv"), 1 + 2 * 2);
     assert_eq!(lines("ratios.csv"), 1 + 2 * (2 + 1 + 1 + 2 + 2 + 1));

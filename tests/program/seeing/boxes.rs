@@ -1,6 +1,8 @@
+//! Pictures of boxes.
+
 use crate::common::Place;
 
-/// Number of periodic and of open faces in a drawing of a box.
+/// Faces of a box that repeat and that are open in a drawing.
 fn faces(svg: &str) -> (usize, usize) {
     let lines = || svg.lines().filter(|line| line.contains("stroke=\"#555"));
     let count = |look: &str| {
@@ -12,7 +14,7 @@ fn faces(svg: &str) -> (usize, usize) {
 #[test]
 fn the_box_its_images_and_contacts_across_it_are_drawn() {
     let at = Place::new();
-    // One disc in the middle, two that touch through a face, one outside.
+    // One disc in the middle, two that touch through the side, one outside.
     at.file("discs.csv", "x,y,r\n2,2,0.5\n0.25,1,0.5\n3.25,1,0.5\n-1.5,3,0.25\n");
     at.file("one.csv", "x,y,z,r\n0.25,0.5,7,0.5\n");
     at.file(
@@ -28,14 +30,15 @@ fn the_box_its_images_and_contacts_across_it_are_drawn() {
     for part in ["4 discs in a box", "1 outside it", "across the box: 1;", "tangent: 1<"] {
         assert!(svg.contains(part), "'{part}' in {svg}");
     }
-    // Two pale images with the numbers of their particles, and marks of tangency.
+    // Two images, pale, with the numbers of their particles; marks of tangency.
     assert_eq!(svg.matches("fill=\"#8a8167\"").count(), 2, "{svg}");
     let pale = svg.split("fill=\"#f6f3ea\"").nth(1).unwrap().split("</g>").next().unwrap();
     assert_eq!(pale.matches("<circle").count(), 2, "{pale}");
     assert_eq!(svg.matches("<circle").count(), 6 + 3, "{svg}");
     let spheres = picture("one.csv --box 1,1,1", &["3 contacts, 3 of them across the box"]);
     assert!(spheres.contains("contacts across the box: 2 of 3"), "{spheres}");
-    // Pairs of faces may be all periodic, partly open, or missing along an axis of length 0.
+    // Four periodic faces; two periodic and two open ones; two periodic ones, and an axis without a
+    // length.
     for (line, expected) in [
         ("discs.csv --box 4,4", (4, 0)),
         ("discs.csv --box 4,4 --periodic x", (2, 2)),
@@ -45,7 +48,7 @@ fn the_box_its_images_and_contacts_across_it_are_drawn() {
     ] {
         assert_eq!(faces(&picture(line, &[])), expected, "{line}");
     }
-    // The faces of a sheared box have the slope of the box.
+    // The faces of a sheared box are as steep as they are.
     let svg = picture("discs.csv --box 4,0,4,4", &[]);
     let line = svg.lines().find(|line| line.contains("stroke=\"#555")).unwrap();
     let steep = line.split('"').nth(1).unwrap().split('M').skip(1).filter(|edge| {

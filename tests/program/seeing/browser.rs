@@ -1,5 +1,5 @@
-//! A real browser for tests: Chromium, driven by chromedriver over WebDriver (JSON over local
-//! HTTP).
+//! A real browser for tests: Chromium, driven by chromedriver over the WebDriver protocol (JSON
+//! over HTTP, on this machine alone).
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -16,7 +16,7 @@ const OPTIONS: &str = "--headless=new --no-sandbox --disable-gpu --disable-quic 
                        --disable-background-networking --disable-component-update --disable-sync \
                        --disable-dev-shm-usage";
 
-/// A browser window, closed when dropped.
+/// A window of a browser; closed when dropped.
 pub struct Browser {
     driver: Child,
     port: u16,
@@ -25,8 +25,8 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Opens a window of this size. Returns `None` if Chromium or chromedriver is not installed,
-    /// unless `CONTACTBENCH_BROWSER=required`.
+    /// Opens a window of this size; none where Chromium or chromedriver are not installed, unless
+    /// `CONTACTBENCH_BROWSER=required`.
     pub fn open(width: u32, height: u32) -> Option<Browser> {
         let names = ["chromium", "chromium-browser", "google-chrome"];
         let chromium = names.into_iter().find(|name| starts(name, "--version"));
@@ -66,12 +66,12 @@ impl Browser {
         Some(browser)
     }
 
-    /// Folder of downloads.
+    /// Where downloads go.
     fn downloads(&self) -> PathBuf {
         self.folder.path().join("downloads")
     }
 
-    /// Sends a request and returns the value in its answer.
+    /// One request; the value of the answer.
     fn send(&self, method: &str, path: &str, body: &Value) -> Value {
         let body = if method == "POST" { body.to_string() } else { String::new() };
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -100,34 +100,35 @@ impl Browser {
         self.send("POST", &format!("/session/{}{path}", self.session), &body)
     }
 
+    /// Opens a file.
     pub fn show(&self, file: &Path) {
         let file = file.canonicalize().unwrap();
         self.post("/url", json!({"url": format!("file://{}", file.display())}));
     }
 
-    /// Runs JavaScript and returns its value.
+    /// What a piece of JavaScript returns.
     pub fn run(&self, code: &str) -> Value {
         self.post("/execute/sync", json!({"script": code, "args": []}))
     }
 
-    /// Like [`run`](Self::run), with the value as a type.
+    /// Returns what a piece of JavaScript returns, as a type.
     pub fn get<T: DeserializeOwned>(&self, code: &str) -> T {
         serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
     }
 
-    /// The text of the first element that matches a selector.
+    /// The text of the first element that this selector finds.
     pub fn text(&self, css: &str) -> String {
         self.get(&format!("return document.querySelector({css:?}).textContent"))
     }
 
-    /// Sends an action to the first element that matches a selector.
+    /// Does something to the first element that this selector finds.
     fn act(&self, css: &str, action: &str, body: Value) {
         let found = self.post("/element", json!({"using": "css selector", "value": css}));
         let element = found.as_object().and_then(|it| it.values().next()?.as_str());
         self.post(&format!("/element/{}/{action}", element.expect("an element")), body);
     }
 
-    /// Clicks as a mouse would: fails if another element covers this one.
+    /// Clicks as a mouse would: fails if something is in front of the element.
     pub fn click(&self, css: &str) {
         self.act(css, "click", json!({}));
     }
@@ -136,7 +137,7 @@ impl Browser {
         self.act(css, "value", json!({"text": text}));
     }
 
-    /// Selects the option with this text.
+    /// Chooses the option with this text.
     pub fn choose(&self, select: &str, text: &str) {
         let k: i32 = self.get(&format!(
             "return [...document.querySelector({select:?}).options].findIndex((o) => o.text === \
@@ -146,18 +147,18 @@ impl Browser {
         self.click(&format!("{select} option:nth-child({})", k + 1));
     }
 
-    /// Sends a command of the DevTools protocol.
+    /// A command of the DevTools protocol.
     pub fn devtools(&self, command: &str, parameters: Value) {
         self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
     }
 
-    /// Gives the window the size of a phone.
+    /// Makes the window that of a phone.
     pub fn phone(&self) {
         let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
         self.devtools("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// The messages in the console: warnings, errors, refused requests.
+    /// What stands in the console: warnings, errors, refused requests.
     pub fn log(&self) -> Vec<String> {
         let entries = self.post("/se/log", json!({"type": "browser"}));
         entries.as_array().unwrap().iter().map(|entry| entry.to_string()).collect()
@@ -179,8 +180,7 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         if !self.session.is_empty() {
-            // Killing the driver would leave the browser running. An error here must not hide that
-            // of the test.
+            // The browser outlives a driver that is killed. A failure here would hide the test's.
             let end = || self.send("DELETE", &format!("/session/{}", self.session), &Value::Null);
             let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(end));
         }

@@ -1,4 +1,4 @@
-//! Layout of the page of a report in a browser, in a wide window and on a phone.
+//! Where things stand on the page of a report, wide and on a phone, in a browser.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use super::browser::Browser;
 use super::page::report;
 use crate::common::Place;
 
-/// Position of an element's side in the window, or `None` if the element is hidden.
+/// Position of an element's side in the window; `null` if it is not shown.
 fn side(browser: &Browser, selector: &str, side: &str) -> Option<f64> {
     let script = format!(
         "const it = document.querySelector('{selector}'); return it.checkVisibility() ? \
@@ -23,7 +23,7 @@ fn axes_and_results_are_seen_at_every_width() {
     let page = report(&at);
     let Some(browser) = Browser::open(1280, 1000) else { return };
     browser.show(&page);
-    // The axis overlaps neither the head of the next column nor its own.
+    // The axis does not run into the head of the next column, nor into its own.
     let end = side(&browser, "table.answer thead text:last-of-type", "right").unwrap();
     let next = side(&browser, "table.answer th:nth-child(5)", "left").unwrap();
     assert!(end <= next, "{end} {next}");
@@ -45,7 +45,7 @@ fn axes_and_results_are_seen_at_every_width() {
     assert!(side(&browser, "#cells td:first-child", "left").unwrap() >= 0.0, "it stays");
 }
 
-/// The page contains its figures and does not need their folder.
+/// Without the folder of figures the page still has them.
 #[test]
 fn a_page_that_was_moved_still_gives_pictures() {
     let at = Place::new();
@@ -57,7 +57,7 @@ fn a_page_that_was_moved_still_gives_pictures() {
         "window.made = [];
          HTMLAnchorElement.prototype.click = function () { made.push(this.href.slice(0, 22)); }",
     );
-    // Repeats the click until the figure is drawn.
+    // The figure may not be drawn yet.
     let click = "
         const link = document.querySelector('a[data-kind=PNG]');
         link.dispatchEvent(new MouseEvent('click', { cancelable: true, bubbles: true }));

@@ -24,7 +24,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]];
     let scene = in_open_space(&discs(&centres, 0.5)).unwrap();
     let plain = draw::svg(&scene, &found(&scene), &Look::titled("a < b & \"c\"")).unwrap();
-    // 5 discs, 3 marks of tangency and near tangency, and 2 marks in the legend.
+    // Discs, tangent and nearly tangent marks, two of them in the legend.
     assert_eq!(plain.matches("<circle").count(), 5 + 3 + 2);
     let words =
         ["contacts: 2", "exactly tangent: 2", "nearly tangent", "a &lt; b &amp; &quot;c&quot;"];
@@ -37,7 +37,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"), "{wrong}");
 }
 
-/// The worst mistake is visible among many discs, and away from the middle of many spheres.
+/// In a crowd, and off the middle of a pack of spheres.
 #[test]
 fn the_worst_mistake_is_seen() {
     for (spec, place) in [("packed:n=5000", ""), ("packed:dim=3,n=1000", ", slice ")] {
@@ -50,7 +50,7 @@ fn the_worst_mistake_is_seen() {
             let svg = draw::svg(&scene, &pairs, &Look::titled("t")).unwrap();
             assert!(svg.contains("missed: touching, but not reported: 1<"), "{spec} {k}");
             let around = format!(", around {} and {}: the worst mistake", missed.i, missed.j);
-            // Spheres of a slice are large enough without a closer view.
+            // Spheres of a slice are large enough to be seen as it is.
             assert!(svg.contains(place) && svg.contains(&around) == place.is_empty(), "{spec} {k}");
             let numbers = svg.contains(&format!(">{}</text>", missed.i));
             assert!(numbers || !place.is_empty(), "{spec} {k}: few enough for numbers");
@@ -72,7 +72,7 @@ fn captions_are_whole() {
     on_the_sheet(&svg);
 }
 
-/// Checks that all lines end on the sheet.
+/// All lines end on the sheet.
 fn on_the_sheet(svg: &str) {
     let side = |name: &str| -> f64 {
         let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();
@@ -90,8 +90,8 @@ fn on_the_sheet(svg: &str) {
     }
 }
 
-/// No coordinate of a drawing is NaN or infinite: with 0 or 1 particles, points, coincident points,
-/// huge and tiny numbers, and offsets that leave few bits.
+/// N = 0 and 1, points, points in one place, huge and tiny numbers, offsets that leave few bits: a
+/// picture, and nothing in it that is no number.
 #[test]
 fn every_scene_can_be_drawn() {
     let row: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();
@@ -123,7 +123,7 @@ fn every_scene_can_be_drawn() {
     assert!(beyond.unwrap_err().to_string().contains("the scene has 9 particles"));
 }
 
-/// `draw` finds the contacts that every detector finds.
+/// `draw` finds contacts as every detector does.
 #[test]
 fn drawn_contacts_are_the_contacts() {
     for text in ["packed:n=500", "loose:dim=3,n=300", "clustered:n=200"] {

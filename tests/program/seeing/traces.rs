@@ -1,10 +1,11 @@
-//! Traces follow the detectors and show what the book prints.
+//! Traces do what the detectors do, and show what the book prints.
 
 use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
 
 use super::{ALL, counted, discs, scene};
 
-/// A trace has the operations of the counted build, and the same contacts in the same order.
+/// The trace is the counted build with another probe: the same operations, the same contacts in the
+/// same order.
 #[test]
 fn a_trace_counts_and_finds_what_the_counted_build_does() {
     let scenes = [
@@ -27,7 +28,7 @@ fn a_trace_counts_and_finds_what_the_counted_build_does() {
             assert_eq!((last.tally, trace.tally), (tally, tally), "{algorithm:?} {name}");
             assert_eq!(trace.contacts, pairs, "{algorithm:?} {name}");
             assert_eq!(last.state.contacts, pairs, "{algorithm:?} {name}");
-            // Counters never decrease, and every step has a sentence.
+            // Counters never fall, and every step says something.
             for pair in trace.steps.array_windows::<2>() {
                 assert!(pair[0].tally.iter().zip(pair[1].tally.iter()).all(|(a, b)| a.1 <= b.1));
             }
@@ -54,14 +55,14 @@ fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
     links.map(|next| next.value.map_or(-1, |k| i64::from(k) + 1)).collect()
 }
 
-/// The arrays equal those of G5 in the book (p103-110), and the number of steps is fixed.
+/// G5 of the book on the arrays that are shown (p103-110), and how many steps there are.
 #[test]
 fn the_books_ten_particles_are_shown_as_printed() {
     let trace = trace(Algorithm::Nbs, None).unwrap();
     assert_eq!(trace.steps.len(), 144);
     assert_eq!(heads(&trace, 10, 'B'), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
     assert_eq!(links(&trace, 10, 'Y'), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
-    // The x-lists of row 7, just before those of the row below are built.
+    // The x-lists of row 7: before those of the row below are made, four pushes later.
     let row_7 = trace.steps.iter().position(|step| step.marks.written.contains(&('A', 1))).unwrap();
     let pushed = (row_7..)
         .find(|&step| trace.steps[step].marks.written.iter().any(|(letter, _)| *letter == 'a'))
@@ -76,7 +77,8 @@ fn the_books_ten_particles_are_shown_as_printed() {
     }
 }
 
-/// While cells are checked, the list of each cell contains exactly the particles of that cell.
+/// While cells are checked, the list of every cell holds the particles of that cell, and those of
+/// all cells are there.
 #[test]
 fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     for (algorithm, link, letters) in
@@ -112,7 +114,7 @@ fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     }
 }
 
-/// G2 (p90-91), G3 (p95-98), and the tree of the ten particles.
+/// G2 (p90-91), G3 (p95-98) and the tree of the ten particles.
 #[test]
 fn the_other_examples_are_shown_as_printed() {
     let screening = trace(Algorithm::Screening, None).unwrap();
@@ -162,7 +164,7 @@ fn traces_refuse_what_they_cannot_show() {
         let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
         assert!(format!("{error:#}").contains(words), "{error:#}");
     }
-    // All pairs of coincident discs are tested.
+    // Every pair of a crowd is tested.
     for (algorithm, n) in ALL.into_iter().zip([60, 20, 20, 20]) {
         let crowd = discs(&vec![[0.0, 0.0]; n], 0.5);
         let trace = trace(algorithm, Some(&crowd)).unwrap();

@@ -1,4 +1,4 @@
-//! `--frame all`: files of many frames in `track`, `detect`, `verify` and `inspect`.
+//! `--frame all`: files of many frames through `track`, `detect`, `verify` and `inspect`.
 
 use std::fmt::Write as _;
 
@@ -6,9 +6,8 @@ use serde_json::Value;
 
 use crate::common::Place;
 
-/// Position of disc `i` in frame `k`. 40 discs of radius 1 in rows approach and separate; every
-/// third stays at rest. Files have 12 frames at the steps 0, 50, ..., with ids from 1 and in
-/// another order in each frame.
+/// Discs of radius 1 in a row that comes together and flies apart: 40 in 12 frames, in another
+/// order in every frame, with ids from 1; at the steps 0, 50, ... Those of every third column stay.
 fn place(k: usize, i: usize) -> [f64; 2] {
     let (x, y) = ((i % 8) as f64 * 2.25, (i / 8) as f64 * 2.0);
     let swing = [0.0, 0.25, 0.5, 0.75, 0.5, 0.25][k % 6];
@@ -33,8 +32,8 @@ fn dump(frames: usize, flags: &str) -> String {
     text
 }
 
-/// The contacts of every second frame by ids, as LAMMPS writes them. `left_out` lists missing
-/// contacts as frame and position in the list.
+/// Its contacts by ids, as LAMMPS writes them, at every second frame; `left_out` names what is
+/// missing: frame and the place of the pair.
 fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     let mut text = String::new();
     for k in (0..frames).step_by(2) {
@@ -59,7 +58,8 @@ fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     text
 }
 
-/// Trackers follow the frames of a file, whatever the order of its rows. A motion moves one frame.
+/// What a file holds is followed as it is, whatever the order of its rows; a motion moves one
+/// frame.
 #[test]
 fn trackers_follow_the_frames_of_a_file() {
     let at = Place::new();
@@ -72,7 +72,7 @@ fn trackers_follow_the_frames_of_a_file() {
     let [every, half] = [&found["trackers"][0], &found["trackers"][1]];
     assert_eq!([&half["missed"], &half["spurious"], &every["built"]], [0, 0, 3]);
     assert!(every["missed"].as_u64() > Some(10), "{every}");
-    // Every third particle is at rest in all eleven steps.
+    // Every third stays in all eleven steps.
     assert_eq!(found["at_rest"], 11 * 14);
     assert!(found["born"].as_u64() > Some(10) && found["ended"].as_u64() > Some(10), "{found}");
     assert_eq!([&of("--frames 5")["frames"], &of("--frame all")["frames"]], [5, 12]);
@@ -82,7 +82,7 @@ fn trackers_follow_the_frames_of_a_file() {
         ([&4.into(), &0.into()], &"rest".into())
     );
     assert_eq!(of("--frame 3")["motion"], "drift:speed=0.01,seed=1");
-    // The same positions in an array, in one order and without ids.
+    // The same places in an array, in one order and without ids.
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (12, 40, 2), }\n";
     let mut bytes = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..]].concat();
     bytes.extend(header.bytes());
@@ -129,7 +129,7 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     at.ends(0, "inspect one.csv --frame all", &["the file has one frame"]);
 }
 
-/// Contacts that another code misses are found by comparing frames of the same step.
+/// What another code left out is found frame by frame, by the steps of the files.
 #[test]
 fn lists_of_all_frames_are_compared_by_their_steps() {
     let at = Place::new();
@@ -139,7 +139,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let left_out = "6 frames of the particles: 1 3 5 7 9 11";
     at.ends(0, verify, &["the same in 6 frames", left_out]);
     assert_eq!(at.json(verify)["paired_by"], "step");
-    // The first missing contact is listed in the next frame, the second never.
+    // One that is listed in the next; then one that never is.
     at.file("l.dump", local(12, &[(2, 3), (10, 0)]));
     let said =
         at.ends(1, verify, &["2 of 6 frames differ", "1 contact missed to its end", " 500 "]);
@@ -151,7 +151,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let frames = found["frames"].as_array().unwrap();
     let missed: Vec<&Value> = frames.iter().map(|frame| &frame["errors"]["missed"]).collect();
     assert_eq!(missed, [0, 1, 0, 0, 0, 1].map(Value::from).each_ref());
-    // A frame compared alone gives the same result. A list of another step is refused.
+    // One frame by itself is what it was, and another step is no list of it.
     let one = "verify t.dump --pairs l.dump";
     let of_step = at.json(&format!("{one} --frame 4 --pairs-frame 2"));
     assert_eq!(of_step["errors"], frames[2]["errors"]);
@@ -162,14 +162,14 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
         at.ends(2, &format!("{one} {more}"), &[words]);
     }
     at.ends(1, &format!("{one} --frame 4 --pairs-frame 1"), &["the list is of step 100"]);
-    // Without --frame, the last frame is used and --frame all is suggested.
+    // The last is taken, and the others are named.
     at.file("t.dump", dump(11, "ff ff ff"));
     assert!(at.run(one).stderr.contains("t.dump: --frame all"));
     at.file("l.dump", local(12, &[]).replace("TIMESTEP\n200", "TIMESTEP\n210"));
     at.ends(2, verify, &["l.dump: the list of step 210", "0 50 100 150 200 250"]);
 }
 
-/// Only some of many frames are printed, and the first wrong frame is among them.
+/// A thousand frames are not a thousand lines, and the first that is wrong is among those shown.
 #[test]
 fn of_many_frames_the_worst_are_shown() {
     let at = Place::new();
@@ -186,7 +186,7 @@ fn of_many_frames_the_worst_are_shown() {
     assert!(rows[1].trim_start().starts_with("1000 "), "{said}");
 }
 
-/// `verify` reads the contacts that `detect` writes for all frames. It reports a removed pair as
+/// `verify` reads the contacts of all frames that `detect` writes. It reports a removed pair as
 /// missed, and recognises the list of another frame.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {
@@ -201,7 +201,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         }
         let text = at.read("l.csv");
         assert_eq!((text.lines().next(), at.good(all).stdout), (Some(columns), text.clone()));
-        // The rows of frame 7 equal the output for frame 7 alone.
+        // Of each frame what is written of it alone.
         let alone = at.good("detect t.dump --frame 7").stdout;
         let of_seven = text.lines().filter_map(|line| line.strip_prefix("7,"));
         assert!(of_seven.eq(alone.lines().skip(1)), "{alone}");
@@ -216,7 +216,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [7, 1]);
         assert_eq!(at.json("verify t.dump --pairs l.csv --frame 7")["errors"]["missed"], 1);
         at.good("verify t.dump --pairs l.csv --frame 8");
-        // A frame without rows has no contacts, also at the end.
+        // A frame of which no row speaks is one without contacts, also where it is the last.
         at.file("l.csv", keep(&|_, line| !line.starts_with("11,") && !line.starts_with("3,")));
         let found = at.json("verify t.dump --pairs l.csv --frame all");
         assert_eq!(found["without_rows"], 2);
@@ -224,7 +224,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
             assert_eq!(frame["errors"]["missed"], frame["contacts"]);
         }
         at.ends(2, "verify t.dump --pairs l.csv", &["the list is of frame 10", "frame 11"]);
-        // Recognises the list of another frame, alone and frame by frame.
+        // A list of another frame of the same file, alone and frame by frame.
         at.good("detect t.dump --frame 5 -o five.csv");
         let verify = "verify t.dump --pairs five.csv --frame 2";
         assert_eq!(at.json(verify)["hint"], "--frame 5");
@@ -236,7 +236,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         at.file("late.csv", format!("{columns}\n{rows}"));
         at.ends(1, "verify t.dump --pairs late.csv --frame all", &["one frame before"]);
     }
-    // A frame that the file does not hold is refused, not taken as empty.
+    // Rows of half of the steps: there is no list of that number, and no empty one is made up.
     at.file("late.csv", "step,i,j\n300,0,1\n550,0,1\n");
     let late = "late.csv holds 2 frames, numbered from 0; there is no frame 11";
     at.ends(2, "verify t.dump --pairs late.csv --frame 11", &[late]);
