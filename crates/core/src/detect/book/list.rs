@@ -242,7 +242,6 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Returns the links of one kind as stored.
     #[cfg(test)]
     pub fn raw(&self, kind: usize) -> Vec<u32> {
         self.0.iter().map(|links| links[kind]).collect()
