@@ -162,7 +162,7 @@ impl<'a, const D: usize> Made<'a, D> {
     }
 }
 
-/// Code of all numbers without a code of their own.
+/// Code of all numbers above 2 in magnitude.
 const FAR: u8 = u8::MAX;
 
 /// Returns a code for three numbers of at most 2 in magnitude, or [`FAR`].

@@ -129,8 +129,8 @@ pub(super) struct Survey<const D: usize> {
     pub candidates: usize,
 }
 
-/// By how much more than 1 fractions may differ before particles are moved. A simulation lets
-/// particles leave its box between two rebuilds; this must not cause a copy.
+/// Fractions may differ by 1 plus this before particles are moved. Particles that leave a box
+/// between two rebuilds of a simulation must not cause a copy.
 const WIDER: f64 = 1.0 / 64.0;
 /// Particles farther from the box than this many boxes are moved, because their fractions would
 /// have few digits left.

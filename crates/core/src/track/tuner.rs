@@ -37,7 +37,7 @@ impl Costs {
     }
 }
 
-/// Cost of updating a particle; 5 to 22 were measured.
+/// Cost of updating a particle; measured values were 5 to 22.
 const FOLLOW: f64 = 10.0;
 /// Skins in diameters: the first one, and the least and the most.
 const FIRST: f64 = 0.1;

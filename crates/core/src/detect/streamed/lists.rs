@@ -210,7 +210,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
     }
 }
 
-/// Number of particles whose coordinates are converted to steps together.
+/// Number of particles that are converted to steps together.
 const TOGETHER: usize = 64;
 
 struct Fill<'a, P, Q, R, const D: usize> {

@@ -46,7 +46,7 @@ fn classes_are_those_that_save_work() {
     assert_eq!(classes((0..2000).map(|k| 0.3 + 0.1 * f64::from(k % 3)).collect(), 12.0), []);
     assert_eq!(classes(dusty(&[9.0], |_| 0.5)[..60].to_vec(), 12.0), []);
     assert_eq!(classes(vec![0.0; 2000], 12.0), []);
-    // Twice as large forms no class if there are few others, or if all are far apart.
+    // Radii of 1 and 0.2 form one class if all particles are far apart.
     assert_eq!(classes((0..2000).map(|k| 1.0 - 0.8 * f64::from(k % 2)).collect(), 1e6), []);
     assert_eq!(classes(dusty(&[5.0, 7.0, 6.0], |_| 0.25), 20.0), [3, 2000]);
     assert_eq!(classes(dusty(&[3.0; 30], |_| 0.0), 20.0), [30, 2000]);
