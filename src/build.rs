@@ -1,10 +1,9 @@
-//! Notes what is compiled, by what and how, for the provenance of results: the compiler, its flags,
-//! the features, and the commit that the sources are of.
+//! Records compiler, flags, features and commit of the build, for the provenance of results.
 
 use std::path::Path;
 use std::process::Command;
 
-/// All that the program is made of, below the root of the project.
+/// Sources of the program, relative to the root of the workspace.
 const SOURCES: [&str; 7] = [
     "src",
     "crates",
@@ -16,7 +15,7 @@ const SOURCES: [&str; 7] = [
 ];
 
 fn main() {
-    // Of a satellite, the folder of the workspace.
+    // Other crates of the workspace run this script in their own folder.
     let here = std::env::current_dir().unwrap_or_default();
     let root = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
     let root = root.unwrap_or(&here);
@@ -47,8 +46,7 @@ fn main() {
     for path in &sources {
         println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
-    // Committing changes no source. Only where there is something to commit it matters here:
-    // commits of other files build nothing again.
+    // A commit changes no source, so it matters only if sources were not committed.
     if dirty == "true" {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);
@@ -65,13 +63,13 @@ fn note(name: &str, value: &str) {
 
 /// The state of the sources in their repository.
 struct Commit {
-    /// The last commit that changed one of them.
+    /// Last commit that changed one of the sources.
     revision: String,
-    /// One differs from it, or is not in it.
+    /// Whether a source differs from that commit or is not in it.
     dirty: bool,
 }
 
-/// None without git, and outside of a repository that has these sources: a package, a tarball.
+/// Returns `None` without git, and outside a repository with these sources (a package, a tarball).
 fn commit(sources: &[&str]) -> Option<Commit> {
     said("git", &["ls-files", "--error-unmatch", "build.rs"])?;
     let with = |arguments: &[&str]| said("git", &[arguments, &["--"], sources].concat());
@@ -80,10 +78,9 @@ fn commit(sources: &[&str]) -> Option<Commit> {
     Some(Commit { revision, dirty }).filter(|commit| !commit.revision.is_empty())
 }
 
-/// What a program says, if it ends well.
+/// Returns the output of a program, if it succeeds.
 fn said(program: &str, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(program);
-    // Looking at a repository is no reason to lock it.
     let output = command.args(arguments).env("GIT_OPTIONAL_LOCKS", "0").output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
 }

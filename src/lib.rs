@@ -1,23 +1,20 @@
 //! contactbench measures and checks contact detectors for discs (2D) and spheres (3D).
 //!
-//! Which algorithm, for which scene: how fast, how much memory, how many operations, and how wrong?
-//! Every detector gets exactly the same input, and every measurement becomes one row with time,
-//! exact operation counts, bytes, a verified result and its error.
+//! Which algorithm suits which scene: how fast is it, how much memory does it take, how many
+//! operations, and how wrong is it? Every detector gets exactly the same input, and every
+//! measurement becomes one row with time, operation counts, bytes, a verified result and its error.
 //!
-//! The flow, the same everywhere, from left to right; arrows never point back:
+//! The modules, in the order of the data; no module imports a later one:
 //!
-//! 1. [`scene`]: a generator, or a file ([`io`]), makes a set of centres and radii.
+//! 1. [`scene`]: generators, and files ([`io`]), give centres and radii.
 //! 2. The crate `contactbench-core` finds and counts contacts: [`contact`], [`filter`], [`detect`],
-//!    [`probe`], [`sink`], [`wide`]; [`oracle`] is the truth that every answer must meet;
-//!    [`periodic`] has boxes;
-//!    [`track`] keeps lists while bodies move, and [`moving`] holds those to the truth.
-//! 3. [`mod@check`]: every detector against the truth on many small scenes.
-//! 4. [`experiment`]: what is asked, as a TOML file; [`run`]: every detector answers in a process
-//!    of its own, and rows are appended to the [`record`].
-//! 5. [`cells`] and [`stats`]: the rows of one measurement together, medians and intervals;
-//!    [`findings`]: what they say; [`present`]: what that looks like; [`views`]:
-//!    pictures of scenes, films and traces. [`recommend`] does it all at
-//!    once for one scene.
+//!    [`probe`], [`sink`], [`wide`]. [`oracle`] has the exact truth, [`periodic`] boxes, and
+//!    [`track`] neighbour lists of moving particles, which [`moving`] compares with the truth.
+//! 3. [`mod@check`] compares every detector with the truth on many small scenes.
+//! 4. [`experiment`] reads a TOML file; [`run`] measures each detector in a process of its own and
+//!    appends rows to the [`record`].
+//! 5. [`cells`] and [`stats`] summarise rows, [`findings`] judges claims, [`present`] writes the
+//!    report, [`views`] draws scenes, films and traces. [`recommend`] measures one scene.
 //! 6. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```

@@ -24,68 +24,65 @@ use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
 pub struct Compare {
-    /// A result folder: before, or the first machine; alone, one in which two builds took turns
-    /// (`contactbench run --against PROGRAM`)
+    /// Result folder: before, or the first machine; or of run --against
     a: PathBuf,
-    /// Another: after, or the second machine
+    /// Result folder: after, or the second machine
     b: Option<PathBuf>,
-    /// Compare times as multiples of this detector's in the same block, whose code has not changed
-    /// (default: one that has a twin in both folders)
+    /// Detector as unit of time [default: one with a twin]
     #[arg(long, value_name = "DETECTOR", requires = "b")]
     against: Option<String>,
-    /// Percent by which times may differ and not count
+    /// Ignored time difference, in percent
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, allow_negative_numbers = true)]
     band: f64,
-    /// The two are of one machine, though its name differs (containers often have new names)
+    /// Both are of one machine, although its name differs
     #[arg(long, requires = "b")]
     same_machine: bool,
-    /// Judge times of two different machines, as multiples of a control's; they are never gated
+    /// Judge times of two machines, in units of a control
     #[arg(long, requires = "b", conflicts_with = "gate_time")]
     across_machines: bool,
-    /// Cells that are slower are failures, if they are more than chance explains
+    /// Fail if more cells are slower than chance explains
     #[arg(long)]
     gate_time: bool,
-    /// A cell that is in one folder only, or not available in one, is a failure
+    /// Fail if a cell is in one folder only
     #[arg(long)]
     strict: bool,
-    /// Show all cells, not only those that differ
+    /// Print all cells [default: those that differ]
     #[arg(long)]
     all: bool,
-    /// Print JSON instead of tables
+    /// Print JSON
     #[arg(long, conflicts_with = "annotations")]
     json: bool,
     #[command(flatten)]
     ci: Outputs,
 }
 
-/// What there is to print.
 struct Comparison<'a> {
     options: &'a Compare,
     parts: &'a [Part],
     how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
-    /// Cells in which something differs that is gated.
+    /// Cells that fail the comparison.
     failed: usize,
 }
 
-/// Both records compared; exit code 1 if something differs that is gated.
+/// Compares two records; exit code 1 if a cell fails.
 pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     ensure!(
         (0.0..=1000.0).contains(&options.band),
-        "--band {}: give percent from 0 to 1000",
+        "--band {}: give a percentage from 0 to 1000",
         options.band
     );
     let folders = [Some(&options.a), options.b.as_ref()].into_iter().flatten();
     let parts = folders.map(|folder| Part::read(folder)).collect::<anyhow::Result<Vec<_>>>()?;
     for part in &parts {
         let folder = part.folder.display();
-        ensure!(!part.rows.is_empty(), "the record in {folder} holds no rows");
+        ensure!(!part.rows.is_empty(), "the record in {folder} has no rows");
         if let Some(name) = &options.against {
             let known = records::detectors(part);
             ensure!(
                 known.contains(name),
-                "--against {name}: {folder} has no rows of this detector; its detectors are: {}",
+                "--against {name}: {folder} has no rows of this detector; it has {}",
                 list(known)
             );
         }
@@ -98,7 +95,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     let summary = Summary::new(&cells);
     ensure!(
         summary.absent < summary.cells,
-        "nothing can be compared: each of the {} cells has results on one side only",
+        "nothing to compare: each of the {} cells has results on one side only",
         cells.len()
     );
     if let Some(why) = words::ungated(&summary, &how).filter(|_| options.gate_time) {
@@ -119,12 +116,11 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// The two builds of one record.
 fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let found = Builds::new(&part.rows).with_context(|| {
         format!(
-            "the record in {} is of one build; name a second folder, or measure another build \
-             beside this one with contactbench run --against PROGRAM",
+            "the record in {} has one build; name a second folder, or time another build with \
+             contactbench run --against PROGRAM",
             part.folder.display()
         )
     })?;
@@ -134,7 +130,6 @@ fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)
     Ok((how, cells))
 }
 
-/// Two folders, measured at different times.
 fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
     let [a, b] = parts else { bail!("compare takes one folder or two") };
     let both = [a, b];
@@ -150,7 +145,7 @@ fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<
     let cells = cell_by_cell(&a, &b, &how);
     ensure!(
         cells.iter().any(|cell| cell.in_both),
-        "{} and {} have no cell in common: they are results of different experiments or scenes",
+        "{} and {} have no cell in common; name results of the same experiment",
         both[0].folder.display(),
         both[1].folder.display()
     );
@@ -161,7 +156,7 @@ fn list(names: BTreeSet<String>) -> String {
     names.into_iter().collect::<Vec<_>>().join(", ")
 }
 
-/// What continuous integration is told of a cell; `gated_time`: is one that is slower a failure?
+/// Returns the case of a cell; with `gated_time` a slower cell fails.
 fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     let slower = cell.timing.as_ref().filter(|timing| timing.judgement == Judgement::Slower);
     let gated = |gate: bool, why: String, else_: fn(String) -> Outcome| {
@@ -283,7 +278,6 @@ impl Comparison<'_> {
     }
 }
 
-/// The machines of a record with their processors.
 fn processors(part: &Part) -> Vec<String> {
     records::machines(part).iter().map(|name| words::machine(&part.machine(name))).collect()
 }

@@ -28,64 +28,58 @@ use contactbench_views::film::{self, Film};
 pub struct Draw {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes: a .svg file; or a .html file, a page that plays frames
-    #[arg(short, long, default_value = "scene.svg")]
-    output: PathBuf,
-    /// For spheres: the plane that is drawn, as in z=0.5 (default: through the worst mistake of
-    /// --pairs, else through the middle along z)
-    #[arg(long)]
+    /// Picture (.svg) or page (.html)
+    #[arg(short, long, value_name = "FILE", default_value = "scene.svg")]
+    out: PathBuf,
+    /// Plane, as in z=0.5 [default: mistake or middle]
+    #[arg(long, value_name = "PLANE")]
     slice: Option<Slice>,
-    /// A list of pairs (CSV: i,j; in a box with the image, i,j,sx,sy[,sz]): what it missed is drawn
-    /// red and dashed, what it added orange
-    #[arg(long)]
+    /// Contact list whose mistakes are drawn
+    #[arg(long, value_name = "FILE")]
     pairs: Option<PathBuf>,
-    /// With --pairs: all of the scene, also where the mistakes are too small to be seen
+    /// With --pairs: draw the whole scene
     #[arg(long)]
     whole: bool,
-    /// Writes the particles' numbers, or not (default: up to 60 particles)
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    /// Print particle numbers [default: up to 60]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true)]
+    #[arg(hide_possible_values = true, default_missing_value = "true")]
     labels: Option<bool>,
-    /// Draws the cells of a detector
+    /// Draw the cells of a detector
     #[arg(long)]
     grid: bool,
-    /// For a page: moves the scene, with speed in diameters per frame (see: contactbench list
-    /// motions); a file of several frames moves by itself
+    /// Page: motion (see: list) [default: by file]
     #[arg(long)]
     motion: Option<Motion>,
-    /// For a page: frames at most, the scene itself among them (default: 100)
-    #[arg(long, value_parser = values::whole::<u64>)]
+    /// Page: most frames [default: 100]
+    #[arg(long, value_name = "COUNT", value_parser = values::whole::<u64>)]
     frames: Option<u64>,
-    /// For a page: whose lists are built, and whose contacts are missed (see: contactbench list
-    /// trackers; default: verlet(streamed-nbs,skin=auto))
+    /// Page: tracker (see: list) [default: verlet]
     #[arg(long)]
     tracker: Option<String>,
     #[command(flatten)]
     limit: Limit,
 }
 
-/// Where none is named: it misses nothing.
+/// The default tracker, which misses nothing.
 const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
-/// Draws the scene, and says on standard error what there is to see.
+/// Draws the scene, and prints a summary on standard error.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
-    let place = options.output.display();
-    let ending = options.output.extension().map(|it| it.to_string_lossy().to_ascii_lowercase());
+    let place = options.out.display();
+    let ending = options.out.extension().map(|it| it.to_string_lossy().to_ascii_lowercase());
     match ending.as_deref() {
         Some("svg") => {}
         Some("html") => return page(options),
         _ => {
-            bail!(
-                "{place}: the ending of a picture must be .svg, and that of a page that plays .html"
-            )
+            bail!("{place}: the file name must end in .svg for a picture, or in .html for a page")
         }
     }
     ensure!(
         options.motion.is_none() && options.frames.is_none() && options.tracker.is_none(),
-        "--motion, --frames and --tracker belong to a page that plays; give it a place with -o \
-         NAME.html"
+        "--motion, --frames and --tracker need a page that plays; write one with -o NAME.html"
     );
     let Some((name, given)) = options.source.given()? else {
-        bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
+        bail!("name a particle file, or a scene such as packed:n=200 (contactbench list scenes)");
     };
     doubt_given(&name, &given, Arithmetic::Exact);
     let periodic = in_any_box(&given)?;
@@ -110,7 +104,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         whole: options.whole,
     };
     let picture = draw::svg(&periodic, &pairs, &look)?;
-    terminal::save(&options.output, picture.as_bytes(), "-o")?;
+    terminal::save(&options.out, picture.as_bytes(), "-o")?;
     let size = crate::cli::bytes(picture.len() as u64);
     let touching = || pairs.contacts.iter().chain(&pairs.missed);
     let mut found = plural(touching().count(), "contact");
@@ -127,7 +121,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads the pairs of another program, of the frame that is drawn.
+/// Reads the contact list of the frame that is drawn.
 fn list(path: &Path, frame: Frame) -> anyhow::Result<List> {
     let list = io::pairs::read(path, &[], frame)?;
     let name = path.display().to_string();
@@ -144,7 +138,7 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
     let Draw { pairs, whole, labels, grid, .. } = options;
     ensure!(
         pairs.is_none() && !whole && labels.is_none() && !grid,
-        "--pairs, --whole, --labels and --grid belong to pictures; leave them out for a page"
+        "--pairs, --whole, --labels and --grid need a picture (-o NAME.svg); leave them out"
     );
     let tracker = track::parse(options.tracker.as_deref().unwrap_or(TRACKER))?;
     let play = |sequence: Sequence<'_>| play(options, &tracker, sequence);
@@ -153,8 +147,8 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
         Wanted { motion, otherwise: None, frames, of_file: FRAMES, arithmetic: Arithmetic::Exact };
     let done = sequence(&options.source, &wanted, play)?;
     done.context(
-        "a page plays frames, and there is one; add --motion drift, or take a file of several \
-         without --frame",
+        "a page plays several frames, and there is one; add --motion drift, or name a file of \
+         several frames without --frame",
     )
 }
 
@@ -171,8 +165,8 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         progress.frame(k);
         ensure!(
             given.lattice.is_none(),
-            "{name}: a page plays scenes in open space, and this one repeats; take it without its \
-             box (of a file: --open), or draw a picture of one frame"
+            "{name}: a page needs open boundaries, and the box of this scene repeats; add --open \
+             for a file, or draw one frame as a picture"
         );
         let mut pairs = Vec::new();
         let step = at_work.step(&given.scene, Test::Exact, None, &mut pairs);
@@ -182,18 +176,19 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
             Highlighted::from_scene(&frame, memory_limit)?.against(without_shift(&pairs).collect());
         ensure!(
             pairs.spurious.is_empty() && pairs.duplicates.is_empty(),
-            "frame {k}: {tracker} reported pairs that do not touch, or some twice: a defect"
+            "frame {k}: {tracker} reported pairs that do not touch, or repeated some; this is a \
+             defect of the tracker"
         );
         film.take(&frame, &pairs, step.built)?;
         k += 1;
     }
-    // Nobody asked for the next: whatever is wrong with it, the file has more.
+    // An unreadable frame counts as one more.
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
-    let (html, place) = (film::html(&film), options.output.display());
-    terminal::save(&options.output, html.as_bytes(), "-o")?;
+    let (html, place) = (film::html(&film), options.out.display());
+    terminal::save(&options.out, html.as_bytes(), "-o")?;
     let size = crate::cli::bytes(html.len() as u64);
-    let more = if more { " The file has more (--frames)." } else { "" };
+    let more = if more { " The file has more frames (--frames)." } else { "" };
     say!("{name}: {}{more} {place} ({size})", film.summary());
     Ok(ExitCode::SUCCESS)
 }

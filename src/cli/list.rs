@@ -20,33 +20,26 @@ use contactbench_scenes::spec::{GENERATORS, Generator, Parameter};
 
 #[derive(clap::Args)]
 pub struct List {
-    /// What to list (default: everything)
-    #[arg(value_enum)]
+    /// detectors, scenes, motions, trackers, experiments, hard-cases, ...
+    #[arg(value_enum, hide_possible_values = true)]
     what: Option<What>,
-    /// Print JSON instead of tables
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum What {
-    /// With cost, memory and limits
     Detectors,
-    /// How scenes are stored and contacts decided
     Arithmetics,
-    /// Generators with their parameters
     Scenes,
-    /// Ways in which a scene moves (contactbench track)
     Motions,
-    /// Lists of near pairs, and the rules by which they are built again
     Trackers,
-    /// With their questions
     Experiments,
-    /// Scenes on which detectors go wrong, with the reason and its source (only when asked for)
     HardCases,
 }
 
-/// A thing that is listed, for people and for programs.
+/// A listed thing, as lines for people and as JSON.
 struct Item {
     name: String,
     lines: Vec<String>,
@@ -54,7 +47,7 @@ struct Item {
 }
 
 impl What {
-    /// A hundred hard cases would bury the rest: they are not among these.
+    /// Without the hundred hard cases, which would bury the rest.
     const USUAL: [What; 6] = [
         What::Detectors,
         What::Arithmetics,
@@ -64,7 +57,7 @@ impl What {
         What::Experiments,
     ];
 
-    /// Its name in JSON, and the title of its table.
+    /// Returns the name in JSON, and the title of the table.
     fn names(self) -> [&'static str; 2] {
         match self {
             What::Detectors => [
@@ -102,7 +95,7 @@ impl What {
         })
     }
 
-    /// The table for people: each name with the lines about it, and an empty line after them.
+    /// Returns a table of names, each with its lines and an empty one.
     fn table(self) -> anyhow::Result<Table> {
         let names = PEERS.map(|peer| peer.name).join(", ");
         let libraries = format!("libraries, with the cargo feature peers: {names}");
@@ -130,7 +123,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
         terminal::json(&Value::Object(all))?;
     } else {
         for what in wanted {
-            // Reasons are long: wrapped for the eye wherever they go.
+            // Reasons are long, so they are wrapped in files too.
             let most = if what == What::HardCases { 100 } else { usize::MAX };
             writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }

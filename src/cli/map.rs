@@ -21,26 +21,23 @@ use contactbench_run::plan;
 
 #[derive(clap::Args)]
 pub struct Map {
-    /// Result folders, as `run` and `merge` write them
-    #[arg(required = true)]
+    /// Result folders
+    #[arg(value_name = "FOLDER", required = true)]
     folders: Vec<PathBuf>,
-    /// Across: n, dim, threads, a parameter of the scenes or of the detectors (size-ratio, speed,
-    /// skin), or what was measured of the scenes (density, coordination)
-    #[arg(long)]
+    /// Axis across: n, dim, threads, density, or any parameter
+    #[arg(long, value_name = "AXIS")]
     x: String,
-    /// Upwards: the same
-    #[arg(long)]
+    /// Axis upwards: the same choices
+    #[arg(long, value_name = "AXIS")]
     y: String,
-    /// Only cells of which this holds: scene=packed,loose or 'n>=1000' (quoted, for the shell); may
-    /// be given several times
-    #[arg(long = "where", value_name = "EXPR")]
+    /// Only cells with this, as in 'n>=1000' (repeatable)
+    #[arg(long = "where", value_name = "FILTER")]
     filters: Vec<String>,
-    /// Where the map goes: a .svg or .csv file (default: a table on the terminal)
+    /// Map as a .svg or .csv file [default: a table on stdout]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// Draws the map, or prints it.
 pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let svg = options.out.as_deref().map(is_svg).transpose()?;
     let mut filter: Where = claims::parse_where(&options.filters)?;
@@ -74,20 +71,19 @@ fn is_svg(path: &Path) -> anyhow::Result<bool> {
     match ending.as_deref() {
         Some("svg") => Ok(true),
         Some("csv") => Ok(false),
-        _ => bail!("{}: the ending of a map must be .svg or .csv", path.display()),
+        _ => bail!("{}: the file name of a map must end in .svg or .csv", path.display()),
     }
 }
 
-/// The rows of all folders, merged where their experiments are the same, as `merge` does; and what
-/// is doubtful about them.
+/// Returns the rows of all folders, merged if their experiments are the same, and doubts about
+/// them.
 fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     let mut warnings = Vec::new();
     let mut groups: Vec<Vec<Part>> = Vec::new();
     for folder in folders {
         ensure!(
             row::exists(&folder.join(row::FILE)),
-            "{} has no {}, the record of a run; name a result folder, as `contactbench run` \
-             writes them",
+            "{} has no {}; name a result folder, as contactbench run writes them",
             folder.display(),
             row::FILE
         );
@@ -103,8 +99,8 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
                 let other = others.find(|(name, _)| part.experiments.contains_key(*name));
                 if let Some((name, _)) = other {
                     bail!(
-                        "{}: the experiment {name} is another there than in the folders before it; \
-                         name folders whose experiments/{name}.toml are the same",
+                        "{}: the experiment {name} differs from that of the folders before; name \
+                         folders with the same experiments/{name}.toml",
                         folder.display()
                     );
                 }
@@ -119,6 +115,6 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
             parts => rows.extend(merge::merge(parts)?.rows),
         }
     }
-    ensure!(!rows.is_empty(), "the records hold no rows yet; run the experiment first");
+    ensure!(!rows.is_empty(), "the records have no rows; run the experiment first");
     Ok((rows, warnings))
 }

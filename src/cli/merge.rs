@@ -20,22 +20,22 @@ use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
 pub struct Merge {
-    /// Result folders of the same experiments: of shards, or of several machines
-    #[arg(required = true)]
+    /// Result folders of the same experiments
+    #[arg(value_name = "FOLDER", required = true)]
     folders: Vec<PathBuf>,
-    /// The result folder to make
-    #[arg(short, long)]
+    /// Result folder to make
+    #[arg(short, long, value_name = "FOLDER")]
     out: PathBuf,
     #[command(flatten)]
     ci: Outputs,
 }
 
-/// Merges, and writes the report of the whole.
+/// Merges records, and writes the report of the whole.
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let path = options.out.join(row::FILE);
     ensure!(
         !row::exists(&path),
-        "{} holds a record already; choose another folder with --out",
+        "{} exists already; choose another folder with --out",
         path.display()
     );
     let parts = options
@@ -44,7 +44,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
         .map(|folder| Part::read(folder))
         .collect::<anyhow::Result<Vec<_>>>()?;
     let merged = merge::merge(&parts)?;
-    ensure!(!merged.rows.is_empty(), "the records hold no rows yet; run the experiment first");
+    ensure!(!merged.rows.is_empty(), "the records have no rows; run the experiment first");
     let experiments = options.out.join("experiments");
     let other = "choose another folder with --out";
     std::fs::create_dir_all(&experiments)
@@ -66,7 +66,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     if entries != Ledger::default() {
         write(options.out.join(ledger::FILE), &entries.text())?;
     }
-    // Half a record would look like a whole one.
+    // A partial record must not look like a whole one.
     let half = options.out.join(".samples.jsonl.part");
     let cannot = || format!("cannot write {}; {other}", path.display());
     if half.exists() {
@@ -82,7 +82,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // A folder that is no part may hold what the others lack.
+    // A folder that is not a shard may hold what the others lack.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();
@@ -91,13 +91,13 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     {
         writeln!(
             out,
-            "note:    missing: {}, the first is {first}; run what is missing, and merge all",
+            "note:    missing: {}, the first is {first}; run the missing shards, then merge all",
             plural(count, "part")
         )?;
     }
     writeln!(
         out,
-        "merged:  {} rows of {} folders; {} stood there twice",
+        "merged:  {} rows of {} folders; {} repeated rows dropped",
         merged.rows.len(),
         parts.len(),
         merged.repeated
@@ -105,7 +105,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     if merged.renumbered > 0 {
         writeln!(
             out,
-            "note:    {} samples repeat those of the same machine: they became further blocks",
+            "note:    {} samples of the same machine are further blocks",
             merged.renumbered
         )?;
     }

@@ -10,6 +10,7 @@ pub mod check;
 pub mod compare;
 pub mod detect;
 pub mod draw;
+mod help;
 pub mod inspect;
 pub mod list;
 pub mod map;
@@ -32,141 +33,155 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 pub use shared::terminal::say;
 
-/// Which contact detection algorithm, for which scene: how fast, how much memory, how many
-/// operations, and how wrong?
+/// Which contact detection algorithm suits which scene: time, memory, error
 #[derive(Parser)]
 #[command(
     version,
-    about,
+    subcommand_value_name = "VERB",
     args_conflicts_with_subcommands = true,
-    after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on \
-                  this machine, in minutes.\n\nExit codes: 0 all is well; 1 a detector was wrong, \
-                  a machine-independent claim failed, a record is damaged, or two lists or \
-                  records differ; 2 bad arguments or input; 130 ended by Ctrl-C."
+    help_template = help::template(),
+    after_help = "Without a verb, contactbench runs the book's scaling experiments (4 minutes).\n\
+                  contactbench VERB --help lists a verb's options; docs/ explains them.\n\n\
+                  Exit codes: 0 all is well; 1 a wrong answer, a failed claim, a damaged record,\n\
+                  or two lists or records that differ; 2 bad arguments or input; 130 Ctrl-C."
 )]
 pub struct Cli {
-    /// What to do.
     #[command(subcommand)]
     pub verb: Option<Verb>,
-    /// The standard reproduction in seconds: small scenes, few blocks
+    /// Use small scenes and few blocks: seconds
     #[arg(long)]
     pub quick: bool,
 }
 
-/// One line for each verb: its options, and what does it.
+/// Groups of verbs. Each verb has the line of its help, its options, the function that runs it,
+/// examples without the name of the program, and where to read more.
 macro_rules! verbs {
-    ($($(#[$about:meta])* $verb:ident($options:ty) => $run:expr,)*) => {
-        /// What can be done.
+    ($($group:literal { $(
+        $(#[$about:meta])* $verb:ident($options:ty) => $run:expr, $examples:expr, $more:literal;
+    )* })*) => {
         #[derive(Subcommand)]
         pub enum Verb {
-            $($(#[$about])* $verb($options),)*
+            $($(
+                $(#[$about])*
+                #[command(after_help = help::examples(&$examples, $more))]
+                $verb($options),
+            )*)*
         }
 
         impl Verb {
             fn run(&self) -> anyhow::Result<ExitCode> {
                 match self {
-                    $(Verb::$verb(options) => $run(options),)*
+                    $($(Verb::$verb(options) => $run(options),)*)*
                 }
             }
         }
+
+        /// Titles of the groups, each with its number of verbs.
+        const GROUPS: &[(&str, usize)] = &[$(($group, [$(stringify!($verb)),*].len())),*];
     };
 }
 
 verbs! {
-    /// Runs experiments: measures, checks every answer, writes record, report and figures
-    #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run \
-                            my-experiment.toml --out results/mine")]
-    Run(run::Run) => run::run,
-    /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference/standard")]
-    Report(report::Report) => report::report,
-    /// Compares two result folders: of two revisions, or two machines
-    #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
-                            contactbench compare laptop server --against nbs\nExit code 1 if \
-                            pairs, counts, bytes or outcomes differ (with --gate-time, also if \
-                            more cells are slower than chance explains).")]
-    Compare(compare::Compare) => compare::compare,
-    /// Merges result folders of shards, or of several machines
-    #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
-    Merge(merge::Merge) => merge::merge,
-    /// Draws who is the fastest over two variables, from result folders
-    #[command(after_help = "Example: contactbench map results/reference-sizes --x size-ratio --y \
-                            n\nExample: contactbench map laptop server --x n --y density --where \
-                            dim=3 --out map.svg")]
-    Map(map::Map) => map::map,
-    /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
-    #[command(after_help = "Example: contactbench list detectors")]
-    List(list::List) => list::list,
-    /// Cross-checks detectors against all pairs tested: for your CI
-    #[command(after_help = "Example: contactbench check --detector nbs\nExit code 1 if one \
-                            disagrees; the smallest failing scene found is written as CSV.")]
-    Check(check::Check) => check::check,
-    /// Finds the touching pairs of a particle file
-    #[command(after_help = "Example: contactbench detect packing.csv --detector nbs -o \
-                            pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 \
-                            --arithmetic f64 > pairs.csv")]
-    Detect(detect::Detect) => detect::detect,
-    /// Says what is understood of a particle file, and warns of the usual mistakes
-    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench \
-                            inspect centres.npy --radius 0.5 --json")]
-    Inspect(inspect::Inspect) => inspect::inspect,
-    /// Compares a contact list of another code with the exact truth
-    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base \
-                            1\nExample: contactbench verify flow.dump --pairs lists.dump --frame \
-                            all\nExit code 1 if the lists differ.")]
-    Verify(Box<verify::Verify>) => verify::verify,
-    /// Writes a scene to a file, for use in your own code
-    #[command(after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o \
-                            packed.csv\nExample: contactbench scene packing.dump --frame last -o \
-                            packing.xyz")]
-    Scene(scene::Scene) => scene::scene,
-    /// Says which detector to use for a scene: measures them there
-    #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench \
-                            recommend clustered:dim=3,n=100000 --threads 2")]
-    Recommend(recommend::Recommend) => recommend::recommend,
-    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a
-    /// checkout
-    #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
-    NewDetector(new_detector::NewDetector) => new_detector::new_detector,
-    /// Draws a scene with its contacts, or a slice through spheres, or plays it as it moves
-    #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
-                            packed:dim=3,n=2000 --slice z=4 -o slice.svg\nExample: contactbench \
-                            draw packing.csv --pairs theirs.csv\nExample: contactbench draw \
-                            packed:n=200 --motion vortex -o play.html")]
-    Draw(draw::Draw) => draw::draw,
-    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and
-    /// an SVG of each step
-    #[command(after_help = "Example: contactbench trace nbs\nExample: contactbench trace \
-                            screening packed:n=12 -o lecture\nWithout a scene the book's worked \
-                            example is shown.")]
-    Trace(trace::Trace) => trace::trace,
-    /// Moves a scene, frame by frame, and says what lists of near pairs cost and miss
-    #[command(after_help = "Example: contactbench track packed:dim=3,n=10000 --motion \
-                            drift:speed=0.01\nExample: contactbench track packing.csv --motion \
-                            vortex --tracker 'verlet(nbs,skin=0.3,rule=lammps-10-1-yes)'\nExit \
-                            code 1 if a tracker missed a contact that promises to miss none.")]
-    Track(track::Track) => track::track,
-    /// Finds the contacts of one scene by several ranks: the program contactbench-ranks
-    Ranks(satellite::Passed) => (|passed| satellite::run("contactbench-ranks", passed)),
-    /// Writes a completion script for your shell
-    #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
-                            ~/.local/share/bash-completion/completions/contactbench")]
-    Completions(shell::Completions) => shell::completions,
-    /// Serves one detector on standard input and output: see docs/PROTOCOL.md
-    #[command(
-        after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs"
-    )]
-    Runner(runner::Serve) => runner::serve,
+    "Your particles" {
+        /// Prints what a particle file holds, and warns of common mistakes
+        Inspect(inspect::Inspect) => inspect::inspect,
+            ["inspect packing.dump", "inspect centres.npy --radius 0.5 --json"],
+            "docs/FILES.md";
+        /// Finds the contacts in a particle file
+        Detect(detect::Detect) => detect::detect,
+            ["detect packing.csv --detector nbs -o pairs.csv",
+             "detect centres.npy --radius 0.5 --arithmetic f64"],
+            "docs/FILES.md";
+        /// Compares another code's contact list with the exact truth
+        Verify(Box<verify::Verify>) => verify::verify,
+            ["verify packing.csv --pairs theirs.csv --base 1",
+             "verify flow.dump --pairs lists.dump --frame all"],
+            "docs/FILES.md\nExit code 1: the lists differ";
+        /// Follows moving particles: what neighbour lists cost and miss
+        Track(track::Track) => track::track,
+            ["track packed:dim=3,n=10000 --motion drift:speed=0.01",
+             "track packing.csv --motion vortex --tracker 'verlet(nbs)'"],
+            "docs/MOTION.md\nExit code 1: a tracker missed a contact that it promises to find";
+        /// Draws a scene with its contacts, or a page that plays its frames
+        Draw(draw::Draw) => draw::draw,
+            ["draw packing.csv", "draw packing.csv --pairs theirs.csv",
+             "draw packed:dim=3,n=2000 --slice z=4 -o slice.svg",
+             "draw packed:n=200 --motion vortex -o play.html"],
+            "docs/SEEING.md";
+        /// Measures which detector is the fastest on your particles
+        Recommend(recommend::Recommend) => recommend::recommend,
+            ["recommend packing.csv", "recommend clustered:dim=3,n=100000 --threads 2"],
+            "docs/DETECTORS.md\nExit code 1: a detector was wrong, or none can be used";
+    }
+    "Measuring" {
+        /// Runs experiments; writes record, report and figures
+        Run(run::Run) => run::run,
+            ["run scaling --quick", "run my-experiment.toml -o results/mine"],
+            "docs/EXPERIMENTS.md";
+        /// Makes report and figures again from a record
+        Report(report::Report) => report::report,
+            ["report results/before"],
+            "docs/REPORT.md";
+        /// Compares two records: two builds or two machines
+        Compare(compare::Compare) => compare::compare,
+            ["compare results/before results/after", "compare laptop server --against nbs"],
+            "docs/COMPARE.md\nExit code 1: pairs, counts, bytes or outcomes differ";
+        /// Merges the records of shards or of several machines
+        Merge(merge::Merge) => merge::merge,
+            ["merge part-1 part-2 -o whole"],
+            "docs/CLUSTER.md";
+        /// Draws which detector is the fastest over two variables
+        Map(map::Map) => map::map,
+            ["map results/before --x n --y density",
+             "map laptop server --x n --y density --where dim=2 -o map.svg"],
+            "docs/EXPERIMENTS.md";
+    }
+    "Your detector" {
+        /// Adds a working detector to a checkout, for you to change
+        NewDetector(new_detector::NewDetector) => new_detector::new_detector,
+            ["new-detector quad-tree"],
+            "docs/DETECTORS.md";
+        /// Checks detectors against the exact truth on many small scenes
+        Check(check::Check) => check::check,
+            ["check --detector nbs", "check --runner 'python3 my_detector.py'"],
+            "docs/DETECTORS.md\nExit code 1: a detector is wrong; 2: nothing was compared";
+        /// Serves one detector over standard input and output
+        Runner(runner::Serve) => runner::serve,
+            ["runner --detector nbs"],
+            "docs/PROTOCOL.md";
+        /// Shows a detector of the book step by step, as page and pictures
+        Trace(trace::Trace) => trace::trace,
+            ["trace nbs", "trace screening packed:n=12 -o lecture"],
+            "docs/SEEING.md";
+    }
+    "More" {
+        /// Lists detectors, scenes, motions, trackers and experiments
+        List(list::List) => list::list,
+            ["list detectors", "list scenes --json"],
+            "docs/DETECTORS.md";
+        /// Writes a scene, or frames of a motion, to a file
+        Scene(scene::Scene) => scene::scene,
+            ["scene packed:dim=3,n=1000,seed=1 -o packed.csv",
+             "scene packing.dump --frame last -o packing.xyz"],
+            "docs/FILES.md";
+        /// Finds the contacts of one scene with several processes (MPI)
+        Ranks(satellite::Passed) => (|passed| satellite::run("contactbench-ranks", passed)),
+            ["ranks packing.csv"],
+            "docs/CLUSTER.md";
+        /// Prints a completion script for your shell
+        Completions(shell::Completions) => shell::completions,
+            ["completions bash"],
+            "the manual of your shell on where such a script goes";
+    }
 }
 
 impl Cli {
-    /// Does what was asked for.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         self.verb.map_or_else(|| run::standard(self.quick), |verb| verb.run())
     }
 }
 
-/// Bytes as people read them.
+/// Formats a number of bytes for people: at most four digits and a unit.
 pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..10_000 => format!("{bytes} B"),
@@ -176,8 +191,8 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate
-/// while memory is measured.
+/// Sets rayon's number of threads. One thread needs no pool, whose worker would allocate while
+/// memory is measured.
 fn use_threads(threads: usize) {
     if threads > 1 {
         // Fails only if there is a pool already; nothing before this call makes one.

@@ -1,5 +1,4 @@
-//! `contactbench new-detector`: a detector that works, as a file to be changed, and its lines in
-//! the table.
+//! `contactbench new-detector`: writes a working detector, and its lines in the table.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 use crate::cli::shared::terminal;
 use contactbench_core::detect::{peers, table};
 
-/// The detector that is written. The tests compile it and hold it to the truth.
+/// The detector that is written; tests compile and check it.
 const TEMPLATE: &str = include_str!("template.rs");
 /// Its names in the template.
 const NAME: &str = "new-detector";
@@ -19,7 +18,7 @@ const TYPE: &str = "NewDetector";
 /// Where detectors are in a checkout.
 const FOLDER: &str = "crates/core/src/detect";
 
-/// Words that are no names in Rust, and some that would be confusing.
+/// Reserved words of Rust, and names that would confuse.
 const KEYWORDS: [&str; 60] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
     "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
@@ -29,19 +28,18 @@ const KEYWORDS: [&str; 60] = [
     "alloc", "test", "tests", "all", "none",
 ];
 
-/// Longer names do not fit into tables.
+/// Most letters of a name, so that tables stay readable.
 const LONGEST: usize = 32;
 
 #[derive(clap::Args)]
 pub struct NewDetector {
-    /// The name, in small letters, digits and '-': quad-tree
+    /// Name in small letters, digits and '-', as in quad-tree
     name: String,
-    /// The root of the checkout
-    #[arg(long = "in", value_name = "DIR", default_value = ".")]
+    /// Root of the checkout
+    #[arg(long = "in", value_name = "FOLDER", default_value = ".")]
     root: PathBuf,
 }
 
-/// The three forms of a name.
 struct Names {
     /// In the table: `quad-tree`.
     name: String,
@@ -51,15 +49,15 @@ struct Names {
     kind: String,
 }
 
-/// A file as it will be.
+/// A file to write.
 struct Change {
     path: PathBuf,
-    /// What it holds now; none: it is new.
+    /// Its present text; `None` for a new file.
     before: Option<String>,
     after: String,
 }
 
-/// Writes the detector's file and its lines; all or nothing.
+/// Writes all files or none.
 pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
     let changes = changes(&options.root, &names)?;
@@ -70,18 +68,17 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
         writeln!(out, "{what} {}", path.display())?;
     }
     let check = format!("cargo run -- check --detector {}", names.name);
-    writeln!(out, "It works as it is: it sorts along x. Change it, and hold it to the truth:")?;
+    writeln!(out, "It sorts along x and works. Change it, then run:")?;
     for (command, meaning) in [
-        (&*check, "the smallest scene on which it is wrong, in seconds"),
-        ("cargo run --release -- recommend packed:n=100000", "how fast it is beside the others"),
-        ("cargo test", "it is in every test that loops over the table"),
+        (&*check, "is it right? In seconds"),
+        ("cargo run --release -- recommend packed:n=100000", "how fast is it?"),
+        ("cargo test", "all tests include it"),
     ] {
         writeln!(out, "  {command:<48} {meaning}")?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Checks a name.
 fn names(given: &str) -> anyhow::Result<Names> {
     let name = given.replace('_', "-");
     let piece = |piece: &str| {
@@ -89,26 +86,22 @@ fn names(given: &str) -> anyhow::Result<Names> {
     };
     ensure!(
         name.split('-').all(piece) && name.starts_with(|c: char| c.is_ascii_lowercase()),
-        "'{given}' is no name for a detector: it must begin with a small letter and be of small \
-         letters, digits and single '-', as in quad-tree"
+        "'{given}' cannot name a detector; begin with a small letter, and use small letters, \
+         digits and single '-', as in quad-tree"
     );
-    ensure!(
-        name.len() <= LONGEST,
-        "'{given}' has {} letters; names have at most {LONGEST}, so that tables can be read",
-        name.len()
-    );
+    ensure!(name.len() <= LONGEST, "'{given}' has {} letters; use at most {LONGEST}", name.len());
     let module = name.replace('-', "_");
     ensure!(
         !KEYWORDS.contains(&&*module),
-        "'{given}' is a word of the language, and can name no module: take another"
+        "'{given}' is a reserved word of Rust or of this project; choose another name"
     );
     ensure!(
         table::find(&name).is_none(),
-        "there is a detector '{name}' already; take another name"
+        "the detector '{name}' exists already; choose another name"
     );
     ensure!(
         peers::missing(&name).is_none(),
-        "'{name}' is the name of a library that is measured; take another name"
+        "'{name}' is a library that contactbench measures; choose another name"
     );
     let kind: String =
         name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
@@ -116,21 +109,18 @@ fn names(given: &str) -> anyhow::Result<Names> {
         TEMPLATE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == kind);
     ensure!(
         !used || kind == TYPE,
-        "'{given}' would make a type {kind}, which every detector uses under that name; take \
-         another"
+        "'{given}' would make a type {kind}, a name that every detector uses; choose another name"
     );
     Ok(Names { name, module, kind })
 }
 
-/// What the files will be.
 fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     let folder = root.join(FOLDER);
     let (modules, lines) = (folder.join("mod.rs"), folder.join("table/mod.rs"));
     for path in [&modules, &lines] {
         ensure!(
             path.is_file(),
-            "{} is not the root of a checkout of contactbench: there is no {}; go there, or give \
-             it with --in",
+            "{} is not a checkout of contactbench: there is no {}; give the checkout with --in",
             root.display(),
             path.strip_prefix(root).unwrap_or(path).display()
         );
@@ -143,20 +133,20 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     let taken = module_lines(&module_text).any(|(_, module)| module == names.module);
     ensure!(
         !taken && !file.exists() && !folder.join(&names.module).exists(),
-        "there is a module {} in {FOLDER} already; take another name",
+        "the module {} exists already in {FOLDER}; choose another name",
         names.module
     );
     let quoted = format!("\"{}\"", names.name);
     ensure!(
         !table_text.contains(&quoted),
-        "{} has a line {quoted} already; take another name",
+        "{} has a line {quoted} already; choose another name",
         lines.display()
     );
     let by_hand = |path: &Path, text: &str| {
         text.lines().for_each(terminal::say);
         format!(
-            "{} is not as this program knows it, and nothing was changed; write the detector by \
-             hand, and add the lines above there",
+            "{} has an unexpected form, so that nothing was changed; add the lines above to it, \
+             and write the detector by hand",
             path.display()
         )
     };
@@ -174,7 +164,7 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     ])
 }
 
-/// The public modules of a file: where the line begins, and the name.
+/// Iterates over the public modules of a file: start of the line, and name.
 fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let starts = text.split_inclusive('\n').scan(0, |start, line| {
         *start += line.len();
@@ -185,11 +175,11 @@ fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// With the module's line in its place in the alphabet.
+/// Returns the text with the module's line in alphabetical order.
 fn with_module(text: &str, module: &str) -> Option<String> {
     let last = module_lines(text).last()?;
     let at = match module_lines(text).find(|(_, other)| *other > module) {
-        // Attributes and remarks before a module belong to it.
+        // Attributes and comments before a module belong to it.
         Some((start, _)) => {
             let before = text[..start].split_inclusive('\n').rev();
             start
@@ -203,7 +193,7 @@ fn with_module(text: &str, module: &str) -> Option<String> {
     Some(format!("{}pub mod {module};\n{}", &text[..at], &text[at..]))
 }
 
-/// With the entry before the controls, or before the table's end.
+/// Returns the text with the entry before the controls, or at the end of the table.
 fn with_line(text: &str, entry: &str) -> Option<String> {
     let begin = text.find("pub static TABLE: &[Entry] = &[\n")?;
     let end = begin + text[begin..].find("\n];\n")? + 1;
@@ -213,7 +203,6 @@ fn with_line(text: &str, entry: &str) -> Option<String> {
     Some(format!("{}{entry}{}", &text[..at], &text[at..]))
 }
 
-/// The table line.
 fn entry(Names { name, module, kind }: &Names) -> String {
     let kind = format!("super::{module}::{kind}");
     let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
@@ -234,8 +223,8 @@ fn entry(Names { name, module, kind }: &Names) -> String {
     )
 }
 
-/// Writes all files beside their places, and then puts them there: a file is as it was or as it
-/// will be, and nothing is changed unless all could be written.
+/// Writes all files beside their places, then renames them: no file is ever half written, and
+/// nothing changes unless all could be written.
 fn write_all(changes: &[Change]) -> anyhow::Result<()> {
     let written = |change: &Change| -> std::io::Result<tempfile::NamedTempFile> {
         let folder = change.path.parent().unwrap_or(Path::new("."));
@@ -253,7 +242,7 @@ fn write_all(changes: &[Change]) -> anyhow::Result<()> {
         files.push(file.with_context(|| format!("cannot write {name}; nothing was changed"))?);
     }
     for (file, Change { path, before, .. }) in files.into_iter().zip(changes) {
-        // Not over a file that has come in the meantime.
+        // A file that has appeared in the meantime is kept.
         let put = match before {
             None => file.persist_noclobber(path),
             Some(_) => file.persist(path),
@@ -289,7 +278,7 @@ mod tests {
             ["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()),
             ["after", "after"]
         );
-        // A file that has come in the meantime is not written over.
+        // A file that has appeared in the meantime is kept.
         assert!(write_all(&half[..1]).is_err() && at("new").exists());
     }
 }

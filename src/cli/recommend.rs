@@ -32,23 +32,24 @@ use contactbench_terms::number::{number, plural, with_interval};
 pub struct Recommend {
     #[command(flatten)]
     source: Source,
-    /// The measurements take about so long, besides reading and finding the truth
-    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    /// Time for the measurements, in seconds
+    #[arg(long, value_name = "TIME", default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
-    /// How contacts are decided
-    #[arg(long, value_parser = arithmetic(), default_value_t)]
+    /// f64, f32, f32-cell, textbook
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
-    /// Threads, for detectors that can use them
-    #[arg(long, default_value_t = 1, value_parser = values::whole::<usize>)]
+    /// Threads, if the detector can use them
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
     threads: usize,
     #[command(flatten)]
     limit: Limit,
-    /// All numbers, for programs
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Measures, and says which detector to use; exit code 1 if one was wrong, or none can be used.
+/// Prints the detector to use; exit code 1 if one was wrong, or none can be used.
 pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
@@ -58,7 +59,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     };
     doubt_given(&name, &given, options.arithmetic);
     let none = given.scene.is_empty();
-    ensure!(!none, "{name}: the scene has no particles; there is nothing to recommend");
+    ensure!(!none, "{name}: the scene has no particles");
     let history = history(&name)?;
     let program = program()?;
     let time = Duration::from_secs_f64(seconds);
@@ -118,14 +119,13 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
             }
             None => writeln!(
                 out,
-                "\nuse none: no detector has given a right answer in time; the reasons stand above"
+                "\nuse none: no detector gave a right answer in time; see the reasons above"
             )?,
         }
     }
     Ok(code(&race, verdict.as_ref()))
 }
 
-/// Writes what to use, each line of it indented.
 fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
     for (k, line) in said.lines().enumerate() {
         let head = if k == 0 { "use " } else { "  " };
@@ -134,7 +134,6 @@ fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
     Ok(())
 }
 
-/// 1 if one was wrong, or none can be used.
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     let wrong =
         |standing: &Standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours();
@@ -144,7 +143,7 @@ fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     }
 }
 
-/// This program, to be started as runner.
+/// Returns the command that starts this program as a runner.
 fn program() -> anyhow::Result<Vec<String>> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program = std::env::current_exe();
@@ -152,7 +151,7 @@ fn program() -> anyhow::Result<Vec<String>> {
     Ok(vec![program.display().to_string()])
 }
 
-/// Says on a terminal what is being done.
+/// Returns a function that shows progress on a terminal.
 fn note() -> impl FnMut(&str) {
     let terminal = std::io::stderr().is_terminal();
     move |text| {
@@ -163,7 +162,7 @@ fn note() -> impl FnMut(&str) {
     }
 }
 
-/// Scenes that come before, where a hard case has some: a file has none.
+/// Returns the earlier scenes of a hard case.
 fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     if Path::new(name).exists() {
         Ok(Vec::new())
@@ -172,7 +171,7 @@ fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     }
 }
 
-/// All who were asked, fastest first; those without a time at the end.
+/// Returns all detectors, the fastest first; those without a time last.
 fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     let mut standings: Vec<&Standing> = race.standings.iter().collect();
     let rank =
@@ -182,7 +181,7 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// Why it has no time; none if it has one.
+/// Returns the reason why a detector has no time, if it has none.
 fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
         _ if !standing.times.is_empty() => None,
@@ -191,8 +190,7 @@ fn why_out(standing: &Standing) -> Option<String> {
     }
 }
 
-/// The detectors, fastest first; those without a time at the end. An interval of absolute times
-/// would hold in one run alone.
+/// Returns one row for each detector. Intervals are of ratios: absolute times hold in one run only.
 fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
     let base = fastest(&race.standings).map(|k| &race.standings[k]);
     let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);

@@ -1,4 +1,4 @@
-//! `contactbench report`, and what follows every run: everything right of the record.
+//! `contactbench report`, and the end of every run.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,16 +22,15 @@ use contactbench_run::plan;
 
 #[derive(clap::Args)]
 pub struct Report {
-    /// A result folder
+    /// Result folder
     folder: PathBuf,
     #[command(flatten)]
     ci: Outputs,
-    /// Put the copies of experiments of an older record under its seal, and make no report
+    /// Seal the copies of experiments in an older record; make no report
     #[arg(long)]
     seal: bool,
 }
 
-/// Makes the report of a result folder again.
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
     if options.seal {
         read(&options.folder)?;
@@ -42,7 +41,7 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
     finish(&options.folder, &options.ci)
 }
 
-/// The last result folder inside of this one, as a hint.
+/// Returns a hint that names the last result folder inside this one.
 fn within(folder: &Path) -> String {
     let folders = std::fs::read_dir(folder).into_iter().flatten();
     let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
@@ -50,12 +49,11 @@ fn within(folder: &Path) -> String {
     last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
 }
 
-/// The record of a result folder, and its experiments.
+/// Reads the record of a result folder, and its experiments.
 fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     ensure!(
         row::exists(&folder.join(row::FILE)),
-        "{} has no {}, the record from which a report is made; name a result folder, as \
-         `contactbench run` writes them{}",
+        "{} has no {}; name a result folder, as contactbench run writes them{}",
         folder.display(),
         row::FILE,
         within(folder)
@@ -63,7 +61,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     let part = Part::read(folder)?;
     ensure!(
         !part.rows.is_empty(),
-        "the record in {} holds no rows yet; run the experiment first",
+        "the record in {} has no rows; run the experiment first",
         folder.display()
     );
     // In the order in which they were run.
@@ -73,10 +71,9 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     copies.sort_by_key(|(name, _)| (place(name).unwrap_or(usize::MAX), *name));
     let parse = |(name, text): (&String, &String)| {
         let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
-        // Files are named as in the experiment, which is no longer beside them.
         let experiment =
             plan::parse_copy(text).with_context(|| format!("in {}", path.display()))?;
-        let what = format!("it is of the experiment {}", experiment.name);
+        let what = format!("its experiment is {}", experiment.name);
         let fault = Fault { place: path.display().to_string(), what };
         faults::sound(Vec::from_iter((experiment.name != *name).then_some(fault)))?;
         Ok(experiment)
@@ -85,7 +82,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     let unknown = part.rows.iter().find(|row| !part.experiments.contains_key(&row.id.experiment));
     if let Some(row) = unknown {
         bail!(
-            "{} has no copy of the experiment {}, of which the record has rows",
+            "{} lacks the experiment {}, which has rows in the record",
             folder.join(folder::EXPERIMENTS).display(),
             row.id.experiment
         );
@@ -94,12 +91,12 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     Ok((Record { rows, warnings, bytes }, experiments))
 }
 
-/// Everything right of the record: verdicts, figures, report.
+/// Writes report and figures, and prints the verdicts.
 pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     let (record, experiments) = read(folder)?;
     let again = || {
         format!(
-            "the record is whole; when this is mended: contactbench report {}",
+            "the record is whole; solve the problem below, then run contactbench report {}",
             quoted(&folder.display().to_string())
         )
     };
@@ -118,7 +115,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
         let folder = quoted(&folder.display().to_string());
         writeln!(out, "builds:  contactbench compare {folder}")?;
     }
-    // What is wrong, crashed or was not started comes first, once each; then the claims.
+    // Detectors that were wrong, crashed or not started come before the claims.
     let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();
     if cases.is_empty() {
         let (class, name) = ("record".into(), "every answer is right".into());
@@ -133,14 +130,13 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// A contender that is wrong, for continuous integration.
 fn culprit(found: &Culprit) -> Case {
     let is = if found.outcome == Outcome::Unavailable { "was started" } else { "is right" };
     let (class, name) = ("record".into(), format!("{} {is}", found.name));
     Case { class, name, result: ci::Outcome::Failed(failures::culprit(found)) }
 }
 
-/// A claim for continuous integration. Those about times gate nothing.
+/// A claim about times does not fail the run.
 fn case(verdict: &claim::Verdict) -> Case {
     let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
     let result = match verdict.status {

@@ -17,48 +17,45 @@ use contactbench_run::run::session::{self, Asked};
 
 #[derive(clap::Args, Default)]
 pub struct Run {
-    /// Names of experiments (see `contactbench list experiments`), or TOML files
-    #[arg(required = true, value_parser = values::EXPERIMENT, hide_possible_values = true)]
+    /// Names (see: list experiments), or TOML files
+    #[arg(value_name = "EXPERIMENT", required = true)]
+    #[arg(value_parser = values::EXPERIMENT, hide_possible_values = true)]
     experiments: Vec<String>,
-    /// Small scenes and few blocks: does everything work?
+    /// Small scenes and few blocks, to see that all works
     #[arg(long)]
     quick: bool,
-    /// Continue a killed run: what its record holds is not measured again
+    /// Continue a run that was stopped
     #[arg(long)]
     resume: bool,
-    /// The result folder (default: results/EXPERIMENT/DATE-MACHINE; with --resume the last one)
-    #[arg(long)]
+    /// Result folder [default: results/NAME/DATE-MACHINE]
+    #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Time another build of this program side by side with this one: in each block both take
-    /// turns in fresh processes on one processor; `contactbench compare FOLDER` says what differs
+    /// Another build of contactbench, timed in turns
     #[arg(long, value_name = "PROGRAM", conflicts_with = "shard")]
     against: Option<PathBuf>,
-    /// Only part k of n of the scenes, as in 2/8, or auto: the part that the job array (Slurm, PBS,
-    /// Grid Engine, LSF) or MPI gives to this process, in a folder of its own below --out (auto/8
-    /// where the array does not say how long it is); `contactbench merge` puts the parts together
+    /// Part K of N, as in 2/8, or auto (job array, MPI)
     #[arg(long, value_name = "K/N")]
     shard: Option<Part>,
     #[command(flatten)]
     ci: Outputs,
 }
 
-/// Runs the standard reproduction; a quick one has small scenes and few blocks.
+/// Runs the standard experiments.
 pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
     let names = builtin::all()?
         .into_iter()
         .filter(|experiment| experiment.standard)
         .map(|experiment| experiment.name)
         .collect();
-    let time = if quick { "a quick look in seconds" } else { "about four minutes" };
+    let time = if quick { "in seconds" } else { "about four minutes" };
     say!(
-        "the standard reproduction: the book's scaling experiments, {time}; results go to a new \
-         folder under results/standard"
+        "running the book's scaling experiments, {time}; results go to a new folder under \
+         results/standard"
     );
     let options = Run { experiments: names, quick, ..Run::default() };
     run_named(&options, "standard")
 }
 
-/// Runs the experiments named.
 pub fn run(options: &Run) -> anyhow::Result<ExitCode> {
     let stems = options
         .experiments
@@ -80,12 +77,16 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let Run { quick, resume, against, .. } = options;
     let (quick, resume, against) = (*quick, *resume, against.clone());
     let asked = Asked { experiments, quick, resume, against, shard };
-    // Its bar is gone before anything else is printed.
+    // The progress bar ends with this statement.
     let ended = session::run(&asked, &folder, &mut Terminal::default(), &mut |it| say!("{it}"));
     let error = match ended {
         Ok(0) => {
             let mut out = terminal::out();
-            writeln!(out, "there are more shards than scenes: nothing is to be run in this one")?;
+            writeln!(
+                out,
+                "shard {} has no scenes, because there are more shards than scenes",
+                options.shard.map_or_else(String::new, |part| part.shard.to_string())
+            )?;
             options.ci.write("run", &[])?;
             return Ok(ExitCode::SUCCESS);
         }
@@ -93,12 +94,12 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         Err(error) => error,
     };
     if error.is::<Interrupted>() {
-        // A report of what there is; whether claims hold is not known yet.
+        // A report of the part that was measured.
         if let Err(error) = finish(&folder, &Outputs::default()) {
             say!("no report: {error:#}");
         }
         say!(
-            "interrupted: what was measured is in {}; continue with: {}",
+            "interrupted: the record is in {}; continue with: {}",
             folder.join(row::FILE).display(),
             again(options, &folder)
         );
@@ -106,10 +107,11 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     }
     let session::Stopped(error) = error.downcast()?;
     let again = again(options, &folder);
-    Err(error.context(format!("the run stopped; when this is mended, continue with: {again}")))
+    Err(error
+        .context(format!("the run stopped; solve the problem below, then continue with: {again}")))
 }
 
-/// The command that continues a run.
+/// Returns the command that continues the run.
 fn again(options: &Run, folder: &Path) -> String {
     let mut words = vec!["contactbench".to_string(), "run".into()];
     words.extend(options.experiments.iter().cloned());

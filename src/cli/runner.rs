@@ -12,28 +12,29 @@ use contactbench_run::run::server::Server;
 
 #[derive(clap::Args)]
 pub struct Serve {
-    /// The detector, with parameters as in streamed-nbs:level=avx2; or a tracker over one, as in
-    /// verlet(streamed-nbs,skin=0.1)
-    #[arg(long, value_parser = values::DETECTOR, hide_possible_values = true)]
+    /// Detector, or tracker such as verlet(nbs,skin=0.1)
+    #[arg(long, value_name = "NAME", value_parser = values::DETECTOR, hide_possible_values = true)]
     detector: String,
-    /// How contacts are decided
-    #[arg(long, value_parser = arithmetic(), default_value_t)]
+    /// f64, f32, f32-cell, textbook
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
-    /// Threads, for detectors that can use them
-    #[arg(long, default_value_t = 1, value_parser = values::whole::<usize>)]
+    /// Threads, if the detector can use them
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
     threads: usize,
-    /// Most bytes for the detector's arrays, and for a list of pairs, as in 4GiB
-    #[arg(long, default_value_t = Options::default().memory_limit, value_parser = values::bytes)]
-    memory_limit: u64,
+    /// Memory, as in 2GiB [default: 4GiB, or 1/4 of all]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    memory_limit: Option<u64>,
 }
 
 /// Serves until the end of the input.
 pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
     crate::cli::use_threads(options.threads);
-    let limits = Options { memory_limit: options.memory_limit, threads: options.threads };
+    let memory_limit = options.memory_limit.unwrap_or(Options::default().memory_limit);
+    let limits = Options { memory_limit, threads: options.threads };
     let mut server = Server::new(&options.detector, options.arithmetic, limits)?;
     server
         .serve(std::io::stdin().lock(), std::io::stdout().lock())
-        .context("the harness is gone")?;
+        .context("the harness has ended")?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,5 +1,4 @@
-//! Verbs that are programs of their own, found as git and cargo find theirs: beside this one, or on
-//! PATH.
+//! Verbs that are separate programs, beside this one or on PATH.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -7,7 +6,6 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, bail};
 
-/// Arguments that are passed on.
 #[derive(clap::Args)]
 #[command(disable_help_flag = true)]
 pub struct Passed {
@@ -16,7 +14,7 @@ pub struct Passed {
     words: Vec<OsString>,
 }
 
-/// Runs a program with these arguments, in the place of this one where the system can do that.
+/// Runs a program with these arguments; on Unix it replaces this process.
 pub fn run(name: &str, passed: &Passed) -> anyhow::Result<ExitCode> {
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     let beside = std::env::current_exe().ok().and_then(|own| Some(own.parent()?.join(&file)));
@@ -27,11 +25,11 @@ pub fn run(name: &str, passed: &Passed) -> anyhow::Result<ExitCode> {
     };
     if error.kind() == ErrorKind::NotFound {
         bail!(
-            "this verb is the program {name}, which is neither beside contactbench nor on PATH; \
-             build it with cargo build --release -p {name}"
+            "the program {name} is neither beside contactbench nor on PATH; build it with cargo \
+             build --release -p {name}"
         );
     }
-    Err(error).with_context(|| format!("{} does not start", program.display()))
+    Err(error).with_context(|| format!("cannot start {}", program.display()))
 }
 
 #[cfg(unix)]

@@ -14,32 +14,29 @@ use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
 pub struct Scene {
-    /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle
-    /// file
-    #[arg(value_parser = values::SCENE, hide_possible_values = true)]
+    /// Particle file, or a scene such as packed:n=200 (list scenes)
+    #[arg(value_name = "FILE|SCENE", value_parser = values::SCENE, hide_possible_values = true)]
     scene: String,
     #[command(flatten)]
     input: Input,
-    /// Where the scene goes: a .csv, .xyz (extended XYZ) or .npy file (default: CSV to standard
-    /// output); with a box that repeats .xyz, which holds one
-    #[arg(short, long)]
-    output: Option<PathBuf>,
-    /// Moves the scene, for --at or --frames, with speed in diameters per frame (see: contactbench
-    /// list motions)
+    /// Scene as .csv, .xyz or .npy [default: CSV on stdout]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Motion, for --at or --frames (see: list motions)
     #[arg(long)]
     motion: Option<Motion>,
-    /// The frame of the motion that is written; frame 0 is the scene
+    /// Write frame K of the motion; frame 0 is the scene
     #[arg(long, requires = "motion", conflicts_with = "frames", value_name = "K")]
     #[arg(value_parser = values::whole::<u64>)]
     at: Option<u64>,
-    /// Writes so many frames of the motion, from frame 0, one after the other into an .xyz file
+    /// Write this many frames of the motion, as .xyz
     #[arg(long, requires = "motion", value_name = "COUNT", value_parser = values::whole::<u64>)]
     frames: Option<u64>,
 }
 
 /// Makes or reads the scene and writes it, in numbers that read back to the same bits.
 pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
-    let format = options.output.as_deref().map(write::scene_format).transpose()?;
+    let format = options.out.as_deref().map(write::scene_format).transpose()?;
     let mut given = options.input.given(&options.scene)?;
     if let Some(motion) = options.motion {
         let mut frames = Frames::new(&given, motion)?;
@@ -53,10 +50,10 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
                 );
                 return trajectory(options, &mut frames, count);
             }
-            (None, None) => bail!("--motion says how; add --at K for a frame, or --frames COUNT"),
+            (None, None) => bail!("--motion needs --at K for one frame, or --frames COUNT"),
         }
     }
-    match &options.output {
+    match &options.out {
         Some(path) => {
             write::scene(path, &given)?;
             let scene = &given.scene;
@@ -84,7 +81,7 @@ fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Resul
             anyhow::Ok(())
         })
     };
-    match &options.output {
+    match &options.out {
         Some(path) => {
             write::whole(path, each).map_err(|error| write::of_file(error, path))?;
             say!("{}: {}", path.display(), plural(count as usize, "frame"));

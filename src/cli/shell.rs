@@ -1,4 +1,4 @@
-//! `contactbench completions`: what shells ask of the program.
+//! `contactbench completions`, and remedies for words that are not verbs.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,13 +13,13 @@ use contactbench_run::plan::builtin;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::nearest;
 
-/// What to do with a word that is no verb (an experiment, a file or a scene may be meant), and with
-/// a second file.
+/// Returns a remedy for a word that is not a verb but an experiment, a file or a scene, and for a
+/// second file.
 pub fn advice(error: &clap::Error) -> Option<String> {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) {
         return Path::new(word).is_file().then(|| {
-            "several files are one trajectory by a pattern in quotes, as in 'run_*.vtp', or by a \
-             list of them (.pvd, .series)"
+            "to read several files as one trajectory, give a pattern in quotes, as in \
+             'run_*.vtp', or a list of files (.pvd, .series)"
                 .into()
         });
     }
@@ -29,20 +29,20 @@ pub fn advice(error: &clap::Error) -> Option<String> {
     let is_scene = |name: &str| GENERATORS.iter().any(|generator| generator.name == name);
     let near = || nearest(word, builtin::names());
     if builtin::names().any(|name| name == word) || word.ends_with(".toml") {
-        Some(format!("'{word}' is an experiment: contactbench run {word}"))
+        Some(format!("it is an experiment: contactbench run {word}"))
     } else if Path::new(word).is_file() {
-        Some(format!("'{word}' is a file: contactbench inspect {word}"))
+        Some(format!("it is a file: contactbench inspect {word}"))
     } else if word.split(':').next().is_some_and(is_scene) {
-        Some(format!("'{word}' is a scene: contactbench draw {word}"))
+        Some(format!("it is a scene: contactbench draw {word}"))
     } else {
-        near().map(|name| format!("is the experiment '{name}' meant? contactbench run {name}"))
+        near().map(|name| format!("did you mean the experiment {name}? contactbench run {name}"))
     }
 }
 
 #[derive(clap::Args)]
 pub struct Completions {
-    /// The shell
-    #[arg(value_enum)]
+    /// bash, elvish, fish, powershell or zsh
+    #[arg(value_enum, hide_possible_values = true)]
     shell: Shell,
 }
 
@@ -55,8 +55,7 @@ pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where a scene or an experiment may be named, a file may be, too: shells are told so, which the
-/// generator of the script does not.
+/// Adds files to the completions of scenes and experiments, which clap's generator leaves out.
 fn with_files(shell: Shell, script: &str) -> String {
     let scenes = GENERATORS.map(|generator| generator.name).join(" ");
     let experiments = builtin::names().collect::<Vec<_>>().join(" ");
@@ -74,7 +73,6 @@ fn with_files(shell: Shell, script: &str) -> String {
                     "{function}() {{\n    _alternative '{what}:{what}:({names})' \
                      'files:file:_files'\n}}\n\n"
                 );
-                // Before what calls the completion.
                 let end = script.rfind("\nif [ ").map_or(script.len(), |end| end + 1);
                 script.insert_str(end, &body);
             }
@@ -86,7 +84,7 @@ fn with_files(shell: Shell, script: &str) -> String {
                     );
                 }
             }
-            // Bash falls back to files by itself.
+            // Bash falls back to files.
             _ => {}
         }
     }

@@ -12,20 +12,20 @@ use contactbench_views::trace::{Algorithm, example, page, still, trace as run};
 #[derive(clap::Args)]
 #[command(mut_arg("box", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Trace {
-    /// The detector
-    #[arg(value_enum)]
+    /// nbs, screening, sorting or binary-tree
+    #[arg(value_enum, hide_possible_values = true)]
     detector: Algorithm,
     #[command(flatten)]
     source: Source,
-    /// The folder for the page and the pictures, made if it is not there
-    #[arg(short, long, default_value = "trace")]
-    output: PathBuf,
-    /// Only the page, without a picture of each step
+    /// Folder for the page and the pictures
+    #[arg(short, long, value_name = "FOLDER", default_value = "trace")]
+    out: PathBuf,
+    /// Write the page only, without a picture of each step
     #[arg(long)]
     page_only: bool,
 }
 
-/// Writes the page and the pictures, and says on standard error where.
+/// Writes the page and the pictures, and prints their place on standard error.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let algorithm = options.detector;
     let (name, scene) = match options.source.get()? {
@@ -33,7 +33,7 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
         None => (example::example(algorithm).name.to_string(), None),
     };
     let trace = run(algorithm, scene.as_ref())?;
-    let folder = &options.output;
+    let folder = &options.out;
     let failed = || format!("cannot write to {}; choose another folder with -o", folder.display());
     std::fs::create_dir_all(folder).with_context(failed)?;
     let page = folder.join(format!("{}.html", algorithm.name()));

@@ -21,28 +21,27 @@ use contactbench_scenes::motion::{self, Kind, Motion};
 pub struct Track {
     #[command(flatten)]
     source: Source,
-    /// How particles move, with speed in diameters per frame (see: contactbench list motions;
-    /// default: as a file of several frames says, else drift)
+    /// Motion (see: list) [default: by file, else drift]
     #[arg(long)]
     motion: Option<Motion>,
-    /// Frames, the scene itself among them (default: 100, or all of a file)
-    #[arg(long, value_parser = values::whole::<u64>)]
+    /// Number of frames [default: 100, or all of a file]
+    #[arg(long, value_name = "COUNT", value_parser = values::whole::<u64>)]
     frames: Option<u64>,
-    /// Who finds the contacts: every-step(DETECTOR), verlet(DETECTOR,rule=RULE,skin=S), the skin in
-    /// diameters; may be said several times (default: the rules there are, over streamed-nbs)
+    /// Tracker, repeatable (see: list) [default: seven]
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
-    /// How contacts are decided
-    #[arg(long, value_parser = arithmetic(), default_value_t)]
+    /// f64, f32, f32-cell, textbook
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     #[command(flatten)]
     limit: Limit,
-    /// Print JSON instead of a table
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Where none are named: all safe rules, LAMMPS's default, and one that looks at no particle.
+/// The default trackers: all safe rules, LAMMPS's default, and one that tracks no displacement.
 const USUAL: [&str; 7] = [
     "every-step(streamed-nbs)",
     "verlet(streamed-nbs,skin=auto)",
@@ -56,8 +55,7 @@ const USUAL: [&str; 7] = [
 /// Where no motion is named and the file has none: straight flight.
 const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Moves the scene, or takes the frames of a file; asks all trackers in every frame, and holds them
-/// to the truth.
+/// Runs all trackers over the frames of a motion or a file, and compares them with the truth.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let texts: Vec<&str> = match options.trackers.is_empty() {
         true => USUAL.to_vec(),
@@ -80,7 +78,6 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     )
 }
 
-/// Asks all trackers in every frame, and prints what they did.
 fn followed(
     options: &Track,
     trackers: &[TrackerSpec],

@@ -150,8 +150,8 @@ impl FromStr for Edges {
         }
         let count = numbers.len();
         let vectors = vectors(&numbers).ok_or_else(|| match count {
-            1 => format!("1 number is no box; {form}"),
-            _ => format!("{count} numbers are no box; {form}"),
+            1 => format!("1 number is not a box; {form}"),
+            _ => format!("{count} numbers are not a box; {form}"),
         })?;
         let space = !matches!(count, 2 | 4);
         // Lengths of edges must not be negative; components of vectors may be.
@@ -282,12 +282,12 @@ impl Boundaries {
     pub fn check(&self) -> anyhow::Result<()> {
         let given = [(self.edges.is_some(), "--box"), (self.periodic.is_some(), "--periodic")];
         if let Some((_, name)) = given.iter().find(|(given, _)| self.open && *given) {
-            bail!("--open takes boundaries as open, and {name} says otherwise; leave one out");
+            bail!("--open cannot be used with {name}; leave one out");
         }
         let none = self.periodic == Some(Axes::NONE);
         ensure!(
             !(none && self.edges.is_some()),
-            "--periodic none takes boundaries as open, and --box says otherwise; leave one out"
+            "--periodic none cannot be used with --box; leave one out"
         );
         Ok(())
     }

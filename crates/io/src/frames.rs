@@ -129,8 +129,8 @@ impl Choice {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
             Frame::Only if !is_first => bail!(
-                "{}: a second frame begins; say which one is to be read, with --frame 0 (the \
-                 first) to --frame last, or remove the others",
+                "{}: a second frame begins; say which one to read, --frame 0 (the first) to \
+                 --frame last, or remove the others",
                 place()
             ),
             Frame::Only | Frame::Last | Frame::All => Step::Keep,
@@ -147,8 +147,9 @@ impl Choice {
         {
             ensure!(
                 k < self.seen || self.sparse && !self.by_step,
-                "{name} holds {} frames, numbered from 0; there is no frame {k}",
-                self.seen
+                "{name} holds {} frame{}, numbered from 0; there is no frame {k}",
+                self.seen,
+                if self.seen == 1 { "" } else { "s" }
             );
             return Ok(k);
         }

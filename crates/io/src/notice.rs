@@ -63,10 +63,10 @@ impl Notice {
         };
         match self {
             Notice::Assumed(words) => words.clone(),
-            Notice::Flat => format!("z is 0 for all: these may be discs; then give {plane}"),
-            Notice::Points => "there are radii of 0: points".into(),
-            Notice::Apart => "nothing touches: are the radii in the units of the coordinates, and \
-                              not too small by a half?"
+            Notice::Flat => format!("z is 0 for all particles; if they are discs, give {plane}"),
+            Notice::Points => "some radii are 0: these particles are points".into(),
+            Notice::Apart => "nothing touches; check that the radii are in the unit of the \
+                              coordinates, and not half too small"
                 .into(),
             Notice::Crowded { each, other_unit, source } => {
                 let what = match source {
@@ -74,49 +74,49 @@ impl Notice {
                         "the radii may be in another unit than the coordinates".into()
                     }
                     RadiusSource::Column(name) => {
-                        format!("'{}' may hold diameters: name the column d then", short(name))
+                        format!("'{}' may hold diameters; if so, name the column d", short(name))
                     }
-                    RadiusSource::Given => "--radius may have been given a diameter".into(),
-                    _ => "the sizes may be too large, or in other units".into(),
+                    RadiusSource::Given => "--radius may be a diameter".into(),
+                    _ => "the sizes may be too large, or in another unit".into(),
                 };
                 format!(
-                    "{each:.1} contacts per particle are more than a packing of hard bodies has; \
+                    "{each:.1} contacts per particle are more than a packing of hard particles has; \
                      {what}"
                 )
             }
             Notice::Deep(overlap) => format!(
-                "contacts overlap by {overlap:.2} mean radii in the mean, and those of hard bodies \
-                 hardly do; unless bodies may overlap, the sizes may be diameters, or in another \
-                 unit"
+                "contacts overlap by {overlap:.2} mean radii in the mean, much more than those of \
+                 hard particles; the sizes may be diameters, or in another unit"
             ),
             Notice::Nested(pairs, [i, j]) => format!(
-                "{} nearly concentric, such as particles {i} and {j} (from 0): was something \
-                 written twice, or is a radius too large?",
+                "{} nearly concentric, such as particles {i} and {j} (from 0); check for particles \
+                 written twice, and for too large radii",
                 if *pairs == 1 { "1 pair is".into() } else { format!("{pairs} pairs are") }
             ),
             Notice::Coincident(count, first) => format!(
-                "{} or more with the centre of another, such as particle {first} (from 0): was \
-                 something written twice?",
+                "{} or more with the centre of another, such as particle {first} (from 0); check \
+                 for particles written twice",
                 if *count == 1 { "1 particle".into() } else { format!("{count} particles") }
             ),
-            Notice::Scaled => "all coordinates are from 0 to 1, and fill that range: are they \
-                               scaled by a box?"
+            Notice::Scaled => "all coordinates fill the range from 0 to 1; check whether they are \
+                               scaled by a box"
                 .into(),
             Notice::Far(spacing) => format!(
-                "the scene is so far from the origin that f32 places bodies only to {spacing:.1e} \
-                 radii: shift it, or use f64"
+                "the scene is so far from the origin that f32 resolves only {spacing:.1e} radii; \
+                 shift it, or use f64"
             ),
             Notice::Digits(digits) => format!(
-                "coordinates have {digits} significant digits at most, so what nearly touches is \
-                 decided by the digits that were cut off; write all 17 (LAMMPS: dump_modify ID \
-                 format float %.17g)"
+                "coordinates have {digits} significant digits at most, so rounding decides which \
+                 near pairs touch; write all 17 digits (LAMMPS: dump_modify ID format float \
+                 %.17g)"
             ),
             Notice::Boundaries => format!(
-                "the file does not say whether its box repeats: boundaries are taken as open; say \
-                 {periodic} if it does, and {open} if not"
+                "the file does not define whether its box repeats, so boundaries are taken as \
+                 open; give {periodic} if it repeats, and {open} if not"
             ),
             Notice::Plane => format!(
-                "z is 0 for all, and the box repeats along z: if these are discs, give {plane}"
+                "z is 0 for all particles, and the box repeats along z; if they are discs, give \
+                 {plane}"
             ),
         }
     }

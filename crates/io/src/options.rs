@@ -44,13 +44,16 @@ pub const OPTIONS: [FileOption; 8] = [
     FileOption {
         name: "radius",
         value: "RADIUS",
-        meaning: "The radius of all particles, for files without radii",
-        set: |options, text| parsed(text, &mut options.radius),
+        meaning: "Radius of all particles, if the file has none",
+        set: |options, text| {
+            options.radius = Some(text.parse().map_err(|_| "it must be a number")?);
+            Ok(())
+        },
     },
     FileOption {
         name: "dim",
         value: "DIM",
-        meaning: "2 or 3, where the file leaves it open (three columns without names, or z = 0)",
+        meaning: "2 or 3 dimensions, if the file leaves it open",
         set: |options, text| {
             let dim = number::whole(text).and_then(|dim| u32::try_from(dim).ok());
             options.dim = Some(dim.ok_or("it must be a whole number: 2 or 3")?);
@@ -60,8 +63,7 @@ pub const OPTIONS: [FileOption; 8] = [
     FileOption {
         name: "frame",
         value: "FRAME",
-        meaning: "Which frame of a file that has several: a number from 0, or last; some verbs \
-                  take all (default: last)",
+        meaning: "From 0, last, or (some verbs) all [default: last]",
         set: |options, text| {
             options.frame = text.parse()?;
             Ok(())
@@ -69,36 +71,32 @@ pub const OPTIONS: [FileOption; 8] = [
     },
     FileOption {
         name: "columns",
-        value: "KEY=COLUMN,...",
-        meaning: "Which column holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, \
-                  y, z, r, d for a diameter, id; frame, or frame=none, for tables)",
+        value: "COLUMNS",
+        meaning: "x y z r d id frame by name or number: x=3,y=4",
         set: |options, text| parsed(text, &mut options.columns),
     },
     FileOption {
         name: "format",
         value: "FORMAT",
-        meaning: "The file's format (default: told by its content, then by its ending)",
+        meaning: "File format [default: by content and name]",
         set: |options, text| parsed(text, &mut options.format),
     },
     FileOption {
         name: "box",
         value: "NUMBERS",
-        meaning: "The box, instead of the file's: LX,LY[,LZ], with the tilt of LAMMPS \
-                  LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)",
+        meaning: "Box: LX,LY[,LZ[,XY,XZ,YZ]], or its 2 or 3 vectors",
         set: |options, text| parsed(text, &mut options.boundaries.edges),
     },
     FileOption {
         name: "periodic",
         value: "AXES",
-        meaning: "The axes along which the box repeats, whatever the file says: x, xy, xyz and so \
-                  on, or none",
+        meaning: "Axes along which the box repeats, as in xy, or none",
         set: |options, text| parsed(text, &mut options.boundaries.periodic),
     },
     FileOption {
         name: "open",
         value: "",
-        meaning: "Boundaries are open, whatever the file says: contacts across its box are left \
-        out",
+        meaning: "Open boundaries: no contacts across the box",
         set: |options, text| {
             options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
             Ok(())

@@ -158,7 +158,7 @@ def test_what_is_no_scene_is_an_error(arguments, words):
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"detector": "nsb"}, "there is no detector 'nsb'; did you mean nbs?; the detectors are: direct"),
+        ({"detector": "nsb"}, "there is no detector 'nsb' (did you mean nbs?); the detectors are: direct"),
         ({"detector": "streamed-nbs:level=sse"}, "level cannot be 'sse'"),
         ({"arithmetic": "f16"}, "f16"),
         ({"threads": 0}, "threads is 0"),

@@ -261,11 +261,17 @@ mod tests {
     #[test]
     fn invalid_parameters_are_refused_by_name() {
         for (text, words) in [
-            ("packd", "there is no scene 'packd'; did you mean packed?; the scenes are: packed, l"),
+            (
+                "packd",
+                "there is no scene 'packd' (did you mean packed?); the scenes are: packed, l",
+            ),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
             ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
             ("loose:n=4294967296", "n = 4294967296; at most 2^32 - 1 = 4294967295 particles"),
-            ("loose:spacing=1", "there is no parameter 'spacing'; did you mean grading?; the para"),
+            (
+                "loose:spacing=1",
+                "there is no parameter 'spacing' (did you mean grading?); the para",
+            ),
             ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
             ("loose:fraction=nan", "fraction is \"nan\"; it must be a finite number over 0"),
             ("loose:fraction=-inf", "fraction is \"-inf\"; it must be a finite number over 0"),

@@ -144,7 +144,7 @@ mod tests {
             ("drift:seed=1,seed=2", "'drift:seed=1,seed=2': seed is given twice; leave one out"),
             (
                 "drift:sped=1",
-                "'drift:sped=1': there is no parameter 'sped'; did you mean speed?; drift takes \
+                "'drift:sped=1': there is no parameter 'sped' (did you mean speed?); drift takes \
                  speed and seed",
             ),
         ] {
@@ -153,7 +153,7 @@ mod tests {
         assert!(Spec::parse_tracker("verlet(nbs").form("").is_err());
         assert_eq!(
             Spec::parse("a:b=dens").wrong("b", "dens", &["dense"], "auto or dense").to_string(),
-            "'a:b=dens': b cannot be 'dens'; did you mean dense?; it is auto or dense"
+            "'a:b=dens': b cannot be 'dens' (did you mean dense?); it is auto or dense"
         );
     }
 }

@@ -1,9 +1,9 @@
 //! Suggestions for misspelled names.
 
-/// Returns `; did you mean x?` for the nearest known name, or an empty text if none is near.
+/// Returns ` (did you mean x?)` for the nearest known name, or an empty text if none is near.
 pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     match nearest(name, known) {
-        Some(near) => format!("; did you mean {near}?"),
+        Some(near) => format!(" (did you mean {near}?)"),
         None => String::new(),
     }
 }
@@ -36,7 +36,7 @@ mod tests {
         ] {
             assert_eq!(nearest(name, known), near, "{name}");
         }
-        assert_eq!(hint("srting", known), "; did you mean sorting?");
+        assert_eq!(hint("srting", known), " (did you mean sorting?)");
         assert_eq!(hint("x", known), "");
     }
 }

@@ -1,4 +1,4 @@
-//! What is printed and written of detectors that are wrong, and of refusals.
+//! Reports of wrong detectors and of refusals.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -16,10 +16,10 @@ use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::mean_radii;
 use contactbench_views::draw::{self, Highlighted, Look};
 
-/// So many kinds of refusals are shown.
+/// Most kinds of refusals printed.
 const KINDS: usize = 6;
 
-/// The file that a failing scene is written to.
+/// Returns the file for a failing scene.
 pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
         .and_then(|scene| Path::new(scene).file_stem())
@@ -29,17 +29,17 @@ pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &
     folder(options).join(name.replace([':', '=', ','], "-") + regression::ending(failure))
 }
 
-/// Where files go: nobody wants them in a folder that was not named.
+/// Returns the folder for files: that of --out, or a temporary one.
 fn folder(options: &Check) -> PathBuf {
     let own = || std::env::temp_dir().join(format!("contactbench-check-{}", std::process::id()));
     options.out.clone().unwrap_or_else(own)
 }
 
-/// Couples within this of just touching, in mean radii, are decided by rounding.
+/// Pairs with a smaller gap or overlap, in mean radii, are decided by rounding.
 const TANGENT: f64 = 1e-9;
 
-/// The worst pair on the scene where the failure was noticed: smaller scenes of two different
-/// defects may be the same.
+/// Returns the worst pair on the scene where the failure was found: two defects may shrink to the
+/// same scene.
 pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
     let all = differences.missed.iter().chain(&differences.spurious);
@@ -48,7 +48,7 @@ pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
-/// Where the pairs that differ are all decided by rounding, what that means.
+/// Returns a remark if rounding decides all pairs that differ.
 pub(super) fn rounding(failure: &Failure) -> Option<String> {
     let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = &failure.found else {
         return None;
@@ -59,14 +59,14 @@ pub(super) fn rounding(failure: &Failure) -> Option<String> {
     (others && failure.arithmetic == Arithmetic::Exact).then(|| {
         let all = if count == 1 { "the pair".into() } else { format!("all {count} pairs") };
         format!(
-            "{all} that it gets wrong there: tangent to within {}; it seems to decide \
-             contacts in rounded arithmetic: let it say f64 (or f32), or decide exactly",
+            "{all} it gets wrong there: tangent to within {}; it seems to decide contacts in \
+             rounded arithmetic: declare f64 (or f32), or decide exactly",
             mean_radii(depth.abs())
         )
     })
 }
 
-/// What a runner said on its standard error before it died.
+/// Prints the standard error of a runner that died.
 pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<()> {
     if let Wrong::Dies { errors, .. } = wrong
         && errors.lines().count() > 1
@@ -79,7 +79,7 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Refusals of a kind differ in numbers only.
+/// Prints refusals by kind; those that differ only in numbers are of one kind.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
     for (reason, times) in &report.refused {
@@ -102,7 +102,7 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// The scene with its contacts, and what is wrong with the pairs; none where it cannot be drawn.
+/// Draws the scene with its wrong pairs; returns `None` if it cannot be drawn.
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
     let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());
@@ -164,8 +164,8 @@ pub(super) fn describe(
         Some(wrong) => writeln!(out, "  smallest failing scene: {n} particles, {wrong}: {place}")?,
         None => writeln!(
             out,
-            "  only after earlier scenes: something is left in its buffers; the scene: {n} \
-             particles: {place}"
+            "  wrong only after earlier scenes, which leave something in its buffers; the scene: \
+             {n} particles: {place}"
         )?,
     }
     if let Some(picture) = picture(failure) {

@@ -1,4 +1,4 @@
-//! Who is checked: detectors of the table, or a runner.
+//! The detectors of a check: those of the table, or a runner.
 
 use std::io::Write;
 
@@ -13,7 +13,6 @@ use contactbench_run::check::process::{Foreign, Met};
 use contactbench_run::check::{Limits, Wrong, conversation};
 use contactbench_run::plan::detectors;
 
-/// Who is checked together, and how contacts are decided.
 pub(super) struct Group {
     pub(super) contenders: Vec<Contender>,
     pub(super) arithmetics: Vec<Arithmetic>,
@@ -25,7 +24,6 @@ impl Group {
     }
 }
 
-/// Detectors of the table.
 pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     let chosen = detectors::expand(&options.detector, false)
         .map_err(anyhow::Error::msg)?
@@ -45,10 +43,10 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     Ok(Group { contenders: chosen, arithmetics })
 }
 
-/// What stands for an arithmetic in a command.
+/// The word in a runner's command that is replaced by the arithmetic.
 const ARITHMETIC: &str = "{arithmetic}";
 
-/// Starts a runner in each arithmetic, talks with it, and says what it offers.
+/// Starts a runner in each arithmetic, tests the protocol, and prints its abilities.
 pub(super) fn runners(
     command: &str,
     options: &Check,
@@ -58,17 +56,16 @@ pub(super) fn runners(
 ) -> anyhow::Result<Vec<Group>> {
     let words = match shlex::split(command) {
         Some(words) if !words.is_empty() => words,
-        Some(_) => bail!(
-            "--runner is empty: give the command that starts the runner, as in --runner \"python3 \
-             my_detector.py\""
-        ),
-        None => bail!("--runner '{command}': a quote is not closed"),
+        Some(_) => {
+            bail!("--runner is empty; give a command, as in --runner \"python3 my_detector.py\"")
+        }
+        None => bail!("--runner '{command}': close the quote"),
     };
     let asks = words.iter().any(|word| word.contains(ARITHMETIC));
     ensure!(
         asks || options.arithmetic.is_empty(),
-        "--arithmetic: a runner says its own in its first line; if its command takes one, write \
-         {ARITHMETIC} there, as in --runner \"my-detector --arithmetic {ARITHMETIC}\""
+        "--arithmetic: the first line of a runner names its arithmetic; if its command takes one, \
+         use --runner \"my-detector --arithmetic {ARITHMETIC}\""
     );
     let asked: Vec<Option<Arithmetic>> = match (asks, options.arithmetic.is_empty()) {
         (false, _) => vec![None],
@@ -83,7 +80,7 @@ pub(super) fn runners(
             Met::Runner(foreign) if arithmetic.is_some_and(|asked| asked != foreign.arithmetic) => {
                 let said = foreign.arithmetic.name();
                 Met::Wrong(Wrong::Breaks(format!(
-                    "started with {name} as its arithmetic, it says {said} in its first line"
+                    "it was started with {name} arithmetic, and its first line has {said}"
                 )))
             }
             met => met,
@@ -119,7 +116,6 @@ pub(super) fn runners(
     Ok(groups)
 }
 
-/// What is wrong with a runner whatever the scene.
 fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
     for wrong in wrongs {
         writeln!(out, "WRONG: {wrong}")?;

@@ -25,68 +25,61 @@ use contactbench_run::run::interrupt;
 
 #[derive(clap::Args)]
 pub struct Check {
-    /// Only this detector, with parameters as in streamed-nbs:level=avx2 (may be given several
-    /// times; default: all)
-    #[arg(long, value_parser = values::DETECTORS, hide_possible_values = true)]
+    /// Detector to check, repeatable [default: all]
+    #[arg(long, value_name = "NAME", value_parser = values::DETECTORS, hide_possible_values = true)]
     detector: Vec<String>,
-    /// A detector in another language: the command that starts its runner (docs/PROTOCOL.md);
-    /// {arithmetic} in it stands for each --arithmetic
+    /// Command of a runner; {arithmetic} is replaced
     #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
     runner: Option<String>,
-    /// Only this arithmetic (may be given several times; default: exact; a runner says its own);
-    /// textbook filters lose contacts, as is to be expected
-    #[arg(long, value_parser = arithmetic())]
+    /// Arithmetic, repeatable [default: exact]
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), hide_possible_values = true)]
     arithmetic: Vec<Arithmetic>,
-    /// Check this particle file with radii, or this scene such as packed:n=200 (may be given
-    /// several times) instead of the scenes of the check
-    #[arg(long, value_parser = values::SCENE, hide_possible_values = true)]
+    /// File or scene, repeatable [default: many scenes]
+    #[arg(long, value_name = "FILE|SCENE")]
+    #[arg(value_parser = values::SCENE, hide_possible_values = true)]
     scene: Vec<String>,
-    /// What the files of --scene do not say
     #[command(flatten)]
     input: Input,
-    /// Seeds to try at most
-    #[arg(long, default_value_t = Limits::default().seeds, value_parser = values::whole::<u64>)]
+    /// Most seeds
+    #[arg(long, value_name = "COUNT", value_parser = values::whole::<u64>)]
+    #[arg(default_value_t = Limits::default().seeds)]
     seeds: u64,
-    /// No new scene is begun after this many seconds (generated scenes of the first seed are always
-    /// completed)
+    /// Time for new scenes, in seconds
     #[arg(
         long,
+        value_name = "TIME",
         default_value_t = Limits::default().time.as_secs_f64(),
         allow_negative_numbers = true
     )]
     seconds: f64,
-    /// A detection that takes more seconds than this hangs
-    #[arg(long, default_value_t = DEADLINE_S, allow_negative_numbers = true)]
+    /// Longest detection, in seconds
+    #[arg(long, value_name = "TIME", default_value_t = DEADLINE_S, allow_negative_numbers = true)]
     deadline: f64,
-    /// Most bytes for a detector's arrays, and for a list of pairs, as in 1GiB
-    #[arg(
-        long,
-        default_value_t = Limits::default().options.memory_limit,
-        value_parser = values::bytes
-    )]
-    memory_limit: u64,
-    /// The folder that failing scenes are written to, made if it is not there (default: one in the
-    /// temporary folder)
-    #[arg(long)]
+    /// Memory for a detector [default and most: 256MiB]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    memory_limit: Option<u64>,
+    /// Folder for failing scenes [default: temporary]
+    #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Print JSON instead of text
+    /// Print JSON
     #[arg(long, conflicts_with = "annotations")]
     json: bool,
     #[command(flatten)]
     ci: Outputs,
 }
 
-/// A hang, too, is to be told within 10 seconds; scenes are small.
+/// Default of --deadline, so that a hang is reported within 10 seconds.
 const DEADLINE_S: f64 = 5.0;
-/// What came of a group on a given scene, or on those of the battery.
+
+/// The result of a group on a given scene, or on the generated ones.
 struct Checked<'a> {
     group: &'a Group,
     report: Report,
     path: Option<&'a str>,
 }
 
-/// Runs the checks; exit code 1 if a detector disagrees with the truth, 2 if nothing was compared.
-/// A check compares nothing if all detectors refuse all scenes, or all of a named scene.
+/// Runs the checks; exit code 1 if a detector is wrong, 2 if nothing was compared because all
+/// detectors refused all scenes, or a named scene.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
@@ -95,16 +88,19 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         (1e-3..1e9).contains(&deadline),
         "--deadline {deadline}: give a number from 0.001 to 10^9"
     );
-    ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
+    ensure!(options.seeds >= 1, "--seeds 0: give at least 1");
     ensure!(
         !options.scene.is_empty() || !options.input.is_said(),
-        "{OPTIONS} belong to a particle file; name one with --scene"
+        "{OPTIONS} need a particle file; name one with --scene"
     );
     let limits = Limits {
         seeds: options.seeds,
         time: Duration::from_secs_f64(seconds),
         deadline: Duration::from_secs_f64(deadline),
-        options: Options { memory_limit: options.memory_limit, ..Limits::default().options },
+        options: Options {
+            memory_limit: options.memory_limit.unwrap_or(Limits::default().options.memory_limit),
+            ..Limits::default().options
+        },
         ..Limits::default()
     };
     quiet_panics();
@@ -122,7 +118,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let groups = match &options.runner {
         None => vec![detectors(options)?],
         Some(command) => {
-            interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+            interrupt::end_runners_too().context("cannot handle Ctrl-C")?;
             runners(command, options, &limits, &mut broken, &mut out)?
         }
     };
@@ -147,7 +143,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             let count = |(source, count): (&_, &_)| format!("{source} {count}");
             let scenes: Vec<String> = report.scenes.iter().map(count).collect();
             let cut = match report.cut && report.failures.is_empty() {
-                true => "; the time was over before all were tried (--seconds)",
+                true => "; not all scenes were tried in this time (--seconds)",
                 false => "",
             };
             let (scenes, time) = (scenes.join(", "), started.elapsed().as_secs_f64());
@@ -155,12 +151,12 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         }
     }
     let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
-    // A runner in several arithmetics.
+    // A runner appears once for each arithmetic.
     names.dedup();
     let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
     let verdict = overall(&reports, &broken);
     let words = match verdict {
-        Verdict::Right => "all agree with all pairs tested".into(),
+        Verdict::Right => "all answers are right".into(),
         Verdict::Wrong => "WRONG".into(),
         Verdict::Nothing => nothing_compared(&reports),
     };
@@ -178,8 +174,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// The verdict on all scenes: a failure anywhere is one, and a scene without a comparison is not
-/// passed.
+/// Returns the verdict on all scenes: one failure fails, and so does a scene without a comparison.
 fn overall(reports: &[Checked<'_>], broken: &[Wrong]) -> Verdict {
     let any = |wanted| reports.iter().any(|checked| checked.report.verdict() == wanted);
     if !broken.is_empty() || any(Verdict::Wrong) {
@@ -196,11 +191,10 @@ fn nothing_compared(reports: &[Checked<'_>]) -> String {
     let scenes: Vec<&str> =
         reports.iter().filter(nothing).filter_map(|checked| checked.path).collect();
     let place = if scenes.is_empty() { "".into() } else { format!(" of {}", scenes.join(", ")) };
-    format!("nothing was compared{place}: every answer was refused; this is not a pass")
+    format!("nothing was compared{place}, because every detector refused")
 }
 
-/// A detector that panics is reported like any other that is wrong, and shrinking makes it panic
-/// often.
+/// Silences panics of the checked detectors, which the check reports itself.
 fn quiet_panics() {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

@@ -1,4 +1,4 @@
-//! What a check found, for continuous integration and as JSON.
+//! The result of a check, for continuous integration and as JSON.
 
 use serde_json::{Value, json};
 
@@ -7,8 +7,7 @@ use super::{Check, Checked};
 use crate::cli::shared::ci::{Case, Outcome};
 use contactbench_run::check::{Failure, Verdict, Wrong};
 
-/// Every detector in every arithmetic, on every given scene or on those of the battery, for
-/// continuous integration.
+/// Returns a case for every detector, arithmetic and scene.
 pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
     let case = |wrong: &Wrong| Case {
         class: "protocol".into(),
@@ -37,13 +36,13 @@ pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Chec
                 let result = match (wrong, elsewhere) {
                     (Some(failure), _) => Outcome::Failed(why(failure)),
                     (None, Some(other)) => Outcome::Skipped(format!(
-                        "not asked to the end: it is wrong in {}",
+                        "not finished, because it is wrong in {}",
                         other.arithmetic.name()
                     )),
                     (None, None) if report.has_compared(name, *arithmetic) => Outcome::Passed,
-                    // Beside others that answered it is skipped; alone it would pass unseen.
+                    // Skipped if other detectors answered, else a failure.
                     (None, None) => {
-                        let why = "nothing was compared: every answer was refused".into();
+                        let why = "nothing was compared, because every scene was refused".into();
                         match report.verdict() {
                             Verdict::Nothing => Outcome::Failed(why),
                             _ => Outcome::Skipped(why),

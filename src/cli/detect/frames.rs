@@ -1,4 +1,4 @@
-//! `detect --frame all`: the contacts of all frames of a file.
+//! `detect --frame all`.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -15,21 +15,19 @@ use contactbench_io as io;
 use contactbench_io::write::{Framed, framed};
 use contactbench_terms::number::plural;
 
-/// What was done.
 #[derive(Default)]
 struct Done {
     frames: usize,
     pairs: usize,
-    /// Particles of the smallest frame and of the largest, and the dimension.
+    /// Particles of the smallest and of the largest frame.
     particles: [usize; 2],
     dim: usize,
     time: Duration,
-    /// Contacts are named by ids; known from the first frame on.
+    /// Whether contacts are named by ids; set by the first frame.
     by_id: Option<bool>,
 }
 
-/// Goes through the frames with one detector, writes the pairs, and says on standard error what was
-/// done.
+/// Writes the contacts of all frames, and prints a summary on standard error.
 pub(super) fn detect(
     options: &Detect,
     spec: &DetectorSpec,
@@ -38,7 +36,7 @@ pub(super) fn detect(
     let input = &options.source.input;
     let read = io::Options { ids: !options.places || options.needs_ids(), ..input.options() };
     let done = input::frames(path, read, |frames| {
-        framed(options.output.as_deref(), true, None, |out| all(options, spec, path, frames, out))
+        framed(options.out.as_deref(), true, None, |out| all(options, spec, path, frames, out))
     })?;
     let Done { frames, pairs, particles: [least, most], dim, time, by_id } = done;
     let n = if least == most { most.to_string() } else { format!("{least} to {most}") };
@@ -78,7 +76,7 @@ fn all(
         let given = particles.given(&name, options.source.input.radius).with_context(place)?;
         let n = given.scene.len();
         let memory_limit = options.limit.bytes(n);
-        // Detectors keep what they have allocated for the frame before.
+        // A detector keeps its buffers from frame to frame.
         let search = match search.take().filter(|search| search.memory_limit == memory_limit) {
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
@@ -98,11 +96,11 @@ fn all(
         done.particles = [least.min(n), most.max(n)];
     }
     told.end(&name);
-    ensure!(done.frames > 0, "{name} holds no frame of particles; is it of another format?");
+    ensure!(done.frames > 0, "{name} holds no frame of particles; check its --format");
     Ok(done)
 }
 
-/// Whether the contacts of a frame are named by ids: as in the frames before it, or because the
+/// Returns whether the contacts of a frame are named by ids: as in the frames before, or if the
 /// first frame has an id for each particle.
 fn by_id(
     options: &Detect,
@@ -116,8 +114,8 @@ fn by_id(
     };
     ensure!(
         usable || before != Some(true),
-        "{}: not every particle has an id of its own, as in the frames before; mend the column id, \
-         or give --places",
+        "{}: some particles share an id or have none, unlike in earlier frames; correct the \
+         column id, or give --places",
         place()
     );
     Ok(before.unwrap_or(usable))

@@ -28,40 +28,39 @@ use contactbench_terms::number::plural;
 pub struct Detect {
     #[command(flatten)]
     source: Source,
-    /// The detector, with parameters as in streamed-nbs:level=avx2
+    /// Detector (see: list)
     #[arg(
         long,
+        value_name = "NAME",
         default_value = table::DEFAULT,
         value_parser = values::DETECTOR,
         hide_possible_values = true
     )]
     detector: String,
-    /// How contacts are decided
-    #[arg(long, value_parser = arithmetic(), default_value_t)]
+    /// f64, f32, f32-cell, textbook
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
-    /// Threads, for detectors that can use them
-    #[arg(long, default_value_t = 1, value_parser = values::whole::<usize>)]
+    /// Threads, if the detector can use them
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
     threads: usize,
     #[command(flatten)]
     limit: Limit,
-    /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to
-    /// standard output); with --frame all the first column is the frame
-    #[arg(short, long)]
-    output: Option<PathBuf>,
-    /// Names particles by the file's column id, with the header id1,id2 (default: with --frame all,
-    /// if the file has ids)
+    /// Pairs: .csv, .npy or .vtk [default: CSV, stdout]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Name particles by id [default with --frame all]
     #[arg(long, conflicts_with = "places")]
     ids: bool,
-    /// Names particles by their place in the file, from 0 (default: for one frame)
+    /// Number particles from 0 in file order [default]
     #[arg(long)]
     places: bool,
-    /// More columns: overlap (a length, and as depth in mean radii), normal (unit vector from the
-    /// first particle to the second), ids
+    /// More columns: overlap, normal, ids
     #[arg(long = "with", value_name = "COLUMNS", value_parser = extra(), value_delimiter = ',')]
+    #[arg(hide_possible_values = true)]
     extras: Vec<Extra>,
 }
 
-/// Reads one of [`Extra::ALL`].
 fn extra() -> impl TypedValueParser<Value = Extra> {
     let values = Extra::ALL.map(|(_, name, help)| PossibleValue::new(name).help(help));
     let named = |text: String| Extra::ALL.iter().find(|(_, name, _)| *name == text);
@@ -70,12 +69,11 @@ fn extra() -> impl TypedValueParser<Value = Extra> {
 }
 
 impl Detect {
-    /// The ids are read in any case.
     fn needs_ids(&self) -> bool {
         self.ids || self.extras.contains(&Extra::Ids)
     }
 
-    /// The ids of particles, if they are asked for.
+    /// Returns the ids of the particles, if the options need them.
     fn ids(&self, name: &str, ids: Option<Vec<i64>>) -> anyhow::Result<Option<Vec<i64>>> {
         if !self.needs_ids() {
             return Ok(None);
@@ -89,15 +87,14 @@ impl Detect {
         let repeated = repeated(&ids)?;
         ensure!(
             repeated.is_none(),
-            "{name}: the id {} stands there twice and names no particle; mend it, or leave out \
-             --ids and --with ids",
+            "{name}: two particles have the id {}; correct it, or leave out --ids and --with ids",
             repeated.unwrap_or_default()
         );
         Ok(Some(ids))
     }
 }
 
-/// An id of two particles, if there is one.
+/// Returns an id that two particles share, if there is one.
 fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
     if ids.is_sorted_by(|a, b| a < b) {
         return Ok(None);
@@ -110,30 +107,30 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
     Ok(sorted.windows(2).find(|two| two[0] == two[1]).map(|two| two[0]))
 }
 
-/// Reads, detects, writes the pairs, and prints on standard error what was done.
+/// Writes the contacts, and prints a summary on standard error.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
     ensure!(
         !spec.entry.is_control(),
-        "there is no detector '{}' here: it is a control, for experiments",
+        "the detector '{}' is a control for experiments; choose another",
         spec.entry.name
     );
     let threads = options.threads;
-    ensure!(threads >= 1, "--threads 0: at least one is needed");
+    ensure!(threads >= 1, "--threads 0: give at least 1");
     let several = TABLE.iter().filter(|entry| entry.threads && !entry.is_control());
     ensure!(
         threads == 1 || spec.entry.threads,
-        "{} is sequential and cannot use {threads} threads; leave out --threads, or use one of {}",
+        "{} uses one thread, not {threads}; leave out --threads, or use {}",
         spec.entry.name,
         several.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
     );
-    if let Some(path) = &options.output {
+    if let Some(path) = &options.out {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
     ensure!(
         options.source.scene.as_deref() != Some("-"),
-        "'-' names no file; to read standard input give /dev/stdin"
+        "'-' is not a file; to read standard input, give /dev/stdin"
     );
     if let (Some(Frame::All), Some(text)) = (options.source.input.frame, &options.source.scene)
         && io::exists(Path::new(text))
@@ -175,9 +172,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the pairs of one scene.
 fn write(options: &Detect, pairs: &Pairs, style: &Style<'_>) -> anyhow::Result<()> {
-    let path = options.output.as_deref();
+    let path = options.out.as_deref();
     match pairs {
         Pairs::Open(pairs) => {
             let plain = pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] });

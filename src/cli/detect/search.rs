@@ -1,4 +1,4 @@
-//! The contacts of one scene, with its box or without.
+//! The search for the contacts of one scene.
 
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ use contactbench_io::write::Style;
 use contactbench_run::run::alloc;
 use contactbench_scenes::doubts::Touching;
 
-/// A detector, which keeps its buffers from scene to scene.
+/// A detector that keeps its buffers from scene to scene.
 pub(super) struct Search {
     pub memory_limit: u64,
     arithmetic: Arithmetic,
@@ -32,17 +32,14 @@ pub(super) struct Search {
 
 /// Contacts in ascending order.
 pub(super) enum Pairs {
-    /// In open space.
     Open(Vec<[u32; 2]>),
-    /// In a periodic box.
     Boxed(Vec<ImagePair>),
 }
 
-/// What a search found.
 pub(super) struct Found {
     pub pairs: Pairs,
     pub touching: Touching,
-    /// Images made of particles.
+    /// Number of images made.
     pub images: usize,
     pub time: Duration,
     /// Bytes that the detector still holds after the search, if measured.
@@ -66,7 +63,6 @@ impl Pairs {
     }
 }
 
-/// How contacts of a scene are written.
 pub(super) fn style<'a>(
     options: &'a Detect,
     given: &'a Given,
@@ -108,7 +104,7 @@ impl Search {
         });
         let time = started.elapsed();
         result?;
-        // Live bytes are those of the lists of pairs and of the detector's buffers.
+        // Live bytes include the lists of pairs.
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));

@@ -1,4 +1,4 @@
-//! What the box says.
+//! The box of a file.
 
 use serde_json::json;
 
@@ -11,7 +11,7 @@ use contactbench_io::boxes::{along, outside};
 use contactbench_io::{About, Particles};
 use contactbench_terms::number::{number, plural};
 
-/// Prints the box of the file, and the one that counts.
+/// Prints the box in the file, and the box that is used.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &mut Report) {
     let declared = about.declared.as_ref();
     let vectors = declared.and_then(|declared| declared.vectors);
@@ -29,7 +29,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
             _ if input.boundaries.periodic.is_some() => "open (--periodic none)",
             Some(Some(_)) => "open, as the file says",
             Some(None) if vectors.is_some() => {
-                "taken as open: the file does not say whether its box repeats"
+                "taken as open: the file does not define whether its box repeats"
             }
             _ => "open: there is no box in the file",
         };
@@ -77,8 +77,8 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
     out.line("outside the box", text, json!({ "outside": outside.len() }));
 }
 
-/// Prints the distances of the box's faces against the farthest that two bodies touch; warns of
-/// boxes so small that the nearest image is not all.
+/// Prints the distances between the faces of the box, and the reach of contacts. Warns of a box so
+/// small that a particle touches several images of another.
 pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
@@ -88,38 +88,36 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
         heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
     let least = heights.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min) / reach;
     let times = if least.is_finite() {
-        format!(": at least {} times as far", number(least))
+        format!(" (ratio at least {})", number(least))
     } else {
         String::new()
     };
     out.line(
         "between faces",
-        format!("{}; bodies touch over {} at most{times}", text.join(", "), number(reach)),
+        format!("{}; contacts reach {} at most{times}", text.join(", "), number(reach)),
         json!({ "reach": reach, "least_height_over_reach": least }),
     );
-    // The last places of a height are rounded: nobody is warned wrongly for want of one.
+    // The last digits of a height are rounded.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
     };
     match (narrow(1.0), narrow(2.0)) {
-        (own, _) if !own.is_empty() => out
-            .warnings
-            .push(format!("the box is so small along {own} that a body may touch its own image")),
+        (own, _) if !own.is_empty() => out.warnings.push(format!(
+            "the box is so small along {own} that a particle may touch its own image"
+        )),
         (_, several) if !several.is_empty() => out.warnings.push(format!(
-            "the box is so small along {several} that two bodies may touch through several images, \
-             of which codes that look at the nearest one see one"
+            "the box is so small along {several} that two particles may touch through several \
+             images; codes that test only the nearest image miss some"
         )),
         _ => {}
     }
 }
 
-/// Numbers with blanks between.
 fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ")
 }
 
-/// Vectors in brackets.
 fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
     let rows: Vec<String> = vectors.iter().map(|v| format!("({})", list(v.as_ref()))).collect();
     rows.join(" ")

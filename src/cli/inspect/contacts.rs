@@ -1,4 +1,4 @@
-//! What radii and contacts say.
+//! Radii, contacts, and errors of rounding.
 
 use std::collections::HashSet;
 
@@ -17,24 +17,23 @@ use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
 use contactbench_scenes::touching;
 use contactbench_terms::number::{number, plural};
 
-/// Couples whose distance differs from the sum of their radii by less than this share of it are
-/// near tangent.
+/// Pairs are near tangent if their distance differs from the sum of their radii by less than this
+/// share of it.
 const NEAR: f64 = 1e-9;
-/// Largest expected number of contacts in open space for which contacts are searched.
+/// Most expected contacts in open space for which contacts are searched.
 const MOST: f64 = 5e7;
 
-/// The contacts of a scene, in its box or in open space.
 pub(super) enum Contacts {
     Found {
         pairs: Vec<ImagePair>,
-        /// Near tangent couples, those just apart included.
+        /// Near-tangent pairs, with those just apart.
         near: u64,
-        /// The sum of the overlaps in mean radii.
+        /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
-    /// Estimated contacts per particle: they are too many to be looked for.
+    /// Estimated contacts per particle, too many for a search.
     TooMany(f64),
-    /// No detector takes the scene.
+    /// The reason why no detector takes the scene.
     Refused(String),
 }
 
@@ -45,7 +44,6 @@ impl Contacts {
         if !periodic.lattice().repeats() && 0.5 * each * n as f64 > MOST {
             return Contacts::TooMany(each);
         }
-        // As `detect` has it, so that a box much smaller than the particles is refused at once.
         let limit = limit_for(n);
         let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
@@ -59,7 +57,7 @@ impl Contacts {
         Contacts::Found { pairs, near, overlap }
     }
 
-    /// Their number, where it is known.
+    /// Returns the number of contacts, if they were searched.
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),
@@ -68,7 +66,6 @@ impl Contacts {
     }
 }
 
-/// Prints radii, contacts, and what rounding would do.
 pub(super) fn report(
     periodic: &Periodic<'_>,
     source: &RadiusSource,
@@ -85,7 +82,7 @@ pub(super) fn report(
     for r in (0..n).map(radius) {
         (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
     }
-    // Where all are the same, their mean is not to show the rounding of a sum.
+    // The mean of equal radii must not show the rounding of a sum.
     mean = if least == most { least } else { mean };
     out.line(
         "radii",
@@ -94,11 +91,11 @@ pub(super) fn report(
     );
     let touching = match contacts {
         Contacts::Refused(reason) => {
-            out.warnings.push(format!("contacts were not looked for: {reason}"));
+            out.warnings.push(format!("contacts were not searched: {reason}"));
             None
         }
         Contacts::TooMany(each) => {
-            let text = format!("about {each:.0} per particle, too many to look for");
+            let text = format!("about {each:.0} per particle, too many for a search");
             out.line("contacts", text, json!({ "coordination": each }));
             Some(Touching::estimated(*each))
         }
@@ -116,12 +113,14 @@ pub(super) fn report(
             });
             let mut of_box = String::new();
             if boxed {
-                of_box = format!(", {across} of them across the box, {own} of one with itself");
+                of_box = format!(
+                    ", {across} of them across the box, {own} of a particle with its own image"
+                );
                 (values["contacts_across"], values["contacts_own"]) = (json!(across), json!(own));
             }
             let text = format!(
-                "{count} (exact; bodies that just touch are in contact){of_box}, {} per particle, \
-                 mean overlap {} radii",
+                "{count} (exact; tangent particles touch){of_box}, {} per particle, mean overlap \
+                 {} radii",
                 number(each),
                 number(mean)
             );
@@ -129,16 +128,16 @@ pub(super) fn report(
             out.line(
                 "near tangent",
                 format!(
-                    "{} whose distance is the sum of their radii to within 1e-9 of it",
-                    plural(*near as usize, "couple")
+                    "{} with a distance within 1e-9 of the sum of radii",
+                    plural(*near as usize, "pair")
                 ),
                 json!({ "near_tangent": near }),
             );
             if *near > 0 && 10 * near > count as u64 {
                 out.warnings.push(format!(
-                    "{} within 1e-9 of just touching: codes that round in different ways will \
-                     disagree about {}",
-                    if *near == 1 { "1 couple is".into() } else { format!("{near} couples are") },
+                    "{} within 1e-9 of just touching: codes that round differently will disagree \
+                     about {}",
+                    if *near == 1 { "1 pair is".into() } else { format!("{near} pairs are") },
                     if *near == 1 { "it" } else { "them" }
                 ));
             }
@@ -146,7 +145,7 @@ pub(super) fn report(
         }
     };
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // Those without radii are warned of as well: see `of_centres`.
+    // `of_centres` warns of these.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {
@@ -154,7 +153,7 @@ pub(super) fn report(
     }
 }
 
-/// How far from the origin the scene is, and what f32 would make of it.
+/// Prints the distance from the origin, and the errors of f32 there.
 fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Report) {
     let scene = periodic.scene();
     let largest = with_scene!(scene, scene => {
@@ -165,11 +164,10 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     if !diameters.is_finite() {
         return;
     }
-    // The spacing of f32 at that place, against the radius.
     let spacing = f32_spacing(scene);
     let mut text = format!(
-        "{} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii \
-         apart there",
+        "at most {} mean diameters from the origin, where f32 numbers are {spacing:.1e} radii \
+         apart",
         number(diameters)
     );
     let mut values = json!({ "offset_diameters": diameters, "f32_spacing_radii": spacing });
@@ -180,7 +178,7 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Rep
     out.line("offset", text, values);
 }
 
-/// How many contacts f32 would miss, and how many it would add.
+/// Returns the number of contacts that f32 would miss, and the number that it would add.
 fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let Contacts::Found { pairs, .. } = contacts else { return None };
     let (limit, mut detector) =

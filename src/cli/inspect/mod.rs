@@ -22,17 +22,16 @@ use contacts::Contacts;
 
 #[derive(clap::Args)]
 pub struct Inspect {
-    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD, also compressed
-    /// with gzip
+    /// Particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD
     file: PathBuf,
     #[command(flatten)]
     input: Input,
-    /// Print the same as JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Findings: labels with their values for people, all values for programs, and warnings.
+/// Labelled lines for people, values for JSON, and warnings.
 #[derive(Default)]
 struct Report {
     lines: Vec<(&'static str, String)>,
@@ -62,9 +61,9 @@ impl Report {
     }
 }
 
-/// Reads the file, looks for contacts, prints what was found, and warns.
+/// Reads the file, finds the contacts, prints both, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    // Of all frames the last is described, and then how they follow each other.
+    // With --frame all, the last frame is described, and then the motion.
     let all = options.input.frame == Some(Frame::All);
     let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(
@@ -91,7 +90,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The head, then the text wrapped beside it.
+/// Prints the head, and the text wrapped beside it.
 fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::io::Result<()> {
     let indent = head.chars().count();
     for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
@@ -100,7 +99,6 @@ fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::i
     Ok(())
 }
 
-/// What the reader says.
 fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Report) {
     let name = options.file.display().to_string();
     out.line("file", name.clone(), json!({ "file": name }));
@@ -113,21 +111,22 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Re
     let About { frames, frame, .. } = *about;
     let which = match frames {
         1 => String::new(),
-        _ => format!("; read: frame {frame}, counted from 0"),
+        _ => format!("; read: frame {frame} (numbered from 0)"),
     };
     out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
     if frames > 1 && options.input.frame != Some(Frame::All) {
-        out.warnings
-            .push(format!("the file has {frames} frames, numbered from 0; this is frame {frame}"));
+        out.warnings.push(format!(
+            "the file has {frames} frames, numbered from 0; only frame {frame} is described"
+        ));
     }
     let (text, kind, column) = match &about.radius {
         RadiusSource::Column(name) => (format!("'{name}' in the file"), "column", Some(name)),
         RadiusSource::Halved(name) => {
-            (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name))
+            (format!("half of the diameter '{name}' in the file"), "diameter", Some(name))
         }
         RadiusSource::Given => ("the option --radius".into(), "option", None),
         RadiusSource::Missing => {
-            let none = "none in the file; contacts need --radius R (half the diameter)";
+            let none = "none in the file; add --radius R (half the diameter) to find contacts";
             (none.into(), "missing", None)
         }
     };
@@ -135,7 +134,6 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Re
     out.warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
 }
 
-/// What the centres say.
 fn of_centres(particles: &Particles, out: &mut Report) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
@@ -152,21 +150,20 @@ fn of_centres(particles: &Particles, out: &mut Report) {
         .map(|k| format!("{} {} to {}", ["x", "y", "z"][k], number(low[k]), number(high[k])))
         .collect();
     out.line("centres", text.join(", "), json!({ "low": low[..dim], "high": high[..dim] }));
-    // -0 is where 0 is.
+    // -0 equals 0.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.sort_unstable_by_key(|&k| key(k));
     let mut duplicates = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1]));
     let first = duplicates.next().map(|pair| pair[0]);
     let count = duplicates.count() + usize::from(first.is_some());
-    let text = format!("{count} centres stand where another does");
+    let text = format!("{count} centres at the place of another");
     out.line("coincident", text, json!({ "coincident_centres": count }));
     if let Some(first) = first {
         out.warnings.push(Notice::Coincident(count as u64, first).words(Place::Argument));
     }
 }
 
-/// Describes the scene with its radii.
 fn of_scene(
     options: &Inspect,
     particles: Particles,
@@ -184,8 +181,8 @@ fn of_scene(
     let Some(count) = contacts.exact() else { return Ok(()) };
     let stats = stats(&given, count);
     let (of, place) = match axes[..given.scene.dim()].iter().all(|&repeats| repeats) {
-        true => ("box", "the box that repeats, overlaps counted twice"),
-        false => ("bounds", "the box around the bodies"),
+        true => ("box", "the periodic box (overlaps counted twice)"),
+        false => ("bounds", "the box around the particles"),
     };
     let fraction = stats.packing_fraction;
     out.line(

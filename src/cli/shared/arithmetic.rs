@@ -4,7 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use contactbench_core::contact::Arithmetic;
 
-/// Takes the names of the arithmetics, and lists them in the help, each with its meaning.
+/// Parses the name of an arithmetic; completions show the meanings.
 pub fn arithmetic() -> impl TypedValueParser<Value = Arithmetic> {
     let value =
         |arithmetic: Arithmetic| PossibleValue::new(arithmetic.name()).help(arithmetic.summary());

@@ -1,5 +1,4 @@
-//! What continuous integration reads: JUnit XML, annotations as GitHub shows them next to a change,
-//! and the summary of a job.
+//! Output for continuous integration: JUnit XML, GitHub annotations, and the summary of a job.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -11,41 +10,38 @@ use contactbench_io::write;
 use contactbench_terms::text::html;
 use contactbench_terms::text::lines;
 
+const CI: &str = "Continuous integration";
+
 /// Options of verbs with a verdict.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Outputs {
-    /// Also write the verdicts as JUnit XML
-    #[arg(long, value_name = "FILE")]
+    /// Write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE", help_heading = CI)]
     pub junit: Option<PathBuf>,
-    /// Also print failures as GitHub annotations (::error ...)
-    #[arg(long)]
+    /// Print failures as GitHub annotations
+    #[arg(long, help_heading = CI)]
     pub annotations: bool,
-    /// Also append the verdicts as Markdown, failures first: "$GITHUB_STEP_SUMMARY"
-    #[arg(long, value_name = "FILE")]
+    /// Append the verdicts as Markdown: "$GITHUB_STEP_SUMMARY"
+    #[arg(long, value_name = "FILE", help_heading = CI)]
     pub summary: Option<PathBuf>,
 }
 
-/// A verdict on one thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What it belongs to, with dots: `scaling.packed`.
+    /// Group of the case, with dots: `scaling.packed`.
     pub class: String,
-    /// What it is.
     pub name: String,
-    /// What came of it.
     pub result: Outcome,
 }
 
-/// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// As it should be.
     Passed,
-    /// No failure, but to be seen: why.
+    /// Not a failure, but worth a look; the reason.
     Noted(String),
-    /// A failure: why.
+    /// The reason.
     Failed(String),
-    /// Nothing can be said: why.
+    /// Not decided; the reason.
     Skipped(String),
 }
 
@@ -68,7 +64,7 @@ impl Outcome {
 }
 
 impl Outputs {
-    /// Writes what was asked for.
+    /// Writes the files and lines of the options.
     pub fn write(&self, suite: &str, cases: &[Case]) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))
@@ -78,14 +74,14 @@ impl Outputs {
             write::append(path, &summary(suite, cases), "--summary")?;
         }
         if self.annotations {
-            // Commands to the log, and so not by way of what takes commands apart.
+            // `terminal::out` would disarm these commands.
             std::io::stdout().lock().write_all(annotations(suite, cases).as_bytes())?;
         }
         Ok(())
     }
 }
 
-/// The cases as a document with one suite.
+/// Formats the cases as JUnit XML.
 pub fn junit(suite: &str, cases: &[Case]) -> String {
     let count =
         |wanted: fn(&Outcome) -> bool| cases.iter().filter(|case| wanted(&case.result)).count();
@@ -124,13 +120,13 @@ pub fn junit(suite: &str, cases: &[Case]) -> String {
     out + "</testsuite>\n</testsuites>\n"
 }
 
-/// Text for particles and attributes. In an attribute a bare line break would be read as a blank.
+/// Escapes text for XML; a bare line break in an attribute would be read as a blank.
 fn xml(text: &str) -> String {
     let broken = [('\n', "&#10;"), ('\t', "&#9;"), ('\r', "&#13;")];
     broken.into_iter().fold(html(text), |text, (c, name)| text.replace(c, name))
 }
 
-/// A line per failure and per note.
+/// Formats one line for each failure and note.
 pub fn annotations(suite: &str, cases: &[Case]) -> String {
     let mut out = String::new();
     for Case { class, name, result } in cases {
@@ -147,7 +143,7 @@ pub fn annotations(suite: &str, cases: &[Case]) -> String {
     out
 }
 
-/// The verdicts as Markdown: their numbers, then a line for each that is not passed.
+/// Formats the verdicts as Markdown: their numbers, and a line for each that did not pass.
 pub fn summary(suite: &str, cases: &[Case]) -> String {
     let (mut numbers, mut lines) = (Vec::new(), String::new());
     for kind in ["failed", "noted", "skipped", "passed"] {
@@ -164,7 +160,7 @@ pub fn summary(suite: &str, cases: &[Case]) -> String {
     format!("### contactbench {suite}: {}\n\n{head}{lines}\n", numbers.join(", "))
 }
 
-/// The first line of a text, as a cell of a table.
+/// Escapes the first line of a text for a cell of a table.
 fn cell(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default();
     lines(first)
@@ -174,7 +170,7 @@ fn cell(text: &str) -> String {
         .collect()
 }
 
-/// The text of a workflow command: one line, in which % begins an escape.
+/// Escapes the text of a workflow command, which is one line.
 fn command(text: &str) -> String {
     lines(text).replace('%', "%25").replace('\n', "%0A")
 }

@@ -1,4 +1,4 @@
-//! What the verbs that read files ask about them.
+//! Options of the verbs that read particle files.
 
 use std::path::Path;
 
@@ -19,14 +19,12 @@ use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
 
-/// What a file does not say: the options of [`io::OPTIONS`].
+/// The options of [`io::OPTIONS`], which add what a file leaves open.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
-    /// The radius of all particles.
     pub radius: Option<f64>,
-    /// The frame; none if no frame was chosen.
+    /// `None` if no frame was chosen.
     pub frame: Option<Frame>,
-    /// The box.
     pub boundaries: Boundaries,
     options: io::Options,
 }
@@ -37,7 +35,7 @@ pub const OPTIONS: &str =
 
 fn argument(option: &'static FileOption) -> Arg {
     let FileOption { name, value, meaning, .. } = *option;
-    let arg = Arg::new(name).long(name).help(meaning);
+    let arg = Arg::new(name).long(name).help(meaning).help_heading("Particle file");
     if value.is_empty() {
         return arg.action(ArgAction::SetTrue);
     }
@@ -90,18 +88,18 @@ impl FromArgMatches for Input {
 }
 
 impl Input {
-    /// The same for the readers: without a choice the last frame.
+    /// Returns the options for the readers; the default is the last frame.
     pub fn options(&self) -> io::Options {
         io::Options { frame: self.frame.unwrap_or(Frame::Last), ..self.options }
     }
 
-    /// Was anything said?
+    /// Returns whether any option was given.
     pub fn is_said(&self) -> bool {
         *self != Input::default()
     }
 
-    /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
-    /// file is a file. One with a box that repeats is refused.
+    /// Returns the scene of a file, or of a generator such as `packed:dim=3,n=1000`. A file has
+    /// precedence. A periodic box is an error.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
         let given = self.make(text, false, |particles| {
             let source = particles.source.clone();
@@ -111,12 +109,12 @@ impl Input {
         given.open(text)
     }
 
-    /// The same with the box in which it repeats, for those who know what to do with one.
+    /// Like [`Input::scene`], with a periodic box if the scene has one.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
         self.make(text, false, |particles| particles.given(text, self.radius))
     }
 
-    /// The same with the ids of the particles, if they are wanted and there.
+    /// Like [`Input::given`], with the ids of the particles if wanted and present.
     pub fn with_ids(&self, text: &str, wanted: bool) -> anyhow::Result<WithIds> {
         let mut ids = None;
         let given = self.make(text, wanted, |particles| {
@@ -146,15 +144,15 @@ impl Input {
         }
     }
 
-    /// A generator with its parameters, or a file and how to read it. What is there as a file is a
-    /// file.
+    /// Returns a generator with its parameters, or a file with the options to read it.
     pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !io::exists(Path::new(text)) {
             ensure!(
                 !self.is_said(),
-                "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
+                "{OPTIONS} are for files; for a generated scene, write parameters such as dim=3 into \
+                 {text}"
             );
             return Ok(Origin::Made(Spec::parse(text)?));
         }
@@ -165,15 +163,15 @@ impl Input {
             if let Some(near) = named.filter(|_| !text.contains(['.', '/'])) {
                 let colon = if rest.is_empty() { "" } else { ":" };
                 bail!(
-                    "there is neither a file nor a scene '{text}'; did you mean \
-                     {near}{colon}{rest}? (contactbench list scenes)"
+                    "there is neither a file nor a scene '{text}' (did you mean \
+                     {near}{colon}{rest}?); see contactbench list scenes"
                 );
             }
         }
         Ok(Origin::File(path.to_owned(), Box::new(self.options())))
     }
 
-    /// Says which of several frames is read where nobody chose one.
+    /// Prints which of several frames is read, unless one was chosen.
     pub fn tell_frame(&self, name: &str, frames: u64) {
         if frames > 1 && self.frame.is_none() {
             let last = frames - 1;
@@ -182,8 +180,7 @@ impl Input {
     }
 }
 
-/// Particles and what is known of them. Which of several frames was taken is said where nobody
-/// chose one.
+/// Reads the particles of one frame. Prints which one, unless a frame was chosen.
 pub fn load(
     path: &Path,
     input: &Input,
@@ -195,7 +192,7 @@ pub fn load(
     Ok((particles, about))
 }
 
-/// Hands all frames of a file to `body`, which takes them one by one.
+/// Passes the frames of a file to `body`, which reads them one by one.
 pub fn frames<T>(
     path: &Path,
     options: io::Options,
@@ -205,27 +202,26 @@ pub fn frames<T>(
     explained(path, io::frames(path, io::Options { frame: Frame::All, ..options }, body))
 }
 
-/// Refuses the name of a scene.
+/// Fails if the path is the name of a generated scene.
 fn is_file(path: &Path) -> anyhow::Result<()> {
     let text = path.display().to_string();
     let scene = text.split(':').next().is_some_and(is_generator) && !io::exists(path);
     ensure!(
         !scene,
-        "'{text}' is a scene, and a file is wanted here; write it to one first: contactbench \
-         scene {text} -o scene.csv"
+        "'{text}' is a scene, and this verb needs a file; write one first: contactbench scene \
+         {text} -o scene.csv"
     );
     Ok(())
 }
 
-/// Says what a file leaves open about its box.
+/// Prints notices about a file.
 pub fn tell(name: &str, notices: &[Notice], place: Place) {
     for notice in notices {
         say!("{name}: {}", notice.words(place));
     }
 }
 
-/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene
-/// that is made.
+/// Prints doubts about the particles of a file and their contacts; nothing for generated scenes.
 pub fn doubt(
     name: &str,
     scene: &AnyScene<'_>,
@@ -238,7 +234,7 @@ pub fn doubt(
     }
 }
 
-/// The same for verbs that do not list contacts themselves.
+/// Like [`doubt`], for verbs that do not list contacts.
 pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     if given.source.is_some() {
         let touching = Touching::search(given);
@@ -246,23 +242,23 @@ pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
     }
 }
 
-/// What has been said of the frames of a file: each notice once, and that nothing touches only if
-/// nothing does in any.
+/// Notices about the frames of a file: each is printed once, and "nothing touches" only if that
+/// holds for all frames.
 #[derive(Default)]
 pub struct Told {
     notices: Vec<Notice>,
-    /// That nothing touches in the last frame, and what follows from it.
+    /// Notices of the last frame that wait for the end, because nothing touches.
     waiting: Vec<Notice>,
     touched: bool,
 }
 
 impl Told {
-    /// Prints what the reader assumed of a frame.
+    /// Prints the assumptions of the reader about a frame.
     pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
         self.tell(&place(name, about), &particles.notices);
     }
 
-    /// Prints what is doubtful about a frame.
+    /// Prints doubts about a frame.
     pub fn of_contacts(
         &mut self,
         place: &str,
@@ -281,8 +277,8 @@ impl Told {
         self.tell(place, &now);
     }
 
-    /// The same, where the verb does not list the contacts. Once something touches, later frames
-    /// are not searched.
+    /// Like [`Told::of_contacts`], for verbs that do not list contacts. Frames after the first
+    /// contact are not searched.
     pub fn of_given(&mut self, place: &str, given: &Given, arithmetic: Arithmetic) {
         if !self.touched && given.source.is_some() {
             let touching = Touching::search(given);
@@ -291,7 +287,7 @@ impl Told {
         }
     }
 
-    /// After the last frame.
+    /// Prints the waiting notices after the last frame.
     pub fn end(self, name: &str) {
         if !self.touched {
             tell(name, &self.waiting, Place::Argument);
@@ -308,7 +304,7 @@ impl Told {
     }
 }
 
-/// The file, and its frame, where that is not the first.
+/// Returns the name of the file, and its frame unless that is the first.
 pub fn place(name: &str, about: &io::About) -> String {
     match about.frame {
         0 => name.to_string(),
@@ -316,7 +312,7 @@ pub fn place(name: &str, about: &io::About) -> String {
     }
 }
 
-/// With the file beside it that may be meant, where there is none of that name.
+/// Adds the most similar name in the folder to the error of a missing file.
 fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
     result.map_err(|error| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

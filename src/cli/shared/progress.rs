@@ -1,5 +1,4 @@
-//! How far a run has come: a bar with the remaining time on a terminal, plain lines elsewhere. And
-//! how far a pass over frames.
+//! Progress of a run or of a pass over frames: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -10,14 +9,12 @@ use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::Progress;
 use contactbench_terms::text::line;
 
-/// A progress bar on a terminal; nothing is drawn elsewhere. The bar is removed before anything
-/// else is printed.
+/// A progress bar on a terminal, removed when dropped; elsewhere nothing.
 struct Bar(Option<ProgressBar>);
 
 impl Bar {
     fn new(length: Option<u64>, template: &str) -> Bar {
         Bar(std::io::stderr().is_terminal().then(|| {
-            // Templates are constant; were one wrong, the default style would do.
             let style = ProgressStyle::with_template(template);
             let bar = length.map_or_else(ProgressBar::no_length, ProgressBar::new);
             let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -28,13 +25,12 @@ impl Bar {
 }
 
 impl Drop for Bar {
-    /// What is printed next begins on a line of its own.
     fn drop(&mut self) {
         self.0.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 
-/// Writes to standard error.
+/// Progress of a run, on standard error.
 pub struct Terminal {
     bar: Bar,
     started: Instant,
@@ -47,17 +43,16 @@ impl Default for Terminal {
     }
 }
 
-/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
+/// Counts frames on a terminal; elsewhere prints nothing.
 pub struct Counted(Bar);
 
 impl Counted {
-    /// Of so many frames, where that is known.
+    /// Starts counting; `frames` is the total, if known.
     pub fn new(frames: Option<u64>) -> Counted {
         let of = if frames.is_some() { " of {len}" } else { "" };
         Counted(Bar::new(frames, &format!("frame {{pos}}{of}, {{elapsed}}")))
     }
 
-    /// The frame of this number begins.
     pub fn frame(&self, k: u64) {
         self.0.0.iter().for_each(|bar| bar.set_position(k));
     }

@@ -1,5 +1,4 @@
-//! Frames as named on the command line: those of a file that has several, or of a scene that a
-//! motion moves.
+//! Frames named on the command line: those of a file, or of a scene moved by a motion.
 
 use std::path::Path;
 
@@ -16,60 +15,58 @@ use contactbench_scenes::motion::{Frames, Motion};
 
 /// Frames of the same particles.
 pub struct Sequence<'a> {
-    /// Of the scene or the file.
+    /// Name of the scene or the file.
     pub name: &'a str,
-    /// How it moves.
+    /// Name of the motion.
     pub motion: &'a str,
-    /// They are those of a file.
+    /// Whether the frames are those of a file.
     pub recorded: bool,
-    /// In each frame.
+    /// Particles in each frame.
     pub particles: usize,
-    /// Frames at most.
+    /// Most frames.
     pub count: u64,
-    /// Gives the frame of each number in turn, and none after the last.
+    /// Returns the frame of each number in turn, and `None` after the last.
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
 }
 
-/// Frames of a motion, where nobody says how many.
+/// Default number of frames of a motion.
 pub const FRAMES: u64 = 100;
 
-/// Which frames are wanted.
 pub struct Wanted {
-    /// The motion that was asked for.
+    /// The motion of the command line.
     pub motion: Option<Motion>,
-    /// That of a scene that would stand still, if it is to move.
+    /// The motion of a scene without one.
     pub otherwise: Option<Motion>,
-    /// So many at most, as was asked for.
+    /// Most frames, from the command line.
     pub frames: Option<u64>,
-    /// Of a file, where nobody says how many.
+    /// Default number of frames of a file.
     pub of_file: u64,
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
 }
 
-/// Hands the frames to `body`; none if nothing was named, or there is one frame and no motion. A
-/// file is read once.
+/// Passes the frames to `body`; returns `None` if no scene was named, or there is one frame and no
+/// motion. A file is read once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<Option<T>> {
     let Wanted { motion, otherwise, frames, .. } = *wanted;
-    ensure!(frames != Some(0), "--frames 0: at least one is needed");
+    ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
-    // Whoever names a motion or a frame wants that frame to move.
+    // With a motion or one frame, that frame moves.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
         let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
         let seen = input::frames(path, options, several)?;
         let moves = seen.is_some() || frames.is_none();
-        ensure!(moves, "--frames says how many, and the file has one frame; add --motion drift");
+        ensure!(moves, "--frames needs several frames, and the file has one; add --motion drift");
         return Ok(seen);
     }
     let motion = motion.or(otherwise);
     let moves = motion.is_some() || frames.is_none();
-    ensure!(moves, "--frames says how many, and nothing moves; add --motion drift");
+    ensure!(moves, "--frames needs frames, and nothing moves; add --motion drift");
     let given = source.given()?;
     given.iter().for_each(|(name, given)| input::doubt_given(name, given, wanted.arithmetic));
     Ok(match (given, motion) {
@@ -105,7 +102,7 @@ fn of_file<T>(
 ) -> anyhow::Result<Option<T>> {
     let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
-    let none = || format!("{text} holds no frame of particles; is it of another format?");
+    let none = || format!("{text} holds no frame of particles; check its --format");
     let first = frames.next().transpose()?.with_context(none)?;
     // A second frame that cannot be read is an error only once it is taken.
     let Some(second) = frames.next() else {
@@ -122,7 +119,6 @@ fn of_file<T>(
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let mut told = Told::default();
-    // Whoever asks for all frames wants no fewer.
     let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
     let made = body(Sequence {
         name: &name,

@@ -1,5 +1,5 @@
-//! What people read of a verb: lines on standard error and standard output, cleaned of commands to
-//! terminals and logs ([`text`]), and wrapped at words where they go to a terminal.
+//! Output for people on standard error and standard output, cleaned of control sequences
+//! ([`text`]), and wrapped at words on a terminal.
 
 use std::io::{Result, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use anyhow::Context;
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
 
-/// Columns of the terminal; all there can be where the output goes to a file or another program.
+/// Returns the columns of the terminal; `usize::MAX` if the output is not a terminal.
 pub fn width() -> usize {
     #[cfg(unix)]
     return columns(std::io::stdout());
@@ -25,7 +25,7 @@ fn columns(terminal: impl std::os::fd::AsFd) -> usize {
     }
 }
 
-/// Prints a line on standard error. A line that cannot be written is lost.
+/// Prints a line on standard error; ignores errors.
 pub fn say(line: &str) {
     #[cfg(unix)]
     let width = columns(std::io::stderr());
@@ -40,17 +40,16 @@ macro_rules! say {
     ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };
 }
 
-/// Standard output for words that people read: not for files, nor for commands to a log.
+/// Returns standard output for people. Files and commands to a log must not be wrapped.
 pub fn out() -> Words<std::io::StdoutLock<'static>> {
     Words { out: std::io::stdout().lock(), width: width() }
 }
 
-/// Prints a value for programs on standard output, in one piece.
+/// Prints JSON on standard output.
 pub fn json(value: &serde_json::Value) -> Result<()> {
     writeln!(std::io::stdout(), "{value:#}")
 }
 
-/// See [`out`].
 pub struct Words<W> {
     out: W,
     width: usize,
@@ -76,7 +75,7 @@ impl<W: Write> Write for Words<W> {
     }
 }
 
-/// Lines that are longer than this are broken at words, and go on below their first word.
+/// Breaks lines longer than `width` at words, and indents the rest like the first word.
 fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
     let fits = |line: &str| line.len() <= width || line.chars().count() <= width;
     if text.split('\n').all(fits) {
@@ -96,14 +95,14 @@ fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
     lines.join("\n").into()
 }
 
-/// Writes a file whole; `option` names another place for it.
+/// Writes a whole file; an error suggests the option that names another place.
 pub fn save(path: &Path, bytes: &[u8], option: &str) -> anyhow::Result<()> {
     let place = path.display();
     let cannot = || format!("cannot write {place}; choose another place with {option}");
     contactbench_io::write::whole(path, |out| out.write_all(bytes)).with_context(cannot)
 }
 
-/// A word as a shell reads it back.
+/// Quotes a word for a shell.
 pub fn quoted(word: &str) -> String {
     let plain =
         !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./+=,:@%".contains(c));

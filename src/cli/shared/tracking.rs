@@ -1,4 +1,4 @@
-//! What `track` says: what the motion is like, a table of trackers, and all of it for programs.
+//! Output of `track`: the motion, a table of trackers, and JSON.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use contactbench_report::table::{Cell, Table};
 use contactbench_run::moving::{Followed, Moved, Tracked};
 use contactbench_terms::number::{number, percent, plural, radii};
 
-/// The middle of the times of frames and the longest, in nanoseconds per particle.
+/// Returns the median and the longest time of a frame, in nanoseconds per particle.
 fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
     let mut times = tracked.times.clone();
     times.sort_unstable();
@@ -19,39 +19,39 @@ fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
     Some([per(times.get(times.len() / 2)?), per(times.last()?)])
 }
 
-/// The time of all frames together, per particle and frame, in nanoseconds.
+/// Returns the mean time per particle and frame, in nanoseconds.
 fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
     let all: Duration = tracked.times.iter().sum();
     let steps = tracked.times.len() as f64 * particles.max(1) as f64;
     (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
 }
 
-/// What a motion is like from frame to frame; nothing where there is but one.
+/// Describes a motion from frame to frame; empty for a single frame.
 pub fn motion(moved: &Moved) -> String {
     let Moved { frames, contacts, born, ended, tunnelled, uncounted, way, .. } = moved;
     if moved.steps() == 0 {
         return String::new();
     }
     let mut said = format!(
-        "a particle goes {} diameters per frame, at most {}",
+        "particles move {} diameters per frame, at most {}",
         number(moved.mean_way()),
         number(way.longest)
     );
     if way.at_rest > 0 {
-        said += &format!(", and {} of them stay where they are", percent(moved.share_at_rest()));
+        said += &format!("; {} stay in place", percent(moved.share_at_rest()));
     }
     said += &format!(
-        ". Of {} contacts in a frame {} are new and {} end with it.",
+        ". A frame has {} contacts; {} are new and {} end with it.",
         number(*contacts as f64 / *frames as f64),
         number(*born as f64 / moved.steps() as f64),
         number(*ended as f64 / moved.steps() as f64),
     );
     said += &match (uncounted, tunnelled) {
-        (Some(why), _) => format!(" What touches between two frames alone was not counted: {why}"),
-        (None, 0) => " No pair touches between two frames alone.".to_string(),
+        (Some(why), _) => format!(" Contacts between two frames were not counted: {why}"),
+        (None, 0) => " No pair touches only between two frames.".to_string(),
         (None, _) => format!(
-            " {} more touch between two frames and in neither: {} missed by the time step, not \
-             by a list.",
+            " {} more pairs touch only between two frames: {} missed by the time step, not by a \
+             list.",
             number(*tunnelled as f64 / moved.steps() as f64),
             plural(*tunnelled as usize, "contact"),
         ),
@@ -59,7 +59,7 @@ pub fn motion(moved: &Moved) -> String {
     said
 }
 
-/// The detector of all trackers, if it is the same.
+/// Returns the detector of all trackers, if they share one.
 fn common(followed: &Followed) -> Option<&DetectorSpec> {
     let mut all = followed.trackers.iter().map(|it| it.spec.detector());
     let first = all.next()?;
@@ -71,7 +71,6 @@ fn label(spec: &TrackerSpec, common: bool) -> String {
     if common { spec.setting() } else { spec.to_string() }
 }
 
-/// What is said of all of them.
 pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let moved = &followed.moved;
     let frames = plural(moved.frames as usize, "frame");
@@ -83,24 +82,23 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let mut blocks = vec![Block::paragraph(said)];
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
-            "All over {detector}; behind a rule stands the skin, in diameters."
+            "All use {detector}. The number after a rule is the skin, in diameters."
         )));
     }
     blocks.extend([
         Block::Table(table(followed)),
         Block::paragraph(
-            "ns: per particle and frame, all frames together; worst: of the slowest frame. built: \
-             frames in which the detector was asked. listed: pairs looked at for each contact. \
-             missed: contacts that were not reported, summed over the frames, and since which \
-             frame; late: the most frames until one was, and how deep it then was, in mean radii \
-             (r). All trackers ran beside each other, once: times are a first look, not a \
-             measurement.",
+            "ns: mean time per particle and frame; worst: slowest frame. built: frames in which \
+             the list was built. listed: pairs in the list for each contact. missed: contacts not \
+             reported, summed over the frames; since: first such frame; late: most frames until \
+             such a contact was reported; depth: its overlap then, in mean radii (r). Each tracker \
+             ran once, so the times are rough.",
         ),
     ]);
     for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {
         blocks.push(Block::paragraph(format!(
-            "{}: {} called dangerous, {} of them after frames with missed contacts; {} came after \
-             such frames in all.",
+            "{}: {} reported as dangerous, {} of them after frames with missed contacts; {} in all \
+             came after such frames.",
             it.spec,
             plural(it.builds.dangerous as usize, "build"),
             it.builds.rightly,
@@ -114,8 +112,8 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
         blocks.push(Block::Warning(
             format!(
-                "{} missed {} contacts and reported {} pairs that do not touch, and may do \
-                 neither: a defect.",
+                "{} missed {} contacts and reported {} pairs that do not touch. It promises \
+                 neither, so this is a defect.",
                 it.spec, it.late.missed, it.spurious
             )
             .into(),
@@ -129,7 +127,6 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     blocks
 }
 
-/// One row for each tracker.
 pub fn table(followed: &Followed) -> Table {
     let particles = followed.moved.particles;
     let common = common(followed).is_some();
@@ -150,7 +147,6 @@ pub fn table(followed: &Followed) -> Table {
         .into()
 }
 
-/// All of it for programs.
 pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     let particles = &followed.moved.particles;
     let trackers = followed.trackers.iter().map(|it| {
@@ -188,7 +184,6 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     all
 }
 
-/// What a motion is like, for programs.
 pub fn moved_as_json(moved: &Moved) -> Value {
     let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     json!({

@@ -1,5 +1,4 @@
-//! Values of options as people write them: whole numbers such as 1e6, bytes such as 4GiB, and names
-//! that completions offer.
+//! Values of options: whole numbers such as 1e6, bytes such as 4GiB, names for completions.
 
 use std::ffi::OsStr;
 
@@ -22,20 +21,16 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     number::bytes(text).ok_or_else(|| must.into())
 }
 
-/// Any text; shells complete it with these names.
+/// Any text; shells complete it with the names that the function returns.
 #[derive(Clone, Copy)]
 pub struct Named(fn() -> Vec<&'static str>);
 
-/// Detectors.
 pub const DETECTOR: Named = Named(|| TABLE.iter().map(|entry| entry.name).collect());
-/// Detectors and groups of them.
 pub const DETECTORS: Named = Named(|| {
     let names = TABLE.iter().map(|entry| entry.name);
     names.chain(detectors::groups()).collect()
 });
-/// Scenes.
 pub const SCENE: Named = Named(|| GENERATORS.iter().map(|generator| generator.name).collect());
-/// Experiments.
 pub const EXPERIMENT: Named = Named(|| builtin::names().collect());
 
 impl TypedValueParser for Named {

@@ -13,14 +13,14 @@ use contactbench_io::pairs::List;
 use contactbench_io::{About, Particles};
 use contactbench_run::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 
-/// That ids are missed.
+/// Whether the missing ids were reported.
 static TOLD: Once = Once::new();
 
-/// Refuses a list of another time than the particles, unless it was asked for.
+/// Fails if list and particles are of different times, unless options chose both.
 pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
     let of_list = match (list.step, about.step) {
         (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
-        // Where frames have no rows, the last that has may be any.
+        // A table has no rows for frames without contacts.
         (None, _) if list.sparse && list.frame.is_some_and(|frame| frame != about.frame) => {
             format!("frame {}", list.frame.unwrap_or_default())
         }
@@ -31,20 +31,20 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
         _ => return Ok(()),
     };
     let (pairs, file) = (options.pairs.display(), options.file.display());
-    let said = format!("{pairs}: the list is of {of_list}, the particles of {}", about.which());
+    let said = format!("{pairs}: the list is of {of_list}, the particles are of {}", about.which());
     if options.pairs_frame.is_some() {
         say!("{said}");
         return Ok(());
     }
     bail!(
-        "{said} in {file}; give --frame all, which brings them together, or --pairs-frame K for \
-         the list that is meant"
+        "{said} in {file}; give --frame all to compare all frames, or --pairs-frame K to choose a \
+         list"
     )
 }
 
 impl<'a> Verified<'a> {
-    /// A list against a frame of the particles. So many pairs of a kind are kept; other ways to
-    /// read the list are tried if that is asked for.
+    /// Compares a list with the particles of a frame. Keeps the `kept` worst pairs of each kind;
+    /// with `explain`, tries other ways to read the list.
     pub(super) fn new(
         options: &'a Verify,
         mut list: List,
@@ -60,7 +60,7 @@ impl<'a> Verified<'a> {
                 (ids, vec![Naming::Base(0), Naming::Base(1)])
             }
             (None, Some(ids)) if options.ids || list.ids => {
-                let ids = ids.context("the ids of the particles cannot be used")?;
+                let ids = ids.context("cannot use the ids of the particles")?;
                 (ids, vec![Naming::Base(0), Naming::Base(1)])
             }
             (None, None) if options.ids => {
@@ -68,13 +68,12 @@ impl<'a> Verified<'a> {
             }
             (base, ids) => {
                 if base.is_none() && list.ids {
-                    // Once, in however many frames.
                     TOLD.call_once(|| {
                         say!(
-                            "{}: the list names particles by id, and {file} has no column id: ids \
-                             are taken as places in the file, from 1, which holds where it is in \
-                             their order; write the id too (dump ... custom ... id x y z radius), \
-                             or say --base 1",
+                            "{}: the list names particles by id, but {file} has no column id; ids \
+                             are taken as places in the file, from 1; write the ids (dump ... \
+                             custom ... id x y z radius), or give --base 1 if the file is in their \
+                             order",
                             options.pairs.display()
                         );
                     });
@@ -122,7 +121,7 @@ impl<'a> Verified<'a> {
     }
 }
 
-/// Refuses a list that names images where boundaries are open.
+/// Fails if the list names images and boundaries are open.
 fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> {
     if !has_box {
         list.without_box();
@@ -136,8 +135,8 @@ fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> 
         false => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
     };
     bail!(
-        "{}: pair {k} (from 0) names an image in a box that repeats, {}, and boundaries are open \
-         here; {remedy}, or --pairs-columns I,J if it is something else",
+        "{}: pair {k} (from 0) names an image of a periodic box, {}, but boundaries are open here; \
+         {remedy}, or --pairs-columns I,J if these columns are not images",
         options.pairs.display(),
         numbers(&images[k], ",")
     );

@@ -1,4 +1,4 @@
-//! `verify --frame all`: the contact lists of all frames, with the particles of theirs.
+//! `verify --frame all`: compares the contact lists of all frames.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
 use crate::cli::verify::other::Shift;
-use crate::cli::verify::{Verified, Verify, counted, left_out, words};
+use crate::cli::verify::{Compared, Verified, Verify, counted, left_out, words};
 use contactbench_core::oracle::Errors;
 use contactbench_core::periodic::depth;
 use contactbench_io as io;
@@ -23,12 +23,12 @@ use contactbench_run::check::verify::{Naming, Verification};
 use contactbench_run::moving::Late;
 use contactbench_terms::number::{mean_radii, plural, wrap};
 
-/// So many frames are shown, of those that are wrong the worst.
+/// Most frames in the table.
 const SHOWN: usize = 12;
 /// Bytes of a missed pair while it is followed.
 const FOLLOWED: u64 = 128;
 
-/// What came of one frame.
+/// The result for one frame.
 struct Row {
     frame: u64,
     step: Option<i64>,
@@ -36,14 +36,13 @@ struct Row {
     contacts: u64,
     listed: usize,
     errors: Errors,
-    /// Pairs of particles that are not there, and pairs that are there from one side only.
+    /// Pairs with unknown particles, and pairs listed from one side only.
     others: [u64; 2],
     within_skin: u64,
     same: bool,
 }
 
 impl Row {
-    /// What is wrong in it.
     fn wrong(&self) -> u64 {
         self.errors.wrong() + self.others.iter().sum::<u64>()
     }
@@ -53,36 +52,33 @@ impl Row {
     }
 }
 
-/// What came of all.
+/// The results for all frames.
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Contacts by the ids of their particles, or by their places.
+    /// Late contacts, by ids or else by places in the file.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,
     without_rows: u64,
-    /// How the list was read: its format, what its numbers mean, and what was compared.
-    read: Option<(&'static str, String, Option<&'static str>)>,
-    /// Contacts with walls, which were left out.
+    /// Format of the list, meaning of its numbers, and how pairs were compared.
+    read: Option<(&'static str, String, Option<Compared>)>,
+    /// Contacts with walls.
     walls: u64,
-    /// Contacts and pairs that --without has left out.
+    /// Contacts and pairs left out by --without.
     left_out_pairs: [u64; 2],
-    /// Contacts stand there from both sides, and were taken once.
     both_sides: bool,
-    /// Columns that were not looked at.
+    /// Ignored columns.
     others: Vec<String>,
-    /// Of the first frame that is wrong.
+    /// The first wrong frame and its hint.
     hint: Option<(String, String)>,
-    /// Whether lists are those of other frames.
     shift: Shift,
 }
 
-/// Compares frame by frame, and prints a line of each.
 pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitCode> {
     ensure!(
         options.pairs_frame.is_none(),
-        "--pairs-frame names the list of one frame, and --frame all takes all; leave one out"
+        "--pairs-frame and --frame all cannot be used together; leave one out"
     );
     let all = io::Options { ids: true, without: options.without, ..options.input.options() };
     let all = input::frames(&options.file, all, |frames| {
@@ -181,7 +177,7 @@ impl All {
         self.rows.iter().all(|row| row.same)
     }
 
-    /// Follows the contacts that are missed from frame to frame.
+    /// Follows missed contacts from frame to frame.
     fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let Verification { missed, truth, .. } = &verified.found;
         let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
@@ -208,15 +204,14 @@ impl All {
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }
 
-    /// The first frame that is wrong, and the worst.
+    /// Returns the first wrong frame and the worst.
     fn worst(&self) -> Option<(&Row, &Row)> {
         let first = self.rows.iter().find(|row| !row.same)?;
         let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
         Some((first, worst))
     }
 
-    /// The frames that are shown: all, else those that are wrong, else the worst of these and the
-    /// first.
+    /// Returns all frames if few, else the wrong ones, else the first and the worst of these.
     fn shown(&self) -> Vec<&Row> {
         let mut rows: Vec<&Row> = self.rows.iter().collect();
         if rows.len() <= SHOWN {
@@ -248,8 +243,8 @@ impl All {
         if shown.len() < self.rows.len() && !shown.is_empty() {
             let wrong = self.rows.iter().filter(|row| !row.same).count();
             let which = match wrong == shown.len() {
-                true => "those that differ".to_string(),
-                false => format!("of {wrong} that differ the first and the worst"),
+                true => "all that differ".to_string(),
+                false => format!("the first and the worst of {wrong} that differ"),
             };
             let of = self.rows.len();
             let said = format!("({} of {of} frames: {which}; --json has all)", shown.len());
@@ -265,7 +260,6 @@ impl All {
         Ok(())
     }
 
-    /// What was compared.
     fn heads(&self, options: &Verify) -> Vec<String> {
         let sum = |of: fn(&Row) -> u64| self.rows.iter().map(of).sum::<u64>();
         let sizes = || self.rows.iter().map(|row| row.particles);
@@ -291,20 +285,20 @@ impl All {
         ];
         if !self.others.is_empty() {
             let others: Vec<&str> = self.others.iter().map(String::as_str).collect();
-            said.push(format!("not looked at: {}", pairs::columns_of(&others)));
+            said.push(format!("ignored: {}", pairs::columns_of(&others)));
         }
         if self.both_sides {
-            said.push("pairs are there from both sides, and taken once".into());
+            said.push("pairs are listed from both sides and counted once".into());
         }
         said.extend(left_out(self.left_out_pairs));
         if self.walls > 0 {
             said.push(format!("left out: {} with walls", counted(self.walls, "contact")));
         }
-        said.extend(compared.map(|compared| format!("compared: {compared}")));
+        said.extend(compared.map(|[_, compared]| format!("compared: {compared}")));
         if !self.left_out.is_empty() {
             let frames: Vec<String> = self.left_out.iter().take(6).map(u64::to_string).collect();
             said.push(format!(
-                "left out, without a list: {} of the particles: {}{}",
+                "left out: {} without a list: {}{}",
                 plural(self.left_out.len(), "frame"),
                 frames.join(" "),
                 if self.left_out.len() > frames.len() { " …" } else { "" }
@@ -312,22 +306,22 @@ impl All {
         }
         if self.without_rows > 0 {
             said.push(format!(
-                "without a row in the list, and taken as without contacts: {}",
+                "taken as without contacts, because the list has no row: {}",
                 counted(self.without_rows, "frame")
             ));
         }
         let within = sum(|row| row.within_skin);
         if within > 0 {
-            said.push(format!("{} apart within the skin, allowed", counted(within, "pair")));
+            said.push(format!("allowed within the skin: {}", counted(within, "pair")));
         }
         said
     }
 
-    /// What is said of all frames together.
+    /// Returns the summary of all frames.
     fn sentences(&self) -> Vec<String> {
         let frames = plural(self.rows.len(), "frame");
         let Some((first, worst)) = self.worst() else {
-            return vec![format!("the same in {frames}: no pair is missed, spurious or repeated")];
+            return vec![format!("the same in {frames}: no missed, spurious or repeated pairs")];
         };
         let Late { frames: with, latest, deepest, never, .. } = self.late;
         let errors = self.errors();
@@ -344,26 +338,24 @@ impl All {
         )];
         if errors.missed > 0 {
             said.push(format!(
-                "missed, summed over the frames: {} in {}, the deepest overlap {}.",
+                "missed in all frames: {} in {}; deepest overlap {}.",
                 counted(errors.missed, "contact"),
                 counted(with, "frame"),
                 mean_radii(errors.deepest_miss)
             ));
             let late = match latest {
-                0 => "None was listed later".into(),
+                0 => "None was listed in a later frame".into(),
                 _ => format!(
-                    "Listed late by {} at most, the overlap then up to {}",
+                    "Latest: {} late, with an overlap of {}",
                     counted(latest, "frame"),
                     mean_radii(deepest)
                 ),
             };
-            let end = if never == 1 { "its end" } else { "their end" };
-            said.push(format!("{late}; {} missed to {end}.", counted(never, "contact")));
+            said.push(format!("{late}; {} never listed.", counted(never, "contact")));
         }
         said
     }
 
-    /// Of all frames together.
     fn errors(&self) -> Errors {
         let mut errors = Errors::default();
         self.rows.iter().for_each(|row| errors.add(&row.errors));
@@ -392,7 +384,7 @@ impl All {
             "pairs": options.pairs.display().to_string(),
             "format": format,
             "numbers": numbers,
-            "compared": compared,
+            "compared": compared.map(|[name, _]| name),
             "arithmetic": options.arithmetic.name(),
             "paired_by": if self.by_step { "step" } else { "frame" },
             "walls": self.walls,

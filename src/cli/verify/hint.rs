@@ -1,18 +1,18 @@
-//! What a list that differs may mean, in words and options.
+//! Hints for a list that differs: a sentence and options.
 
 use crate::cli::verify::Verified;
 use contactbench_run::check::verify::{Mistake, Reading};
 
 impl Verified<'_> {
-    /// The options with which the list would be read so.
+    /// Returns the options that read the list as in `reading`.
     pub(super) fn flags(&self, reading: &Reading) -> Vec<String> {
-        // What the file says needs no option.
+        // A box that the file declares needs no option.
         let said = |mistake: &Mistake| matches!(mistake, Mistake::Declared(_)) && self.repeats;
         let needed = reading.mistakes.iter().filter(|mistake| !said(mistake));
         needed.filter_map(|mistake| mistake.flags(self.scene().dim())).collect()
     }
 
-    /// How the list would agree, and what to do.
+    /// Returns how the list would agree, and the options to give.
     pub(super) fn sentence(&self, reading: &Reading) -> String {
         let with = reading.sentence();
         let flags = self.flags(reading);
@@ -32,7 +32,7 @@ impl Verified<'_> {
         let add = match (flags.is_empty(), instead.is_empty()) {
             (true, _) => String::new(),
             (_, false) => format!(", and add {flags}"),
-            (_, true) if there => format!(": give {flags} in the place of what is there"),
+            (_, true) if there => format!(": give {flags} instead"),
             _ => format!(": add {flags}"),
         };
         format!("{with}{instead}{add}")

@@ -30,71 +30,67 @@ use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 
-/// So many pairs are shown of each kind.
+/// Pairs printed of each kind.
 const SHOWN: usize = 5;
 
 #[derive(clap::Args)]
 pub struct Verify {
-    /// The particles
+    /// Particle file
     file: PathBuf,
-    /// The contact list of the other code: CSV or blanks (i,j), npy, MercuryDPM .fstat, LAMMPS dump
-    /// local
-    #[arg(long)]
+    /// Contact list: i,j as text, .npy, .fstat or dump
+    #[arg(long, value_name = "FILE")]
     pairs: PathBuf,
     #[command(flatten)]
     input: Input,
-    /// The list numbers the particles in file order, from 0 or from 1 (default: 0; LAMMPS: ids,
-    /// else 1)
-    #[arg(long, conflicts_with = "ids")]
+    /// First number, 0 or 1 [default: 0; LAMMPS: ids, 1]
+    #[arg(long, value_name = "BASE", conflicts_with = "ids")]
     base: Option<i64>,
-    /// The list names particles by the column 'id' of the particle file
+    /// The list names particles by id
     #[arg(long)]
     ids: bool,
-    /// The list has each pair twice, as i,j and as j,i: it is taken once
+    /// The list has each pair twice, as i,j and as j,i
     #[arg(long)]
     both_sides: bool,
-    /// Pairs that are apart by no more than this length may be listed (a neighbour list with a
-    /// skin)
+    /// Largest gap of a listed pair
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     skin: f64,
-    /// Contacts that are left out, by a column of the particles: those of type 2 with type=2, those
-    /// between types 1 and 2 with type=1:2, several as in type=2:2,type=3
-    #[arg(long, value_name = "COLUMN=VALUE[:VALUE]")]
+    /// Leave out contacts, as in type=2 or type=1:2
+    #[arg(long, value_name = "FILTER")]
     without: Option<Without>,
-    /// The columns of the list, by name or by number from 1: those of the two particles, as in
-    /// c_pair[1],c_pair[2], and those of the image; no others are looked at
-    #[arg(long, value_name = "I,J[,SX,SY[,SZ]]")]
+    /// Columns of pairs and images: I,J[,SX,SY[,SZ]]
+    #[arg(long, value_name = "I,J")]
     pairs_columns: Option<String>,
-    /// Which frame of the list, where it is not that of --frame
-    #[arg(long)]
+    /// Frame of the list [default: that of --frame]
+    #[arg(long, value_name = "FRAME")]
     pairs_frame: Option<Frame>,
-    /// How contacts are decided; the default is the exact sign for the numbers in the file
-    #[arg(long, value_parser = arithmetic(), default_value_t)]
+    /// f64, f32, f32-cell, textbook
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     #[command(flatten)]
     limit: Limit,
-    /// Print the result as JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// What there is to print.
+/// A comparison of a list with the truth.
 struct Verified<'a> {
     options: &'a Verify,
     list: List,
     naming: Meaning,
-    /// The particles as given, in their box.
+    /// The particles in their box.
     periodic: Periodic<'static>,
-    /// The file says that its box repeats.
+    /// Whether the file declares its box periodic.
     repeats: bool,
     found: Verification,
     /// A better way to read the list, if there is one.
     reading: Option<Reading>,
-    /// The frame of the particles that the list is of, if it is another one.
+    /// Another frame of the particles that fits the list better.
     other: Option<other::Other>,
 }
 
-/// Compares, prints the result, and says by the exit code whether the lists are the same.
+/// Compares the lists and prints the result; exit code 1 if they differ.
 pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     ensure!(
         matches!(options.base, None | Some(0 | 1)),
@@ -143,10 +139,13 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(u8::from(!verified.found.is_same())))
 }
 
+/// See [`Verified::compared`].
+type Compared = [&'static str; 2];
+
 fn words(meaning: Meaning) -> String {
     match meaning {
-        Meaning::Base(base) => format!("places in the file, from {base}"),
-        Meaning::Ids => "the column 'id' of the particles".into(),
+        Meaning::Base(base) => format!("particles numbered from {base}"),
+        Meaning::Ids => "particles named by column id".into(),
     }
 }
 
@@ -159,12 +158,11 @@ impl Verified<'_> {
         self.periodic.scene()
     }
 
-    /// The box; none in open space.
+    /// Returns the box; `None` in open space.
     fn lattice(&self) -> Option<&Lattice> {
         Some(self.periodic.lattice()).filter(|lattice| lattice.repeats())
     }
 
-    /// What the contacts look like.
     fn looks(&self) -> scene::doubts::Touching {
         let truth = &self.found.truth;
         match self.lattice() {
@@ -189,15 +187,15 @@ impl Verified<'_> {
             }),
             options.arithmetic.name()
         )?;
-        let both = if list.both_sides { ", each there from both sides and taken once" } else { "" };
+        let both = if list.both_sides { ", listed from both sides, counted once" } else { "" };
         let walls = match list.walls {
             0 => String::new(),
-            walls => format!(", {} with walls left out", counted(walls, "contact")),
+            walls => format!(", without {} with walls", counted(walls, "contact")),
         };
         let others: Vec<&str> = list.others.iter().map(|other| &*other.name).collect();
         let others = match others[..] {
             [] => String::new(),
-            _ => format!("; not looked at: {}", pairs::columns_of(&others)),
+            _ => format!("; ignored: {}", pairs::columns_of(&others)),
         };
         writeln!(
             out,
@@ -207,22 +205,22 @@ impl Verified<'_> {
             list.format,
             words(self.naming)
         )?;
-        if let Some(compared) = self.compared() {
+        if let Some([_, compared]) = self.compared() {
             writeln!(out, "compared: {compared}")?;
         }
         if let Some(left_out) = left_out(found.left_out) {
             writeln!(out, "{left_out}")?;
         }
         if found.within_skin > 0 {
-            writeln!(out, "{} apart within the skin, allowed", counted(found.within_skin, "pair"))?;
+            writeln!(out, "allowed within the skin: {}", counted(found.within_skin, "pair"))?;
         }
         if found.is_same() {
-            writeln!(out, "the same: no pair is missed, spurious or repeated")?;
+            writeln!(out, "the same: no missed, spurious or repeated pairs")?;
             return Ok(());
         }
         writeln!(out, "\n{}", errors(found).plain(terminal::width()).trim_end())?;
         if found.left_out != [0; 2] && self.reading.is_none() {
-            let none = "hints are not given with --without: leave it out to have them";
+            let none = "run without --without for a hint";
             writeln!(out, "\n{}", wrap(none, terminal::width()).join("\n"))?;
         }
         if let Some(hint) = self.hint() {
@@ -237,24 +235,24 @@ impl Verified<'_> {
         Ok(())
     }
 
-    /// How the list would agree.
+    /// Returns the options with which the list would agree.
     fn hint(&self) -> Option<String> {
         let reading = || self.reading.as_ref().map(|it| self.sentence(it));
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// What was compared, where it is not pairs as they are.
-    fn compared(&self) -> Option<&'static str> {
+    /// How pairs in a box were compared, as the word of the JSON and as a sentence.
+    fn compared(&self) -> Option<Compared> {
         self.lattice()?;
         Some(match self.found.taken {
-            Taken::Pairs => "pairs; each touches through one image",
-            Taken::Images => "pairs with their images",
-            Taken::Each => "pairs without images, each as often as images of it touch",
-            Taken::Once => "pairs without images, each once, through how many it touches",
+            Taken::Pairs => ["pairs", "pairs; each pair touches through one image"],
+            Taken::Images => ["images", "pairs with their images"],
+            Taken::Each => ["each", "pairs without images, one for each image that touches"],
+            Taken::Once => ["once", "pairs without images, one for all images that touch"],
         })
     }
 
-    /// The worst of `count` pairs of a kind, with their particles.
+    /// Prints the worst of `count` pairs of a kind, with their particles.
     fn couples(
         &self,
         out: &mut impl Write,
@@ -267,7 +265,7 @@ impl Verified<'_> {
             return Ok(());
         }
         let head =
-            format!("{kind}, the worst first (places in the file from 0; {measure} in mean radii)");
+            format!("{kind}, the worst first (particles numbered from 0; {measure} in mean radii)");
         writeln!(out, "\n{}", wrap(&head, terminal::width()).join("\n"))?;
         for (pair, depth) in list.iter().take(SHOWN) {
             let ImagePair { i, j, image } = pair;
@@ -320,7 +318,7 @@ impl Verified<'_> {
             "n": self.scene().len(),
             "contacts": found.truth.len(),
             "periodic": periodic,
-            "compared": self.compared(),
+            "compared": self.compared().map(|[name, _]| name),
             "reported": list.pairs.len(),
             "walls": list.walls,
             "both_sides": list.both_sides,
@@ -338,12 +336,10 @@ impl Verified<'_> {
     }
 }
 
-/// A number of things.
 fn counted(count: u64, what: &str) -> String {
     plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
-/// What --without has left out, if anything.
 fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     let some = contacts + pairs > 0;
     let both = || {
@@ -356,7 +352,7 @@ fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
     some.then(both)
 }
 
-/// How many pairs are wrong in which way, and by how much at most.
+/// Returns the number of wrong pairs of each kind, and the largest error.
 fn errors(found: &Verification) -> Table {
     let errors = &found.errors;
     let worst = |pairs: u64, what: &str, size: f64| match pairs {
@@ -372,11 +368,11 @@ fn errors(found: &Verification) -> Table {
         ("with itself", errors.self_pairs, String::new()),
     ];
     if let Some([i, j]) = found.unknown.first() {
-        let example = format!("such as {i},{j}: the file has no such particle");
+        let example = format!("for example {i},{j}: no such particle in the file");
         rows.push(("unknown", found.unknown.len() as u64, example));
     }
     if let Some([i, j]) = found.one_sided.first() {
-        let example = format!("such as {i},{j}: not there as {j},{i}");
+        let example = format!("for example {i},{j}, without {j},{i}");
         rows.push(("from one side", found.one_sided.len() as u64, example));
     }
     Table::of("", &rows)

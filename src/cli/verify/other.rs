@@ -7,25 +7,25 @@ use contactbench_run::check::verify::Meaning;
 
 /// Most particles, summed over frames, and most pairs that are compared for a hint.
 const MOST: u64 = 2_000_000;
-/// Frames after which lists that are one frame late or early are believed to be.
+/// Frames after which a shift by one frame is accepted.
 const ENOUGH: u32 = 8;
 
-/// Another frame of the particles, of which a list is.
+/// Another frame of the particles that fits the list.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
     frame: u64,
-    /// Pairs that differ all the same.
+    /// Pairs that still differ.
     wrong: u64,
 }
 
 impl Verified<'_> {
-    /// Looks for the frame that fits the list best: among those around `given`, if the file has
-    /// others, and if no other reading explains the list. It has to be better by half.
+    /// Finds the frame around `given` that fits the list best, if no other reading explains the
+    /// list. It must halve the errors.
     pub(super) fn look_at_others(&mut self, given: u64) {
         let Verify { file, .. } = self.options;
         let explained = self.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
         let pairs = self.list.pairs.len() as u64;
-        // A pipe can be read once.
+        // A pipe can only be read once.
         let is_file = std::fs::metadata(file).is_ok_and(|file| file.is_file());
         if self.found.is_same() || explained || !is_file || !(1..=MOST).contains(&pairs) {
             return;
@@ -34,7 +34,6 @@ impl Verified<'_> {
         let without = options.without;
         let all = io::Options { ids: true, without, ..options.input.options() };
         let mut best: Option<Other> = None;
-        // A hint is not worth an error.
         let _ = input::frames(file, all, |frames| {
             for frame in frames {
                 let (particles, about) = frame?;
@@ -66,7 +65,6 @@ impl Verified<'_> {
         self.other = best.filter(|best| best.wrong < half);
     }
 
-    /// The options for the other frame.
     pub(super) fn other_flags(&self, other: Other) -> String {
         let list = self.list.frame.filter(|_| self.options.pairs_frame.is_none());
         let of_list = list.map_or(String::new(), |frame| format!(" --pairs-frame {frame}"));
@@ -82,30 +80,28 @@ impl Verified<'_> {
             _ => format!("all {} agree", counted(pairs, "pair")),
         };
         match wrong {
-            0 => format!(
-                "the list is that of frame {frame} of the particles: {all} there; give {flags}"
-            ),
+            0 => format!("the list fits frame {frame} of the particles: {all}; give {flags}"),
             _ => format!(
-                "the list is nearest to frame {frame} of the particles: there all but {} agree; \
-                 give {flags}",
+                "the list is closest to frame {frame} of the particles: all but {} agree; give \
+                 {flags}",
                 counted(wrong, "pair")
             ),
         }
     }
 }
 
-/// Whether the lists of several frames are each that of the frame before, or of the frame after.
+/// Tests whether each list is that of the frame before or after.
 #[derive(Default)]
 pub(super) struct Shift {
-    /// List and truth of the last frame, by the names in the list.
+    /// List and truth of the last frame, in the names of the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
-    /// Lists that were not of the frame before, and not of the frame after.
+    /// Whether some list was not of the frame before, and not of the frame after.
     refuted: [bool; 2],
 }
 
 impl Shift {
-    /// Adds a frame, from the first that differs on.
+    /// Adds a frame; called from the first that differs.
     pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let pairs = verified.list.pairs.len() as u64 + verified.found.truth.len();
         if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {
@@ -126,7 +122,7 @@ impl Shift {
         plain(&mut list);
         plain(&mut truth);
         if let Some([last_list, last_truth]) = &self.last {
-            // Two frames without contacts show nothing.
+            // Frames without contacts decide nothing.
             self.compared += u32::from(!list.is_empty() && !truth.is_empty());
             self.refuted[0] |= list != *last_truth;
             self.refuted[1] |= truth != *last_list;
@@ -134,7 +130,7 @@ impl Shift {
         self.last = Some([list, truth]);
     }
 
-    /// What the lists of two frames or more show.
+    /// Returns the hint, if all lists are shifted by one frame.
     pub(super) fn sentence(&self) -> Option<String> {
         let which = match self.refuted {
             _ if self.compared == 0 => return None,
@@ -143,8 +139,8 @@ impl Shift {
             _ => return None,
         };
         Some(format!(
-            "the list of each frame is that of the particles one frame {which}; write both at the \
-             same step, and the list after it was built"
+            "each list fits the particles one frame {which}; write both at the same step, after \
+             the list was built"
         ))
     }
 }

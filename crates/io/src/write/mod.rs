@@ -98,6 +98,8 @@ pub fn whole<T, E: From<io::Error>>(
         return fill(&mut File::options().write(true).open(path)?);
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    // Its error, unlike that of the file below, has no name that the user did not give.
+    std::fs::metadata(folder.unwrap_or(Path::new(".")))?;
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().unwrap_or_default());
     let mut builder = tempfile::Builder::new();

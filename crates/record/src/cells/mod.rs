@@ -272,8 +272,8 @@ mod tests {
         }
         let wrong = Expression::parse("list_pushes / n").unwrap();
         let error = wrong.check(&cells).unwrap_err().to_string();
-        let words = "unknown variable 'list_pushes' at column 1 of 'list_pushes / n'; did you mean \
-                     list_push?; the variables are: ";
+        let words = "unknown variable 'list_pushes' at column 1 of 'list_pushes / n' (did you mean \
+                     list_push?); the variables are: ";
         assert!(error.starts_with(words) && error.contains("per_cluster"), "{error}");
     }
 

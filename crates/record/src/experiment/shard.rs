@@ -188,8 +188,8 @@ impl FromStr for Shard {
             .and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
         match numbers {
             Some((k, n)) if 1 <= k && k <= n => Ok(Shard { k, n }),
-            _ => Err("a shard is k/n with 1 <= k <= n: of four jobs the first is 1/4 and the \
-                      last 4/4; auto asks the job array or MPI"
+            _ => Err("give k/n with 1 <= k <= n, as in 1/4 for the first of 4 jobs, or auto in a \
+                      job array or under MPI"
                 .into()),
         }
     }

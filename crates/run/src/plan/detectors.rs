@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn unknown_names_and_repeated_ones_are_refused() {
         for (names, words) in [
-            (&["@boks"][..], "there is no group '@boks'; did you mean @book?; the groups are: "),
+            (&["@boks"][..], "there is no group '@boks' (did you mean @book?); the groups are: "),
             (&["nbs", "nbs"], "two runners named 'nbs'"),
             (
                 &[

@@ -33,7 +33,7 @@ fn errors_are_one_line_with_a_place() {
         (
             "block = 3\nscene = []\n",
             "line 6, column 1",
-            "there is no key 'block'; did you mean blocks?; there are: name",
+            "there is no key 'block' (did you mean blocks?); there are: name",
         ),
         (
             "blocks = \"three\"\nscene = []\n",
@@ -45,7 +45,7 @@ fn errors_are_one_line_with_a_place() {
         (
             "arithmetics = [\"exacd\"]\nscene = []\n",
             "line 6, column 16",
-            "no value 'exacd' here; did you mean exact?",
+            "no value 'exacd' here (did you mean exact?)",
         ),
         ("[scene]\nname = \"packed\"\n", "line 6, column 2", "write [[scene]]"),
         ("detector = [\"nbs\"]\n", "line 6, column 1", "did you mean detectors?"),
@@ -59,7 +59,7 @@ fn errors_are_one_line_with_a_place() {
     let text = HEAD.replace("\"nbs\"", "\"nsb\"") + "scene = []\n";
     let words = error(&text);
     assert!(words.starts_with("line 5, column 1: there is no detector 'nsb'"), "{words}");
-    assert!(words.contains("; did you mean nbs?"), "{words}");
+    assert!(words.contains(" (did you mean nbs?)"), "{words}");
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn scenes_are_refused_with_their_line() {
         ("n = 5\nquick = 3", "line 9, column 9", "3 stands where a table"),
         (
             "n = 5\nspcing = 1",
-            "line 6: packed: there is no parameter 'spcing'; did you mean spacing?",
+            "line 6: packed: there is no parameter 'spcing' (did you mean spacing?)",
             "size-ratio",
         ),
         ("n = 5\nsed = 1", "line 6: packed:", "did you mean seed?"),
@@ -104,13 +104,13 @@ fn a_claim_takes_the_keys_of_its_kind() {
         (
             "kind = \"constant\"\nvalue = \"n\"\nwithn = 1",
             "line 11, column 1",
-            "has no key 'withn'; did you mean within?",
+            "has no key 'withn' (did you mean within?)",
         ),
         ("kind = \"faster\"\nvalue = \"n\"", "line 10, column 1", "it takes than, by, and"),
         (
             "kind = \"constnt\"",
             "line 9, column 8",
-            "no such kind of claim; did you mean constant?; the kinds are: constant, equal",
+            "no such kind of claim (did you mean constant?); the kinds are: constant, equal",
         ),
         ("value = \"n\"", "line 7, column 1", "the claim has no kind; the kinds are: constant,"),
         ("kind = \"equal\"\nvalue = \"n\"", "line 9, column 8", "the key 'to' is missing"),

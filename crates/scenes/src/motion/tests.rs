@@ -170,7 +170,7 @@ fn the_text_of_a_motion_parses_to_itself() {
     assert!(refused.starts_with("this program does not make the motion 'drum'"), "{refused}");
     assert_eq!("vortex".parse::<Motion>().unwrap().to_string(), "vortex:speed=0.01,seed=1");
     for (text, says) in [
-        ("dirft", "there is no motion 'dirft'; did you mean drift?"),
+        ("dirft", "there is no motion 'dirft' (did you mean drift?)"),
         ("drift:speed=-1", "speed cannot be '-1'"),
         ("drift:speed=nan", "speed cannot be 'nan'"),
         ("drift:speed=inf", "speed cannot be 'inf'"),

@@ -53,7 +53,7 @@ fn errors_name_the_column() {
         (
             "1 + log(n)",
             5,
-            "there is no function 'log'; did you mean log2?; the functions are: min, max, abs",
+            "there is no function 'log' (did you mean log2?); the functions are: min, max, abs",
         ),
         ("min(n)", 6, "min takes two arguments or more"),
         ("sqrt(n, 2)", 7, "an operator or ')' is expected, not ','"),

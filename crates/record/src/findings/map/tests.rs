@@ -98,7 +98,7 @@ fn what_else_varies_makes_panels_until_there_are_too_many() {
 fn what_makes_no_map_is_refused_with_a_reason() {
     for (x, y, text, words) in [
         ("n", "n", "", "both axes are n"),
-        ("n", "fractions", "", "no 'fractions' of a scene or a detector; did you mean fraction?"),
+        ("n", "fractions", "", "no 'fractions' of a scene or a detector (did you mean fraction?)"),
         ("time_ns", "n", "", "no 'time_ns'"),
         ("contacts", "n", "", "no 'contacts' of a scene or a detector"),
         ("n", "fraction", "n = 7", "no cell is left"),

@@ -73,7 +73,7 @@ impl Mistake {
             }
             Mistake::Tangent => "any answer for pairs that are tangent to the last digits".into(),
             Mistake::Skin(gap) => format!("pairs up to {} apart (a skin)", rounded_up(gap)),
-            Mistake::Radii(2.0) => "radii 2 times as large: diameters taken for radii?".into(),
+            Mistake::Radii(2.0) => "radii 2 times as large (diameters?)".into(),
             Mistake::Radii(0.5) => "radii 0.5 times as large: radii taken for diameters?".into(),
             Mistake::Radii(by) => format!("radii {} times as large", number(by)),
             Mistake::Open => "open boundaries (no contact across the box)".into(),
