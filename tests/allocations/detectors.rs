@@ -1,5 +1,4 @@
-//! What detectors take from the heap, measured by the counting allocator, against the formulas they
-//! declare.
+//! Heap memory of detectors, measured by the counting allocator, against their formulas.
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
@@ -34,7 +33,6 @@ const LARGE: [&str; 2] = ["packed:n=30000", "packed:dim=3,n=30000"];
 #[test]
 fn formulas_hold_and_warm_calls_allocate_nothing() {
     let _quiet = crate::quiet();
-    // Libraries allocate as they please.
     for entry in TABLE.iter().filter(|entry| entry.is_ours()) {
         for text in SCENES {
             for arithmetic in Arithmetic::ALL {
@@ -71,7 +69,7 @@ const BOXES: [&str; 4] = [
     "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
 ];
 
-/// A scene in a box that is somewhat too small for it, or by far, so that particles are moved.
+/// Measures a scene in a box that is too small for it, so that particles are wrapped.
 fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let scene = scene(text);
     let corners = with_scene!(&scene, scene => {
@@ -86,7 +84,6 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let mut contacts = Contacts::default();
     let (mut finder, mut detector) =
         (Finder::new(1 << 30), find("nbs").unwrap().make(Options::default()));
-    // Lists that have room.
     finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
     let (mut finder, mut detector) = (Finder::new(1 << 30), entry.make(Options::default()));
     let mut measured = || {
@@ -126,13 +123,13 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// With several threads the contacts are collected as well, and the formula has them; only what the
-/// shares of the threads are listed in is not in it.
+/// With several threads the formula includes the contacts that threads collect, but not the lists
+/// of their shares.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
-    /// What rayon's queue of jobs may give back meanwhile.
+    /// Bytes that rayon's queue of jobs may free meanwhile.
     const QUEUE: u64 = 2 << 10;
-    // The pool of threads is not the detector's.
+    // Starts the pool, which does not belong to the detector.
     rayon::join(|| (), || ());
     let scene = scene(text);
     let mut detector = entry.make(Options { threads: 2, ..Options::default() });
@@ -145,9 +142,9 @@ fn two_threads(entry: &Entry, text: &str) {
             && (formula.saturating_sub(QUEUE)..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
-    // Lists of contacts are kept, or made anew; nothing grows beyond the first call's.
+    // A second call needs no more than the first.
     assert!(warm.peak_bytes <= formula + SHARES, "{what}, warm: {warm:?}, formula {formula}");
-    // As much as it takes is enough, and a little less is not: contacts are under the limit, too.
+    // The limit includes the contacts.
     let limited = |memory_limit| {
         let mut detector = entry.make(Options { threads: 2, memory_limit });
         detector.list(&scene, Test::Exact, &mut Vec::new())
@@ -157,7 +154,7 @@ fn two_threads(entry: &Entry, text: &str) {
     assert!(matches!(refusal, Refusal::Pairs { .. }), "{what}: {refusal}");
 }
 
-/// A first and a second detection into a list that has room; and how many contacts there are.
+/// Measures a first and a second detection; returns the number of contacts as well.
 fn cold_and_warm(
     detector: &mut dyn AnyDetector,
     scene: &AnyScene<'_>,
@@ -176,8 +173,7 @@ fn cold_and_warm(
     (cold, measured(), contacts.0)
 }
 
-/// Measures again, twice at most, if a count is wrong: the harness may still print the end of the
-/// test before, which allocates and frees. What a detector allocates, it allocates each time.
+/// Measures up to three times, because the test harness may allocate meanwhile.
 fn thrice(measured: impl Fn()) {
     let once = || std::panic::catch_unwind(std::panic::AssertUnwindSafe(&measured)).is_ok();
     if !once() && !once() {
@@ -196,8 +192,7 @@ fn book_formulas() {
             .unwrap()
             .peak_bytes
     };
-    // The centres span 19,800 diameters; cells are wider than that by 2^-18; and there are 2 border
-    // cells.
+    // Centres span 19,800 diameters; cells are wider by 2^-18; there are 2 border cells.
     let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
     assert_eq!(bytes("nbs"), 4 * (3 * cells + 2 * 10_000));
     assert_eq!(bytes("sorting"), 4 * 3 * 10_000);

@@ -1,5 +1,4 @@
-//! Memory that reading takes, also of files that announce more than they contain. The tests in
-//! crates/io check what is read.
+//! Memory for reading files, also of files that announce more than they contain.
 
 use std::io::{BufReader, Read, Write};
 
@@ -13,7 +12,7 @@ use crate::quiet;
 const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
-/// Returns the error of reading a file, and the most bytes that reading it took.
+/// Returns the error of reading a file, and the peak of bytes.
 fn refusal(bytes: &[u8], options: Options) -> (String, u64) {
     let (read, usage) = alloc::measure(|| io::load_from(bytes, "p", "", options));
     let message = read.map(|(_, about)| about).expect_err("it is refused");
@@ -42,7 +41,6 @@ fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
     [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &le(values)].concat()
 }
 
-/// An archive of one array, packed with deflate.
 fn npz(member: &[u8]) -> Vec<u8> {
     let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
     archive.extend((member.len() as u32).to_le_bytes());
@@ -62,7 +60,7 @@ fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
     )
 }
 
-/// What a file promises costs nothing: memory follows the bytes that are there.
+/// Memory depends on the bytes of a file, not on the sizes it announces.
 #[test]
 fn promises_and_bombs_are_bounded() {
     let _guard = quiet();
@@ -94,12 +92,12 @@ fn promises_and_bombs_are_bounded() {
     deflate.write_all(&array).unwrap();
     bounded(&npz(&deflate.finish().unwrap()));
 
-    // Seventy megabytes of nothing in seventy kilobytes.
+    // 70 MB in 70 KB.
     let line = [b"#".as_slice(), &[b' '; 1022], b"\n"].concat();
     let message = bounded(&gz(&line.repeat(1000)).repeat(70));
-    assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
+    assert!(message.contains("200 times"), "{message}");
 
-    // A line without end; the reader would go on for ever.
+    // A line without end.
     struct Endless;
     impl Read for Endless {
         fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
@@ -109,19 +107,16 @@ fn promises_and_bombs_are_bounded() {
     }
     let (result, usage) =
         alloc::measure(|| io::load_from(BufReader::new(Endless), "p", "csv", NONE));
-    assert_eq!(
-        result.unwrap_err().to_string(),
-        "p:1: the line is longer than 1048576 bytes; this is not a particle file"
-    );
+    let message = result.unwrap_err().to_string();
+    assert!(message.starts_with("p:1: ") && message.contains("1048576 bytes"), "{message}");
     assert!(usage.unwrap().peak_bytes < 4 << 20);
 }
 
-/// A hundred and sixty megabytes in some kilobytes: each layer is in proportion to the one around
-/// it, and the whole is not.
+/// 160 MB in some KB: each layer has a modest ratio, the whole does not.
 #[test]
 fn layers_of_compression_are_bounded_together() {
     let _guard = quiet();
-    // What cannot be made smaller, and zeros: a hundredth and a half of it.
+    // Noise, which cannot be compressed, and zeros.
     let mut state = 1u64;
     let mut noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -132,11 +127,11 @@ fn layers_of_compression_are_bounded_together() {
     let refused = |bytes: &[u8]| {
         assert!(bytes.len() < 200_000, "{} bytes", bytes.len());
         let (message, peak) = refusal(bytes, HALF);
-        assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
+        assert!(message.contains("200 times"), "{message}");
         assert!(peak < 100 << 20, "{peak} bytes");
     };
 
-    // One piece in deflate, ended so that it can be repeated.
+    // One piece, flushed so that it can be repeated.
     let mut deflate = flate2::Compress::new(Compression::best(), false);
     let mut packed = Vec::with_capacity(1 << 16);
     let header = npy(&format!("({}, 4)", pieces * piece.len() / 32), &[]);

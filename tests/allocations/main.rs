@@ -1,5 +1,5 @@
-//! What detectors and readers take from the heap, under the counting allocator. It counts all
-//! threads, so tests take turns.
+//! Heap memory of detectors and readers, under the counting allocator. It counts all threads, so
+//! tests take turns.
 
 mod detectors;
 mod files;

@@ -1,6 +1,5 @@
-//! All detectors give the same pairs as brute force: on every generator, on the cases that break
-//! textbook filters, after any history, in every arithmetic. One body per property, looping over
-//! the table.
+//! All detectors find the same pairs as brute force: on every generator, on hard cases, after any
+//! earlier scene, in every arithmetic.
 
 use std::time::Duration;
 
@@ -32,8 +31,8 @@ where
     Scene::new(centres, Radii::Uniform(r)).unwrap().into()
 }
 
-/// Compares a detector with brute force in every arithmetic that can store the scene. Returns in
-/// how many the detector answered, and in how many it refused; a refusal must not report pairs.
+/// Compares a detector with brute force in every arithmetic that can store the scene. Returns the
+/// numbers of answers and refusals; a refusal must not report pairs.
 fn agree(detector: &mut dyn AnyDetector, scene: &AnyScene<'static>, what: &str) -> [u32; 2] {
     let mut seen = [0; 2];
     for arithmetic in Arithmetic::SAFE {
@@ -82,7 +81,7 @@ fn known_scenes() {
         // With cells of edge 1 and i = floor(x), the middle disc is in cell 0, the right one in 2.
         ("three", of(&[[0.0, 0.0], [1f64.next_down(), 0.0], [2.0, 0.0]], 0.5), Some(1)),
         ("row from -1", of(&row(-1.0), 0.5), Some(1999)),
-        // Rounding decides which neighbours touch; brute force says which.
+        // Rounding decides which neighbours touch.
         ("decimal row", of(&decimal, 0.05), None),
         ("square", of(&square, 0.5), Some(2 * 20 * 19)),
         ("cubic", of(&cubic, 0.125), Some(3 * 100 * 9)),
@@ -121,8 +120,8 @@ fn points_are_taken() {
     assert_eq!(oracle::truth(&points, Arithmetic::Exact).unwrap().pairs, [[0; 2]; 0]);
 }
 
-/// Shrink, grow, move, change dimension and arithmetic: what a call leaves behind never changes the
-/// next.
+/// Buffers of an earlier call never change the next answer: scenes shrink, grow, move, and change
+/// dimension and arithmetic.
 #[test]
 fn history_does_not_matter() {
     let scenes: Vec<AnyScene<'static>> = [
@@ -147,8 +146,8 @@ fn history_does_not_matter() {
     }
 }
 
-/// Ways to part bodies by size, which are parameters: on every hard case, one after the other, so
-/// that each is also the history of the next.
+/// Parameters that split particles by size, on every hard case in turn, so that each case is also
+/// the history of the next.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {
     for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {
@@ -156,7 +155,7 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
         let (mut answers, mut refusals) = (0, 0);
         for case in cases().filter(|case| case.expect != Expect::Invalid) {
             let steps = case.dims.iter().flat_map(|&dim| case.steps(dim).unwrap());
-            // In a box it is images that differ, which all detectors are given alike.
+            // In a box all detectors get the same images.
             for scene in steps.filter(|step| step.lattice.is_none()).map(|step| step.scene) {
                 let seen = agree(&mut *detector, &scene, &format!("{spec} on {}", case.name));
                 [answers, refusals] = [answers + seen[0], refusals + seen[1]];
@@ -166,7 +165,7 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
     }
 }
 
-/// After a refusal the detector is as good as new.
+/// A detector works after a refusal.
 #[test]
 fn a_refusal_leaves_no_trace() {
     let (small, sparse) = (make("packed:n=300"), make("pack-c:n=2800,s=100"));
@@ -176,7 +175,7 @@ fn a_refusal_leaves_no_trace() {
         let mut reported = 0;
         let mut sink = Visit(|_, _| reported += 1);
         let refused = detector.visit(&sparse, Test::Exact, &mut sink).is_err();
-        // A library knows of no limit.
+        // Libraries have no memory limit.
         let may_take = entry.name == "direct" || !entry.is_ours();
         assert!(refused && reported == 0 || !refused && may_take, "{}", entry.name);
         let mut digest = Digest::default();

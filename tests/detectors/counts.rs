@@ -1,4 +1,4 @@
-//! Exact operation counts: what the book claims of each detector, on real scenes.
+//! Exact operation counts: the claims of the book, on real scenes.
 
 use contactbench::contact::Test;
 use contactbench::detect::Options;
@@ -95,8 +95,7 @@ fn the_binary_tree_descends_one_way_per_particle_and_mask_cell() {
     }
 }
 
-/// The same cells and the same half of the neighbours: a copy tested is a contact test like any
-/// other.
+/// `cell-grid` visits the same cells and half of the neighbours as `screening`.
 #[test]
 fn the_cell_grid_tests_what_screening_tests() {
     for text in SCENES {
@@ -107,7 +106,7 @@ fn the_cell_grid_tests_what_screening_tests() {
     }
 }
 
-/// At most two bricks for each of five rows (two in 2D), and few particles of other cells.
+/// Each particle meets at most two bricks in each of five rows (two in 2D).
 #[test]
 fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     let counts = |text: &str| {
@@ -125,8 +124,7 @@ fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     }
 }
 
-/// In a box the number of pairs that overlap along one axis grows as N^(2 - 1/D): per particle as
-/// N^(1 - 1/D).
+/// The pairs that overlap along one axis of a box grow as N^(2 - 1/D).
 #[test]
 fn sweeps_compare_more_per_particle_the_more_there_are() {
     for dim in [2, 3] {
@@ -143,8 +141,7 @@ fn sweeps_compare_more_per_particle_the_more_there_are() {
 fn trees_sort_in_n_log_n_and_search_in_n() {
     for detector in ["kd-tree", "bvh"] {
         for dim in [2, 3] {
-            // Leaves are equally full for these N. What grows is the part of the leaves that are
-            // not at the surface.
+            // Leaves are equally full for these N; the share of inner leaves grows.
             let per = |n: u64, op| {
                 count(detector, &scene(&format!("loose:dim={dim},n={n}"))).get(op) as f64 / n as f64
             };
@@ -160,8 +157,7 @@ fn trees_sort_in_n_log_n_and_search_in_n() {
     }
 }
 
-/// A counting pass and a silent pass are the same code: the same contacts; and counts are the same
-/// every time.
+/// Counting does not change the contacts, and counts repeat.
 #[test]
 fn counting_changes_nothing_and_repeats_exactly() {
     for entry in TABLE {
@@ -181,9 +177,8 @@ fn counting_changes_nothing_and_repeats_exactly() {
     }
 }
 
-/// The counts of a detector, as text.
 fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
-    // Comparisons in a sort of the standard library may change with it.
+    // The sort of the standard library may change.
     let own = |op| {
         op != Op::KeyCompare
             || !["sweep", "kd-tree", "bvh", "hgrid"].iter().any(|name| detector.starts_with(name))
@@ -196,8 +191,7 @@ fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
         .join(" ")
 }
 
-/// Goldens: the same counts on every machine. Computed once on x86-64; a change of an algorithm
-/// changes them on purpose.
+/// Counts are the same on every machine, and change only with an algorithm.
 #[test]
 fn counts_are_the_same_on_every_machine() {
     let scene = scene("clustered:dim=3,n=2000");
@@ -233,7 +227,7 @@ const GOLDEN: [(&str, &str); 10] = [
     ("streamed-nbs", "integerise=6000 list_push=2000 cell_probe=4000 move=2000 contact_test=22458"),
 ];
 
-/// The same of those that part bodies by size, where sizes differ.
+/// The same for detectors with classes of sizes, on particles of different sizes.
 #[test]
 fn counts_of_levels_are_the_same_on_every_machine() {
     let found = ["dim=2", "dim=3"].map(|dim| {

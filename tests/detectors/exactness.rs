@@ -14,12 +14,12 @@ use nalgebra::Point;
 use num_bigint::BigInt;
 use proptest::prelude::*;
 
-/// The depth within 10^-15 of 2(s² - d²) / (s² + sd), and within 2^-1074 where it is subnormal.
+/// Returns whether the depth is 2(s² - d²) / (s² + sd) within 10^-15, or 2^-1074 if subnormal.
 fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {
     if *reach == BigInt::ZERO || *distance == *reach {
         return depth == if distance == reach { 0.0 } else { f64::NEG_INFINITY };
     }
-    // s² + sd to 200 bits behind the point.
+    // s² + sd with 200 fractional bits.
     let below: BigInt = (reach << 200) + ((reach * distance) << 400u32).sqrt();
     let above: BigInt = (reach - distance) << (1274 + 1);
     if depth.is_infinite() {
@@ -38,7 +38,7 @@ impl<const D: usize> WithBodies<f64, D> for Touch {
     }
 }
 
-/// The whole test, filter and all, as detectors use it.
+/// The test with its filter, as detectors use it.
 fn touch<const D: usize>(a: [f64; D], b: [f64; D], radii: Radii<'_, f64>) -> bool {
     let scene = Scene::new(vec![Point::from(a), Point::from(b)], radii).unwrap();
     with_bodies(&scene, Test::Exact, Touch).unwrap()
@@ -82,7 +82,7 @@ fn check<const D: usize>(a: [f64; D], b: [f64; D], ra: f64, rb: f64) -> Result<(
     Ok(())
 }
 
-/// So many representable numbers further.
+/// Returns the number that is `steps` representable numbers above `x`.
 fn ulps(x: f64, steps: i64) -> f64 {
     (0..steps.unsigned_abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
 }
@@ -98,8 +98,7 @@ proptest! {
         check([x[0], x[1]], [x[2], x[3]], x[4].abs(), x[4].abs())?;
     }
 
-    /// Pythagorean couples, scaled by powers of two, moved, and a few ulps off tangency in one
-    /// coordinate and in the radius.
+    /// Pythagorean pairs, scaled by powers of two, moved, and a few ulps off tangency.
     #[test]
     fn near_tangency(
         triple in prop::sample::select(vec![[3., 4., 0., 5.], [5., 12., 0., 13.], [1., 2., 2., 3.], [2., 3., 6., 7.], [1., 0., 0., 1.], [4., 4., 7., 9.]]),
@@ -115,7 +114,7 @@ proptest! {
         check([base[0], base[1]], [b[0], b[1]], ra, rb)?;
     }
 
-    /// Couples at distances that f64 rounds to tangency.
+    /// Pairs at distances that f64 rounds to tangency.
     #[test]
     fn rounded_tangency(a in prop::array::uniform3(-10.0f64..10.0), direction in prop::array::uniform3(-1.0f64..1.0), r in 0.01f64..3.0, dx in -2i64..3) {
         let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();

@@ -1,5 +1,4 @@
-//! The fuzz targets without a fuzzer: their seeds, mutations of them, and random bytes, the same on
-//! every run. `crates/fuzz` searches further.
+//! The fuzz targets on their seeds, mutations of them, and random bytes, the same on every run.
 
 use std::path::Path;
 
@@ -11,7 +10,6 @@ use contactbench::oracle;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Name and bytes of the committed seeds of a target.
 fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/fuzz/seeds").join(target);
     let mut paths: Vec<_> =
@@ -25,8 +23,7 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         .collect()
 }
 
-/// All seeds, then `count` inputs: random bytes, and seeds with bytes changed, inserted, removed,
-/// and spliced with another.
+/// Iterates over all seeds, then `count` random inputs and mutated seeds.
 fn inputs(target: &str, count: u32) -> impl Iterator<Item = Vec<u8>> {
     let seeds: Vec<Vec<u8>> = seeds(target).into_iter().map(|(_, bytes)| bytes).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -69,7 +66,7 @@ fn readers_take_any_bytes() {
     inputs("files", 20_000).for_each(|bytes| fuzz_reader(&bytes));
 }
 
-/// Every reader has seeds of its own, and is given the others' as well.
+/// Every reader gets its own seeds and those of the others.
 #[test]
 fn every_reader_takes_any_bytes() {
     for name in [
@@ -95,8 +92,7 @@ fn every_reader_takes_any_bytes() {
     assert_eq!(reader("zip"), None);
 }
 
-/// What fuzzing is worth: inputs make scenes with contacts, with exact ties, with both kinds of
-/// radii, in both dimensions.
+/// The inputs give scenes with contacts, exact ties, both kinds of radii, and both dimensions.
 #[test]
 fn bytes_make_hard_scenes() {
     for (name, bytes) in seeds("scenes") {

@@ -1,4 +1,4 @@
-//! A list of pairs ends at the memory limit, whoever finds them, with one thread and with several.
+//! Every detector ends a list of pairs at the memory limit, with one thread and with several.
 
 use contactbench::contact::Test;
 use contactbench::detect::table::TABLE;
@@ -6,7 +6,7 @@ use contactbench::detect::{Options, Refusal};
 use contactbench::oracle::{self, NoTruth};
 use contactbench::scene::{AnyScene, Radii, Scene};
 
-/// `n` discs on a lattice, apart, of which the first `heap` are in one place.
+/// Returns `n` separate discs on a lattice, with the first `heap` in one place.
 fn clump(n: u32, heap: u32) -> AnyScene<'static> {
     let place = |k: u32| if k < heap { [0.0; 2] } else { [k % 150, k / 150].map(f64::from) };
     let centres: Vec<_> = (0..n).map(|k| nalgebra::Point::from(place(k))).collect();
@@ -33,7 +33,7 @@ fn nobody_lists_more_than_the_limit_allows() {
                 assert_eq!((found, &pairs), (PAIRS, &vec![[7, 9]]), "{what}");
                 assert!(room <= LIMIT && pairs.capacity() as u64 * 8 <= LIMIT, "{what}");
             }
-            // What it left behind does no harm.
+            // The detector works afterwards.
             pairs.clear();
             detector.list(&clump(21_000, 2), Test::Exact, &mut pairs).unwrap();
             assert_eq!(pairs.len(), 1, "{}", entry.name);

@@ -1,6 +1,5 @@
-//! What detectors are held to, all of the table in every test: the truth, the book's counts,
-//! exactness, relations between answers, scenes that were got wrong, and mutants that must be
-//! found.
+//! Tests of all detectors of the table: answers, the book's counts, exactness, relations between
+//! answers, regressions, and mutants that must be found.
 
 mod agreement;
 mod counts;

@@ -1,4 +1,4 @@
-//! A short run of the campaign on bodies that move (`crates/campaigns`).
+//! A short run of the campaign on moving particles (`crates/campaigns`).
 
 use contactbench::contact::Test;
 use contactbench_campaigns::moving::courses;
@@ -7,7 +7,7 @@ use contactbench_campaigns::{Plan, What};
 
 const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
 
-/// One course of each motion, in each dimension and arithmetic.
+/// Each motion once, in each dimension and arithmetic.
 #[test]
 fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
     let table = courses(PLAN);
@@ -24,7 +24,7 @@ fn couples_at_the_limit_of_the_skin_are_found() {
     let table = couples(PLAN);
     let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
-    // Safe but for rounding.
+    // Rules that promise nothing do miss contacts.
     assert!(of(false, What::Missed) > 50, "\n{}", table.text());
     assert!(of(true, What::Built) < of(true, What::Frames), "\n{}", table.text());
     for name in ["line", "thin"] {

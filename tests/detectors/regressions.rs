@@ -1,5 +1,4 @@
-//! Scenes on which a detector was wrong once, or easily could be: every file of
-//! `tests/regressions`, on all detectors, in all safe arithmetics.
+//! All detectors on every file of `tests/regressions`, in all safe arithmetics.
 
 use std::path::{Path, PathBuf};
 
@@ -25,13 +24,13 @@ fn given(path: &Path) -> Given {
 #[test]
 fn all_detectors_are_right_on_all_files() {
     let detectors: Vec<&Entry> = TABLE.iter().filter(|entry| entry.must_be_right()).collect();
-    // Detectors may refuse: arrays for very many cells would fill a small machine.
+    // Detectors may refuse arrays for very many cells.
     let options = Options { memory_limit: 64 << 20, ..Options::default() };
     let limits = Limits { options, ..Limits::default() };
     assert!(files().len() >= 5);
     for path in files() {
         let text = std::fs::read_to_string(&path).unwrap();
-        // Extended XYZ, for boxes, has no place for a comment.
+        // Extended XYZ has no place for a comment.
         assert!(
             given(&path).lattice.is_some()
                 || text.starts_with("# ") && text.contains("\n# contactbench check --scene "),
@@ -49,7 +48,7 @@ fn all_detectors_are_right_on_all_files() {
     }
 }
 
-/// The files are what they say, to the last bit.
+/// The files have the property in their name, to the last bit.
 #[test]
 fn the_files_hold_the_pairs_that_they_name() {
     let pairs = |name: &str, arithmetic| {

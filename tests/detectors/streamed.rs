@@ -1,5 +1,4 @@
-//! Every form on every instruction set and with several threads gives the pairs of all pairs
-//! tested.
+//! Every form of `streamed-nbs`, on every instruction set and with several threads, is right.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -32,12 +31,10 @@ const SCENES: [&str; 12] = [
     "pack-c:n=2500,s=200",
 ];
 
-/// The scene of a spec, generated in f64.
 fn make(text: &str) -> AnyScene<'static> {
     Spec::parse(text).and_then(|spec| spec.make()).unwrap()
 }
 
-/// Particles of radius 1/2.
 fn of<const D: usize>(centres: impl IntoIterator<Item = [f64; D]>) -> Scene<'static, f64, D> {
     let centres: Vec<_> = centres.into_iter().map(nalgebra::Point::from).collect();
     Scene::new(centres, Radii::Uniform(0.5)).unwrap()
@@ -61,14 +58,14 @@ fn in_form<const D: usize>(level: Level, form: Option<Form>) -> Streamed<D> {
     }
 }
 
-/// The number of answers compared.
+/// Returns the number of answers compared.
 fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usize {
     let truth = answer(&mut Direct::with(Options::default()), scene, test);
     let mut compared = 0;
     for level in Level::all() {
         for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
             let mut detector = in_form(level, form);
-            // Twice: the second time in used buffers.
+            // The second time in used buffers.
             for round in 0..2 {
                 let found = answer(&mut detector, scene, test);
                 let level = level.name();
@@ -97,8 +94,7 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
     assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 8);
 }
 
-/// Two heaps, far enough from each other that one coordinate begins again many times between them,
-/// and one heap across the place where it does.
+/// Two heaps so far apart that a coordinate wraps many times between them, and one across a wrap.
 #[test]
 fn coordinates_that_begin_again() {
     let heap = |x: f64, y: f64| {
@@ -112,11 +108,8 @@ fn coordinates_that_begin_again() {
     }
 }
 
-/// * Any number of neighbours of one particle: more than a vector, than are kept, and than the
-///   careful form hands on at a time.
-/// * Crowds in which a third or a quarter of all others are in touch, at corners of a cube: a few
-///   particles fill the room for neighbours, and beyond it if blocks did not end in time, with as
-///   many vectors of candidates as are kept, and one more.
+/// Particles with more neighbours than a vector and than each buffer holds, and crowds at the corners
+/// of a cube that fill the room for neighbours and candidates exactly and with one more.
 #[test]
 fn heaps_of_any_height_and_rooms_that_are_filled() {
     for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
@@ -131,8 +124,7 @@ fn heaps_of_any_height_and_rooms_that_are_filled() {
     }
 }
 
-/// Many layers with less than a particle each: a bundle may not have more of them than 32 bits tell
-/// apart.
+/// More sparse layers than the 32 that a bundle may have.
 #[test]
 fn lines_strips_and_columns() {
     for n in [1000, 2000, 4999] {
@@ -146,7 +138,7 @@ fn lines_strips_and_columns() {
     }
 }
 
-/// Extents far beyond what cells can number are refused where particles crowd, not a panic.
+/// A crowd in an extent beyond the numbers of cells is refused without a panic.
 #[test]
 fn crowds_far_apart_are_refused() {
     let heap = |at: f64| (0..2500).map(move |k| [at + 1e-3 * f64::from(k), at]);
@@ -156,8 +148,7 @@ fn crowds_far_apart_are_refused() {
     assert!(matches!(answer, Err(Refusal::Domain { .. })), "{answer:?}");
 }
 
-/// The book's filters are not used in textbook arithmetic, which accepts points whose squared
-/// distance vanishes.
+/// Textbook arithmetic accepts points whose squared distance underflows to 0.
 #[test]
 fn textbook_loses_nothing() {
     let points = [[0.0, 0.0], [1e-163, 0.0]].map(nalgebra::Point::from).to_vec();
@@ -166,8 +157,7 @@ fn textbook_loses_nothing() {
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
-/// In 2D and 3D, with one radius and with one each, also with more threads than bundles, and in
-/// buffers that held another scene.
+/// Several threads, also more than bundles, and in buffers that held another scene.
 #[test]
 fn threads_find_the_same() {
     let n = FEWEST_FOR_THREADS;
@@ -192,8 +182,7 @@ fn threads_find_the_same() {
     }
 }
 
-/// What f32 leaves open is little, or the vectors would not pay; on a lattice in touch it is every
-/// contact.
+/// f32 leaves few pairs undecided, but on a lattice of tangent particles every contact.
 #[test]
 fn few_pairs_are_left_to_the_contact_test() {
     let asked_of_contacts = |text: &str| {
@@ -208,7 +197,6 @@ fn few_pairs_are_left_to_the_contact_test() {
     assert_eq!(asked_of_contacts(lattice), (2700, 2700));
 }
 
-/// Counts calls of the contact test.
 #[derive(Clone, Copy)]
 struct Counted<'a, B>(B, &'a AtomicU64);
 
@@ -261,8 +249,8 @@ fn memory_is_of_particles_not_of_cells() {
     assert!(far(1e9) <= far(1e3) + 64.0 && far(1e9) < 20_000.0, "{} {}", far(1e3), far(1e9));
 }
 
-/// The contact tests counted are the particles in the ranges, whatever the level; unsure pairs are
-/// not counted twice.
+/// Counted contact tests are the particles in the ranges at every level; undecided pairs count
+/// once.
 #[test]
 fn counts_are_the_same_on_all_levels() {
     for text in [
@@ -285,7 +273,7 @@ fn counts_are_the_same_on_all_levels() {
                 }
                 .unwrap();
                 assert!(tally.get(Op::ContactTest) >= digest.contacts);
-                // It is in this form: one range in 2D, two in 3D.
+                // The flat form has one range in 2D, two in 3D.
                 if form == Form::Flat && !text.contains("ratio") {
                     let ranges = u64::from(text.contains("dim=3")) + 1;
                     assert_eq!(tally.get(Op::CellProbe), ranges * scene.len() as u64, "{text}");
@@ -299,8 +287,8 @@ fn counts_are_the_same_on_all_levels() {
     }
 }
 
-/// Ranges that are looked at for each particle tell the form: in 2D two by cells and one by columns,
-/// in 3D five and two.
+/// The ranges visited for each particle show the form: 2D has two by cells and one by columns, 3D
+/// five and two.
 #[test]
 fn columns_are_for_few_bodies_far_apart() {
     fn ranges<const D: usize>(scene: &Stored<'_, D>) -> u64 {
@@ -329,9 +317,8 @@ fn columns_are_for_few_bodies_far_apart() {
     assert_eq!(ranges(&Stored::F64(of(row))), 2);
 }
 
-/// Couples within some steps of a diameter, where a float has few bits left for coordinates along
-/// x, or along both axes: in the flat form x is counted from the origin of the grid, too. With half
-/// the bound on their rounding some of these are lost or added.
+/// Pairs within some steps of a diameter, where f32 has few bits left for coordinates. With half of
+/// the proven bound on rounding, some of these are lost or added.
 #[test]
 fn couples_where_floats_are_coarse() {
     let mut state = 1;
@@ -339,16 +326,15 @@ fn couples_where_floats_are_coarse() {
         state = contactbench::sink::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    // Some 270 cells along x, 3000 columns in the flat form; then 2110 along both axes, just beyond
-    // a power of two.
+    // 270 cells along x, or 3000 columns in the flat form; then 2110 along both axes.
     let wide: Vec<_> =
         (0..7800).map(|_| [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]).collect();
     let corner: Vec<_> =
         (0..7800).map(|_| [2050.0 + 60.0 * unit(), 2050.0 + 60.0 * unit()]).collect();
     for (mut places, turned) in [(wide, 0.0), (corner, 1.0)] {
         places[0] = [0.0, 0.0];
-        // The rounding of a difference depends on it modulo a step of the floats: diameters go
-        // through all of them, and where cells are as wide as a diameter, directions do.
+        // The rounding of a difference depends on the difference modulo a step of the floats, so
+        // diameters and directions go through all residues.
         for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
             let couple = |(k, [x, y]): (usize, [f64; 2])| {
                 let apart = diameter + 1e-5 * (k as f64 / 3900.0 - 1.0);
