@@ -1,5 +1,4 @@
-//! The records that belong to the project. A user's own runs stand in `results/` as well, and no
-//! test may depend on them.
+//! The committed records. A user's own runs are in `results/` too, and no test depends on them.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +11,7 @@ pub fn committed() -> Vec<PathBuf> {
     let of_project = |path: &PathBuf| {
         path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("reference"))
     };
-    // Crates below the root of the workspace use this file as well.
+    // Other crates of the workspace use this file too.
     let mut above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
     let root = above.find(|folder| folder.join("results/README.md").exists());
     let all = inside(&root.expect("the project has results/").join("results"));

@@ -1,4 +1,4 @@
-//! What the tests of the program share: running it, and files for it.
+//! Helpers of the program's tests: running it, and making files for it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,15 +11,15 @@ use serde_json::Value;
 /// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
 
-/// A run of the program that has ended.
+/// A finished run of the program.
 pub struct Ended {
     pub code: Option<i32>,
     pub stdout: String,
     pub stderr: String,
 }
 
-/// The program with arguments, in `folder`, which also takes what a killed program leaves behind.
-/// Colours, width, and the locale of programs that it starts are not the user's.
+/// Returns the program with arguments, in `folder`, which is also its temporary folder. Colours,
+/// width and locale do not depend on the user.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command
@@ -33,12 +33,11 @@ pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs the program to its end.
 pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     ended(program(folder, arguments).output().unwrap())
 }
 
-/// A folder of its own, in which the program runs.
+/// A temporary folder in which the program runs.
 pub struct Place(tempfile::TempDir);
 
 impl Place {
@@ -68,13 +67,21 @@ impl Place {
             .unwrap();
     }
 
-    /// Runs the program with the arguments of a line as a shell would split it.
+    /// Runs the program with the arguments of a shell line.
     pub fn run(&self, line: &str) -> Ended {
         let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
         run(self.root(), &words.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// A run that ends with this code; all these words are in what it printed.
+    /// Like [`Place::run`], with help on this many columns.
+    pub fn run_wide(&self, line: &str, columns: usize) -> Ended {
+        let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let mut program = program(self.root(), &words);
+        ended(program.env("COLUMNS", columns.to_string()).output().unwrap())
+    }
+
+    /// Runs the program; the exit code and all these words must match.
     pub fn ends(&self, code: i32, line: &str, words: &[&str]) -> Ended {
         let ended = self.run(line);
         let said = format!("{}{}", ended.stdout, ended.stderr);
@@ -87,7 +94,6 @@ impl Place {
         self.ends(0, line, &[])
     }
 
-    /// Runs a shell script.
     pub fn shell(&self, script: &str) -> Ended {
         let mut shell = Command::new("sh");
         shell.args(["-c", script]).current_dir(self.root()).env("TMPDIR", self.root());
@@ -101,7 +107,7 @@ impl Place {
         serde_json::from_str(&ended.stdout).unwrap_or_else(|_| panic!("{line}: {}", ended.stdout))
     }
 
-    /// The rows of a record, which is whole.
+    /// Returns the rows of a record without warnings.
     pub fn rows(&self, folder: &str) -> Vec<Row> {
         let record = row::read(&self.path(folder).join(row::FILE)).unwrap();
         assert!(record.warnings.is_empty(), "{:?}", record.warnings);
@@ -109,24 +115,22 @@ impl Place {
     }
 }
 
-/// What a process has left.
 pub fn ended(output: Output) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// A file in `folder`.
 pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();
     path
 }
 
-/// Files that several tests begin with, made once.
+/// Files shared by several tests, made once.
 pub struct Template(Vec<(PathBuf, Vec<u8>)>);
 
 impl Template {
-    /// What `make` leaves in a folder.
+    /// Keeps the files that `make` leaves in a folder.
     pub fn new(make: impl FnOnce(&Place)) -> Template {
         let place = Place::new();
         make(&place);
@@ -145,7 +149,7 @@ impl Template {
         Template(files)
     }
 
-    /// The same files in a folder of their own.
+    /// Returns a new folder with these files.
     pub fn place(&self) -> Place {
         let place = Place::new();
         for (name, bytes) in &self.0 {
@@ -157,7 +161,7 @@ impl Template {
     }
 }
 
-/// An npy file, version 1, of little-endian doubles.
+/// Returns an npy file, version 1, of little-endian doubles.
 pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
     let columns = rows.first().map_or(2, Vec::len);
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -165,8 +169,7 @@ pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
         "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {columns}), }}",
         rows.len()
     );
-    // The data begin at a multiple of 64 bytes, after magic, version, length (10 bytes) and a
-    // newline.
+    // Data begin at a multiple of 64 bytes, after 10 bytes and a newline.
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
     }
@@ -177,8 +180,7 @@ pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
     bytes
 }
 
-/// The pairs in an npy file of the program: the data are what follows the newline that ends the
-/// header.
+/// Returns the pairs in an npy file of the program.
 pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     let bytes = std::fs::read(path).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..64]).contains("'descr': '<u4'"));
@@ -188,38 +190,38 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     words.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell
-/// code, and all others as unsupported.
+/// Returns the shell script of a runner in f64 arithmetic that answers requests with shell code,
+/// and the others as unsupported.
 pub fn fake(answers: &[(&str, &str)]) -> String {
     let hello = say(r#"{"reply":"hello","protocol":4,"detector":"fake","arithmetic":"f64"}"#);
     let cases: String = answers
         .iter()
         .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))
         .collect();
-    // Silence would be waited for.
+    // A runner without an answer would be waited for.
     let rest = say(r#"{"reply":"unsupported"}"#);
     format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}*) {rest} ;;\nesac\ndone")
 }
 
-/// Shell code that answers with a line.
+/// Returns shell code that prints a line.
 pub fn say(line: &str) -> String {
     format!("echo '{line}'")
 }
 
-/// A runner that loads, gives these answers, and has neither counts, memory nor pairs otherwise.
+/// Returns a runner that loads, gives these answers, and is unsupported otherwise.
 pub fn answers(answers: &[(&str, &str)]) -> String {
     let loaded = say(r#"{"reply":"loaded"}"#);
     fake(&[answers, &[("load", &*loaded)]].concat())
 }
 
-/// Shell code that answers with a sample of a time that can be.
+/// Returns shell code that answers with a sample of a plausible time.
 pub fn sample(contacts: u32, digest: &str) -> String {
     let times = r#""reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000"#;
     let line = format!(r#"{{{times},"contacts":{contacts},"digest":"{digest}"}}"#);
     format!("sleep 0.002; {}", say(&line))
 }
 
-/// A runner in an experiment file: `program` and one shell script.
+/// Returns the table of a runner in an experiment: `program` and a shell script.
 pub fn runner(name: &str, program: &str, script: &str) -> String {
     format!(
         "[[runner]]\nname = \"{name}\"\ncommand = [\"{program}\", \"-c\", \
@@ -227,21 +229,21 @@ pub fn runner(name: &str, program: &str, script: &str) -> String {
     )
 }
 
-/// What could not be tested here, and why.
+/// Names of skipped tests, with the reasons.
 static UNTESTED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
 
 unsafe extern "C" {
     fn atexit(callback: extern "C" fn()) -> std::ffi::c_int;
 }
 
-/// Notes that `what` cannot be tested here because `missing` is not there. The test passes; one
-/// line after the results of all tests says what was left out.
+/// Notes that `what` is skipped because `missing` is not installed. The test passes; a line at the
+/// end of all tests names it.
 pub fn untested(what: &str, missing: &str) {
     static AT_EXIT: Once = Once::new();
     let mut untested = UNTESTED.lock().unwrap_or_else(PoisonError::into_inner);
     untested.insert(what.to_string(), missing.to_string());
-    // SAFETY: `atexit` may be called at any time before the end of the process, and `summary` may
-    // be called from C: it takes nothing, gives nothing, and does not unwind.
+    // SAFETY: `atexit` may be called at any time before the end of the process; `summary` takes
+    // nothing and does not unwind.
     AT_EXIT.call_once(|| assert_eq!(unsafe { atexit(summary) }, 0));
 }
 
@@ -252,9 +254,8 @@ extern "C" fn summary() {
     eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
 }
 
-/// Runs a test of programs of others: one test at a time, because several MPI programs that start
-/// together fail. `test` gives the reason if a program could not start. It is then run once more,
-/// and after that left out: the closing summary names it with the reason.
+/// Runs a test of a foreign program, one at a time because several MPI programs cannot start
+/// together. If `test` returns a reason twice, the test is skipped with it.
 pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -263,7 +264,7 @@ pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     }
 }
 
-/// The reason why MPI could not start, if that is why a program failed.
+/// Returns the line of an error that shows that MPI could not start.
 pub fn not_started(stderr: &str) -> Option<String> {
     let signs = ["ompi_mpi_init", "MPI_Init", "MPI_INIT", "unable to start a daemon", "orte_init"];
     let of_start = |line: &&str| {
@@ -272,14 +273,14 @@ pub fn not_started(stderr: &str) -> Option<String> {
     stderr.lines().find(of_start).map(|line| line.trim().to_string())
 }
 
-/// Whether a program can be started with this option, and ends well.
+/// Returns whether a program succeeds with this option.
 pub fn starts(program: &str, option: &str) -> bool {
     let mut command = Command::new(program);
     command.arg(option).current_dir(std::env::temp_dir()).stdin(Stdio::null());
     command.output().is_ok_and(|output| output.status.success())
 }
 
-/// Is there such a program? If not, the test passes, and is named among those left out.
+/// Returns whether a program is installed; if not, notes that its tests are skipped.
 pub fn has(program: &'static str) -> bool {
     let there = starts(program, "--version");
     if !there {
@@ -288,8 +289,7 @@ pub fn has(program: &'static str) -> bool {
     there
 }
 
-/// What must be the same whether a run was disturbed, resumed or repeated: everything but the times.
-/// Fails if a measurement stands twice.
+/// Returns the rows without times, by measurement; fails if a measurement has two rows.
 pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
     let of = |row: &Row| {
         let row = Row {

@@ -1,4 +1,4 @@
-//! What the program promises to its users: verbs, files, runs, records, reports, runners, pages.
+//! Tests of the program: verbs, files, runs, records, reports, runners, pages.
 
 mod cases;
 mod check;
@@ -11,5 +11,5 @@ mod run;
 mod seeing;
 mod track;
 
-// What the file that `new-detector` writes finds around it in the crate of detectors.
+// Modules that the template of `new-detector` imports from its crate.
 use contactbench::{contact, detect, filter, probe, scene, sink};

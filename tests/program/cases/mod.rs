@@ -1,24 +1,30 @@
-//! Cases of the command line: `*.txt` in this folder, one test each.
+//! Tests of the command line as text files in this folder, one test each.
 //!
-//! A line `[title]` begins a scenario in a folder of its own, with the files made above the first
-//! title. Below it:
+//! In `*.txt` a line `[title]` begins a scenario in a folder of its own. Lines above the first
+//! title make files for every scenario. Below a title:
 //!
 //! | line | does or holds |
 //! |---|---|
 //! | `file NAME TEXT` | makes a file |
 //! | `more NAME COUNT TEXT` | appends the text this many times |
 //! | `copy FROM TO OLD => NEW` | copies a file with one text replaced by another everywhere |
-//! | `CODE ARGUMENTS :: words \| words` | runs the program; exit code, words in what it prints |
+//! | `CODE ARGUMENTS :: words \| words` | runs the program; exit code, and words that it prints |
 //! | `= TEXT` | all of standard output |
-//! | `+ words \| words` | further words in what it printed |
-//! | `! words \| words` | words not in what it printed |
+//! | `+ words \| words` | further words that it prints |
+//! | `! words \| words` | words that it does not print |
 //! | `in FILE words \| words` | words in a file |
-//! | `same ARGUMENTS` | the standard output of another run |
+//! | `same ARGUMENTS` | another run with the same standard output |
 //!
-//! `ARRAYS/` in arguments is the folder of arrays in `tests/data`. Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Blanks and line feeds between words are
-//! equal. Exit code 2 has one line that begins with `contactbench: `, or an error of the options.
+//! Words are names, numbers, options and keys, not sentences. `ARRAYS/` stands for the folder
+//! `tests/data/arrays`. Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Line breaks count as
+//! blanks. Exit code 2 goes with one line that begins with `contactbench: `.
+//!
+//! `pages/*.txt` hold whole pages: lines that make files, then `$ ARGUMENTS`, what that run prints
+//! on 80 columns, and its exit code if it is not 0. This command writes them again:
+//! `CONTACTBENCH_PAGES=write cargo test --test program cases::pages`.
 
 use std::fmt::Display;
+use std::path::Path;
 
 use crate::common::{Ended, Place};
 
@@ -33,6 +39,56 @@ macro_rules! cases {
     };
 }
 cases!(refusals, experiments, boxes, files, records);
+
+/// Holds the program to its pages, or writes them.
+mod pages {
+    use super::*;
+
+    fn page(name: &str) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/cases/pages");
+        let path = path.join(name).with_extension("txt");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut scenario = Scenario { place: Place::new(), last: None, faults: Vec::new() };
+        let mut printed = String::new();
+        for line in text.split_inclusive("\n").take_while(|line| !line.starts_with("$ ")) {
+            let is_remark = line.trim().is_empty() || line.starts_with('#');
+            assert!(is_remark || scenario.obey(name, line.trim_end()), "{line}");
+            printed += line;
+        }
+        for line in text.lines().filter(|line| line.starts_with("$ ")) {
+            let Ended { code, stdout, stderr } = scenario.place.run_wide(&line[2..], 80);
+            let code = code.filter(|&code| code != 0).map(|code| format!("[exit code {code}]\n"));
+            printed += &format!("{line}\n{stdout}{stderr}{}\n", code.unwrap_or_default());
+        }
+        let printed: String =
+            printed.lines().map(|line| format!("{}\n", line.trim_end())).collect();
+        if std::env::var_os("CONTACTBENCH_PAGES").is_some() {
+            std::fs::write(&path, printed).unwrap();
+        } else if let Some((old, new)) = text.lines().zip(printed.lines()).find(|(a, b)| a != b) {
+            panic!(
+                "{}\n- {old}\n+ {new}\nCONTACTBENCH_PAGES=write writes it again",
+                path.display()
+            );
+        } else {
+            assert_eq!(text.lines().count(), printed.lines().count(), "{}", path.display());
+        }
+    }
+
+    #[test]
+    fn help() {
+        page("help");
+    }
+
+    #[test]
+    fn mistakes() {
+        page("mistakes");
+    }
+
+    #[test]
+    fn answers() {
+        page("answers");
+    }
+}
 
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.bytes());
@@ -57,7 +113,7 @@ fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// One scenario: its folder, the last run, and what did not hold.
+/// A folder in which the program runs, the last run, and what did not hold.
 struct Scenario {
     place: Place,
     last: Option<(String, Ended)>,
@@ -73,7 +129,7 @@ impl Scenario {
         self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
     }
 
-    /// Holds words to a text: all are in it, or none is.
+    /// Records a fault for each of the words that the text lacks, or has against expectation.
     fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
         let text = flat(text);
         for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {
@@ -89,7 +145,7 @@ impl Scenario {
         let refusals = ended.stderr.lines().filter(|line| line.starts_with("contactbench: "));
         let one = refusals.clone().count() == 1
             && refusals.clone().next_back() == ended.stderr.lines().next_back();
-        let is_one = one || ended.stderr.starts_with("error: ") || !ended.stdout.is_empty();
+        let is_one = one || !ended.stdout.is_empty();
         let expected = ended.code == code.parse().ok() && (code != "2" || is_one);
         let (said, found) = (format!("{} {}", ended.stdout, ended.stderr), ended.code);
         self.last = Some((rest.to_string(), ended));
@@ -99,7 +155,7 @@ impl Scenario {
         self.words(at, words, &said, true);
     }
 
-    /// Obeys a line; returns whether it has a meaning.
+    /// Obeys a line; returns false if it has no meaning.
     fn obey(&mut self, at: &str, line: &str) -> bool {
         let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
         let (name, text) = rest.split_once(' ').unwrap_or((rest, ""));
@@ -125,7 +181,7 @@ impl Scenario {
             }
             "=" => {
                 if stdout.as_bytes() != unescaped(rest) {
-                    self.fault(at, "another standard output");
+                    self.fault(at, "standard output differs");
                 }
             }
             "+" => self.words(at, rest, &said, true),
@@ -147,7 +203,7 @@ impl Scenario {
     }
 }
 
-/// Holds all scenarios of a text.
+/// Runs all scenarios of a text.
 fn all(name: &str, text: &str) {
     let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
     let mut scenario: Option<Scenario> = None;

@@ -1,4 +1,4 @@
-//! Tests of `check`: right detectors and runners pass, and wrong ones, each in its way, fail.
+//! `check`: right detectors and runners pass, wrong ones fail, each in its way.
 
 mod finds;
 mod runners;
@@ -17,21 +17,21 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Checks a runner with the least battery, and holds the end to a code and to words.
+/// Checks a runner on few scenes; the exit code and the words must match.
 fn check(at: &Place, runner: &str, options: &str, code: i32, words: &[&str]) -> Ended {
     let quoted = shlex::try_quote(runner).unwrap();
     let line = format!("check --out . --deadline 60 --runner {quoted} {options}");
     at.ends(code, &line, words)
 }
 
-/// Checks the example in Python with one piece of its text changed.
+/// Checks the example in Python with one piece of its text replaced.
 fn changed(at: &Place, [old, new]: [&str; 2], options: &str, code: i32, words: &[&str]) -> Ended {
     assert!(PYTHON.contains(old), "the example has no '{old}' any more");
     at.file("changed.py", PYTHON.replacen(old, new, 1));
     check(at, "python3 changed.py", options, code, words)
 }
 
-/// The numbers of particles and the words of the smallest failing scene.
+/// Returns the size of the smallest failing scene, and the rest of its line.
 fn smallest(ended: &Ended) -> (u64, &str) {
     let line =
         ended.stdout.lines().find_map(|line| line.strip_prefix("  smallest failing scene: "));

@@ -1,4 +1,4 @@
-//! `check` of detectors, on the battery and on scenes.
+//! `check` of detectors, on generated and given scenes.
 
 use std::path::Path;
 
@@ -12,18 +12,18 @@ use crate::common::Place;
 #[test]
 fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     let at = Place::new();
-    let words = ["scenes: generated 210, hard cases ", " times: nbs: ", " by nbs: all agree"];
+    let words = ["scenes: generated 210, hard cases ", " times: nbs: ", " by nbs: "];
     assert_eq!(at.ends(0, "check --detector nbs --seeds 1", &words).stderr, "");
     let words = ["2 particles, 1 missed, 0 spurious, 0 duplicate pairs"];
     let wrong = at.ends(1, "check --detector nothing --seeds 1 --annotations", &words).stdout;
     assert!(wrong.contains("::error title=contactbench check%3A generated%3A nothing%2C exact"));
-    // The commands that `check` prints show the difference.
+    // The printed commands show the difference.
     let lines = wrong.lines().filter(|line| !line.starts_with("::"));
     let commands: Vec<&str> =
         lines.filter_map(|line| Some(line.split_once("contactbench ")?.1)).collect();
     let found: Vec<String> = commands.iter().map(|command| at.run(command).stdout).collect();
     assert_eq!(found[1..], ["i,j\n0,1\n"], "{commands:?}");
-    assert!(found[0].contains("duplicate pairs; missed 0,1"), "{}", found[0]);
+    assert!(found[0].contains("missed 0,1"), "{}", found[0]);
 }
 
 #[test]
@@ -31,8 +31,8 @@ fn check_takes_scenes() {
     let at = Place::new();
     at.file("two.csv", "# a comment\nx,y,r\n0,0,1\n2,0,1\n9,0,1\n");
     at.file("far.csv", "x,y,z,r\n0,0,0,1\n1e40,0,0,1\n");
-    // All detectors on a scene in two arithmetics; on the other those that need no array over
-    // cells, in exact: the others refuse, and f32 cannot hold it.
+    // All detectors on a scene in two arithmetics; on the far scene, those without an array over
+    // cells, in exact arithmetic only.
     let scene = io::scene(&at.path("far.csv"), io::Options::default()).unwrap();
     let takes = |entry: &&Entry| {
         entry.make(Options::default()).list(&scene, Test::Exact, &mut Vec::new()).is_ok()
@@ -46,11 +46,10 @@ fn check_takes_scenes() {
     let words = format!("check: {count} detections by ");
     at.ends(0, line, &[&words, "refused 1 times: f32: ", "refused 1 times: nbs: "]);
     let line = "check --scene two.csv --detector nothing";
-    let words = "on two.csv: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n";
+    let words = "two.csv: 1 missed, 0 spurious, 0 duplicate";
     at.ends(1, &format!("{line} --out new/folder"), &[words]);
     assert!(at.path("new/folder/failing-nothing-exact-two.csv").exists());
-    // Without --out, `check` writes into a new temporary folder. The tests use this folder as the
-    // temporary one, so it gains one folder.
+    // Without --out, `check` writes into a new folder in the temporary one, which is this folder.
     let before = std::fs::read_dir(at.root()).unwrap().count();
     let wrong = at.ends(1, line, &[]).stdout;
     let place = wrong.lines().find_map(|line| line.split_once("smallest failing scene: "));

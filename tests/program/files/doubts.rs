@@ -2,21 +2,20 @@
 
 use crate::common::Place;
 
-/// Words of each kind of notice.
 const KINDS: [(&str, &str); 10] = [
-    ("diameters", "may hold diameters"),
-    ("unit", "another unit than the coordinates"),
+    ("diameters", "hold diameters"),
+    ("unit", "another unit than"),
     ("apart", "nothing touches"),
     ("points", "radii of 0"),
     ("nested", "nearly concentric"),
-    ("twice", "centre of another"),
-    ("flat", "z is 0 for all"),
-    ("scaled", "scaled by a box"),
-    ("digits", "6 significant digits at most"),
-    ("deep", "mean radii in the mean"),
+    ("twice", "of another, such"),
+    ("flat", "z is 0"),
+    ("scaled", "scaled by"),
+    ("digits", "6 significant digits"),
+    ("deep", "radii in the mean"),
 ];
 
-/// The kinds of notices in a text, each as often as it stands there.
+/// Returns the kinds of notices in a text, with repetitions.
 fn notices(text: &str) -> Vec<&'static str> {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let of = |(kind, words): (&'static str, &str)| vec![kind; text.matches(words).count()];
@@ -60,7 +59,7 @@ fn each_kind_is_recognised_and_nothing_else() {
         (scaled, &["apart", "scaled"]),
         (gas, &["deep"]),
         (format!("x,y,z,r\n{}", six.collect::<String>()), &["digits"]),
-        // The few digits of a lattice are not reported.
+        // A lattice has few digits by nature.
         (table(lattice), &["apart"]),
         ("x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n".into(), &["flat"]),
     ] {

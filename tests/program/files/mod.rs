@@ -10,7 +10,7 @@ use contactbench::scene::spec::Spec;
 
 use crate::common::Place;
 
-/// What is written reads back to the same bits, in every format.
+/// Written scenes read back to the same bits, in every format.
 #[test]
 fn scenes_are_written_and_read_back_to_the_bit() {
     let at = Place::new();
@@ -25,7 +25,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
             at.good(&format!("scene {spec} -o {name}"));
             let dim = name.ends_with("npy").then_some(expected.dim() as u32);
             let found = io::scene(&at.path(name), Options { dim, ..Options::NONE }).unwrap();
-            // A list of equal radii comes back as one radius for all.
+            // Equal radii come back as one radius.
             assert_eq!(found, expected, "{spec} in {name}");
         }
         assert_eq!(at.good(&format!("scene {spec}")).stdout, at.read("scene.csv"));

@@ -1,5 +1,5 @@
-//! Real particle sets, which are not part of the project: `CONTACTBENCH_DATA` names their folder.
-//! Every detector that does not refuse finds as many contacts as exact rational arithmetic did.
+//! Real particle sets in the folder `CONTACTBENCH_DATA`, which are not part of the project. Every
+//! detector finds as many contacts as exact rational arithmetic did, or refuses.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn real_sets_have_their_number_of_contacts() {
     ] {
         let scene = read(file, radius);
         assert!(n == 0 || scene.len() == n, "{file}: {}", scene.len());
-        // Brute force would take long for the largest set.
+        // Brute force is slow on the largest set.
         let small = scene.len() <= oracle::BRUTE_FORCE;
         let asked = TABLE.iter().filter(|it| it.must_be_right() && (it.name != "direct" || small));
         for entry in asked {
@@ -41,10 +41,10 @@ fn real_sets_have_their_number_of_contacts() {
         }
         assert_eq!(oracle::truth(&scene, Arithmetic::Exact).unwrap().digest, digest, "{file}");
     }
-    // What rounding makes of a packing that is exactly jammed.
+    // Errors of rounding in a packing that is exactly jammed.
     let jammed = read("rcp_packing/centres.npy", Some(0.5));
     assert_eq!(oracle::truth(&jammed, Arithmetic::F32).unwrap().digest.contacts, 14_851);
-    // The dump has twelve columns, the CSV that was made of it four: the same scene to the bit.
+    // The dump has twelve columns, the CSV made from it four.
     let both = ["dump", "csv"].map(|it| read(&format!("liggghts_packing/packing.{it}"), None));
     assert_eq!(both[0], both[1]);
 }

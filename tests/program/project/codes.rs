@@ -1,5 +1,5 @@
-//! Simulation codes with their own lists: the lines and commands of docs/YOUR-CODE.md, and the
-//! table of settings. Where a code is not installed, its test says so and passes.
+//! Simulation codes with their own lists: the commands of docs/YOUR-CODE.md, and the table of
+//! settings. A test of a code that is not installed passes with a remark.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use crate::common::{PROGRAM, Place, ended, foreign, not_started, untested};
 const PAGE: &str = include_str!("../../../docs/YOUR-CODE.md");
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
 
-/// The block of a language in the section of a code.
+/// Returns the block of a language in the section of a code.
 fn block(section: &str, language: &str) -> &'static str {
     let section = PAGE.split_once(&format!("\n## {section}\n")).unwrap().1;
     let block = section.split_once(&format!("```{language}\n")).unwrap().1;
@@ -23,7 +23,7 @@ fn starts(program: &str) -> bool {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Runs a program, which must succeed; returns the reason if MPI could not start.
+/// Runs a program that must succeed; returns the reason if MPI could not start.
 fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
     let mut started = Command::new(command[0]);
     started.args(&command[1..]).current_dir(at.root()).stdin(Stdio::null());
@@ -38,8 +38,8 @@ fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Puts the lines of the page before the line `before` of the example, runs that in the code, and
-/// asks for the commands of the page: the lists of a careful setting miss nothing.
+/// Inserts the lines of the page into the example before the line `before`, runs it in the code,
+/// then runs the commands of the page. A careful setting misses no contact.
 fn the_page_holds(section: &str, language: &str, script: &str, before: &str, command: &[&str]) {
     let what = format!("docs/YOUR-CODE.md, {section}");
     if !starts(command[0]) {
@@ -89,8 +89,8 @@ fn the_page_holds_for_yade() {
     the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
 }
 
-/// The driver makes a row for each setting: a list that is built when something has moved half of
-/// the skin misses nothing, one that is built every hundred steps does.
+/// Writes a row for each setting: a list rebuilt by displacement misses nothing, one rebuilt every
+/// hundred steps does.
 #[test]
 fn settings_are_told_apart_or_say_how_to_get_the_code() {
     if !starts("python3") {
@@ -139,7 +139,7 @@ fn settings_are_told_apart() -> Result<(), String> {
     Ok(())
 }
 
-/// A program of others that cannot start is tried once more, then named with the reason; one that
+/// A foreign program that cannot start is tried twice, then skipped with the reason; one that
 /// starts and fails is a failure.
 #[test]
 fn programs_of_others_are_tried_twice() {

@@ -2,39 +2,78 @@
 
 use std::process::{Command, Stdio};
 
+use clap::{CommandFactory, Parser};
+use contactbench::cli::Cli;
 use contactbench::detect::table::TABLE;
 use contactbench::plan::builtin;
 
-use crate::common::{PROGRAM, Place, ended, program};
+use crate::common::{PROGRAM, Place, ended, npy, program};
+
+/// Returns the examples in a verb's help, without the name of the program.
+fn examples(verb: &clap::Command) -> Vec<String> {
+    let end = verb.get_after_help().unwrap().to_string();
+    end.lines().filter_map(|line| line.strip_prefix("  contactbench ")).map(String::from).collect()
+}
+
+/// Help fits 80 columns, with one line for each verb and option.
+#[test]
+fn help_has_one_line_for_each_verb_and_option() {
+    let at = Place::new();
+    let command = Cli::command();
+    let mut pages = vec![("--help".to_string(), command.get_subcommands().count())];
+    for verb in command.get_subcommands().filter(|verb| verb.get_name() != "ranks") {
+        let shown = verb.get_arguments().filter(|argument| !argument.is_hide_set());
+        pages.push((format!("{} --help", verb.get_name()), shown.count()));
+    }
+    for (line, count) in pages {
+        let help = at.run_wide(&line, 200).stdout;
+        let listed = |line: &&str| line.starts_with("  ") && !line.starts_with("  contactbench");
+        assert!(help.lines().filter(listed).count() > count, "{line}: {help}");
+        let long: Vec<&str> = help.lines().filter(|line| line.chars().count() > 80).collect();
+        assert!(long.is_empty(), "{line}: {long:#?}");
+        assert_eq!(at.run_wide(&line, 80).stdout, help, "{line}: a line is broken");
+    }
+}
 
 #[test]
-fn every_verb_explains_itself_with_an_example_that_parses() {
+fn examples_of_the_help_run() {
     let at = Place::new();
-    let help = at.ends(0, "--help", &["Exit codes: 0 "]).stdout;
-    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    // The name of a verb stands after two blanks; lines that go on are indented further.
-    let verbs = lines.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
-    let verbs: Vec<&str> = verbs.filter_map(|line| line.split_whitespace().next()).collect();
-    for verb in ["run", "report", "list", "check", "detect", "runner"] {
-        assert!(verbs.contains(&verb), "{verbs:?}");
-    }
-    for verb in verbs.iter().filter(|verb| **verb != "help") {
-        let help = at.run(&format!("{verb} --help"));
-        // A verb that is a program of its own may not have been built.
-        if help.stderr.contains("this verb is the program ") {
-            continue;
+    let experiment = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 2\n\
+                      detectors = [\"nbs\", \"sorting\"]\n[[scene]]\nname = \"loose\"\nn = [50, 100]\n";
+    at.file("my-experiment.toml", experiment);
+    at.good("run my-experiment.toml --out laptop");
+    at.shell("for name in server part-1 part-2; do cp -r laptop $name; done");
+    at.shell("mkdir results; cp -r laptop results/before; cp -r laptop results/after");
+    at.file("packing.csv", "x,y,r\n0,0,1\n1,0,1\n9,0,1\n");
+    at.file("theirs.csv", "i,j\n1,2\n");
+    at.file("centres.npy", npy(&[vec![0.0, 0.0], vec![1.0, 0.0]]));
+    let dump =
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z radius\n1 2 3 4 1\n";
+    at.file("packing.dump", dump);
+    at.file("flow.dump", dump);
+    let lists = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n0\nITEM: ENTRIES c_1[1] c_1[2]\n";
+    at.file("lists.dump", lists);
+    let core = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/core/src/detect");
+    at.shell(&format!("mkdir -p crates/core/src; cp -r {core} crates/core/src"));
+    for verb in Cli::command().get_subcommands() {
+        let name = verb.get_name();
+        assert!(!examples(verb).is_empty(), "{name}");
+        for example in examples(verb) {
+            let words = shlex::split(&format!("contactbench {example}")).unwrap();
+            Cli::try_parse_from(words).unwrap_or_else(|error| panic!("{example}: {error}"));
+            // These take seconds or other programs.
+            if !["check", "ranks", "recommend", "run", "track"].contains(&name) {
+                at.good(&example);
+            }
         }
-        assert_eq!(help.code, Some(0));
-        let example = help.stdout.split_once("Example: ");
-        let example = example.unwrap_or_else(|| panic!("{verb}: no example")).1;
-        let (_, arguments) = example.lines().next().unwrap().split_once("contactbench ").unwrap();
-        let words: Vec<&str> =
-            std::iter::once("contactbench").chain(arguments.split_whitespace()).collect();
-        assert_eq!(words[1], *verb);
-        <contactbench::cli::Cli as clap::Parser>::try_parse_from(words)
-            .unwrap_or_else(|e| panic!("{verb}: {e}"));
     }
-    // Shells complete verbs, options and names.
+}
+
+#[test]
+fn completions_name_verbs_options_and_values() {
+    let at = Place::new();
+    let command = Cli::command();
+    let verbs: Vec<&str> = command.get_subcommands().map(|verb| verb.get_name()).collect();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = at.good(&format!("completions {shell}")).stdout;
         let names = ["streamed-nbs", "hash-grid", "@book", "clustered", "speed-error"];
@@ -80,7 +119,7 @@ fn list_names_every_detector_scene_and_experiment() {
     assert!(!begins(&experiments, "nbs") && !begins(&detectors, "scaling"));
 }
 
-/// Pipes and files get no colours; a terminal, which `script` of util-linux makes, gets them unless
+/// Pipes and files get no colours. A terminal, made by `script` of util-linux, gets colours unless
 /// NO_COLOR is set.
 #[test]
 fn colours_are_for_terminals() {
@@ -93,12 +132,12 @@ fn colours_are_for_terminals() {
     }
     let on_terminal = |no_color: &str| {
         let mut command = Command::new("script");
-        command.args(["-qec", &format!("{no_color} {PROGRAM} dtect"), "/dev/null"]);
+        command.args(["-qec", &format!("{no_color} {PROGRAM} --help"), "/dev/null"]);
         command.env("TERM", "xterm-256color").stdin(Stdio::null()).current_dir(at.root());
         command.env_remove("NO_COLOR").env_remove("CLICOLOR").env_remove("CI");
         command.output().ok().map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
     };
     let (Some(plain), Some(styled)) = (on_terminal("NO_COLOR=1"), on_terminal("")) else { return };
-    assert!(plain.contains("dtect"), "script ran the program: {plain}");
+    assert!(plain.contains("detect"), "script ran the program: {plain}");
     assert_eq!((plain.contains('\x1b'), styled.contains('\x1b')), (false, true), "{styled}");
 }

@@ -1,6 +1,6 @@
 //! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
-//! `runners/`, those of simulation codes among them. What is not there is unavailable, and says how
-//! to get it; what is there is right, but for those that compute in single precision.
+//! `runners/`. A missing library is reported as unavailable, with its installation; the others are
+//! right, unless they compute in single precision.
 
 use std::io::Write;
 use std::path::Path;
@@ -23,7 +23,6 @@ const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-
 /// Runners of libraries that compute in single precision.
 const SINGLE: [&str; 2] = ["mdanalysis-nsgrid", "freud-aabb"];
 
-/// The tables of runners in the experiments.
 fn runners() -> String {
     let tables = |text: &'static str| {
         &text[text.find("[[runner]]").unwrap()..text.find("[[claim]]").unwrap()]
@@ -31,13 +30,13 @@ fn runners() -> String {
     EXPERIMENTS.map(tables).concat()
 }
 
-/// The rows of an experiment that is run in `place`.
+/// Runs an experiment in `place` and returns its rows.
 fn rows(place: &Path, text: &str) -> Vec<Row> {
     let at = Place::new();
     let (file, out) = (at.file("t.toml", format!("{HEAD}{text}")), at.path("result"));
     let [file, out] = [file, out].map(|path| path.display().to_string());
     let mut command = program(place, &["run", &file, "--out", &out]);
-    // Programs that runners compile stay with the tests.
+    // Runners compile their programs in this folder.
     command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR")).env("TMPDIR", at.root());
     ended(command.output().unwrap());
     at.rows("result")
@@ -69,7 +68,7 @@ fn an_experiment_may_name_peers_that_were_not_compiled() {
     let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
     let detectors = format!("detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n");
     let rows = rows(Path::new("."), &format!("{detectors}{scene}"));
-    // And the twin of nbs, in the first arithmetic.
+    // One more for the twin of nbs, in the first arithmetic.
     assert_eq!(rows.len(), 4 * (2 * (1 + PEERS.len()) + 1) * 3);
     for row in &rows {
         let peer = !row.id.detector.starts_with("nbs");
@@ -127,7 +126,7 @@ fn runners_away_from_the_repository_say_where_to_start() {
 /// Returns the reply of a runner that cannot load its library.
 fn reply(command: &mut Command) -> Option<Value> {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    // A runner that prints no more has closed its input.
+    // A runner that has ended has closed its input.
     let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
     let output = child.wait_with_output().unwrap();
     let reply: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -135,8 +134,7 @@ fn reply(command: &mut Command) -> Option<Value> {
     Some(reply["reason"].clone())
 }
 
-/// Libraries that cannot be imported, because others of their names fail to be, and programs that
-/// cannot be compiled.
+/// Makes imports of the libraries fail, and the compilation of programs.
 #[test]
 fn a_runner_without_its_library_or_compiler_names_the_way_to_get_it() {
     let at = Place::new();

@@ -1,6 +1,5 @@
-//! docs/PROTOCOL.md is true: its transcript is replayed against the program line by line, every
-//! request and reply of the protocol is in it, and the digests that it lists are those of the
-//! program.
+//! Holds docs/PROTOCOL.md to the program: its transcript is replayed line by line, it has every
+//! request and reply of the protocol, and its digests are right.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -13,14 +12,14 @@ use crate::common::{Place, npy, pairs, program};
 
 const PAGE: &str = include_str!("../../../docs/PROTOCOL.md");
 
-/// The fenced block of the page with this information string.
+/// Returns the fenced block of the page with this information string.
 fn block(info: &str) -> Vec<&'static str> {
     let mut lines = PAGE.lines().skip_while(|line| *line != format!("```text {info}"));
     assert!(lines.next().is_some(), "the page has no block '{info}'");
     lines.take_while(|line| *line != "```").collect()
 }
 
-/// A message without what differs from machine to machine and from release to release.
+/// Removes what differs between machines and releases from a message.
 fn steady(line: &str) -> Value {
     let mut message: Value = serde_json::from_str(line).unwrap();
     for field in ["time_ns", "calls", "elapsed_ns", "first_ns", "version"] {
@@ -36,7 +35,6 @@ fn steady(line: &str) -> Value {
         assert!(build["profile"].is_string() && build["revision"].is_string(), "{line}");
         *build = Value::Null;
     }
-    // Of one frame.
     if let Some(steps) = message.get_mut("step_ns") {
         assert!(steps[0].is_u64() && steps.as_array().unwrap().len() == 1, "step_ns in {line}");
         *steps = Value::Null;
@@ -86,8 +84,7 @@ fn the_transcript_is_what_the_program_says() {
     }
 }
 
-/// Threads of rayon give back what they took for a job a moment after it is done: now and then in
-/// the next measurement.
+/// rayon frees the memory of a job a moment after its end, sometimes in the next measurement.
 #[test]
 fn memory_of_two_threads_is_never_less_than_nothing() {
     let at = Place::new();
@@ -122,13 +119,11 @@ fn the_transcript_holds_every_request_and_every_reply_of_the_program() {
     };
     let all = |names: &str| names.split(' ').map(String::from).collect::<BTreeSet<_>>();
     assert_eq!(words("> ", "request"), all("load sample count memory pairs quit"));
-    // This program measures everything and needs no library: it never replies unsupported or
-    // unavailable.
+    // This program supports every request, so it never replies unsupported or unavailable.
     let replies = "hello loaded sample count memory pairs refused error";
     assert_eq!(words("< ", "reply"), all(replies));
 }
 
-/// The whole numbers in a text.
 fn numbers(text: &str) -> Vec<i32> {
     let pieces = text.split(|c: char| !c.is_ascii_digit() && c != '-');
     pieces.filter(|piece| !piece.is_empty()).map(|piece| piece.parse().unwrap()).collect()

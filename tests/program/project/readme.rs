@@ -1,5 +1,5 @@
-//! README and the pages in docs are true: the Rust code is the code of the example, which is
-//! compiled and right, and the commands work as written.
+//! Holds README and docs to the program: their Rust code is that of the compiled example, and their
+//! commands run as written.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ const README: &str = include_str!("../../../README.md");
 const DETECTORS: &str = include_str!("../../../docs/DETECTORS.md");
 const EXAMPLE: &str = include_str!("../../../examples/add_a_detector.rs");
 
-/// The text of all fenced blocks of a language, in order.
+/// Returns the text of all fenced blocks of a language, in order.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let (mut found, mut inside) = (Vec::new(), None);
     for line in page.lines() {
@@ -29,7 +29,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
 }
 
-/// What stands between `// PAGE: name` and `// PAGE: end` in the example, without common
+/// Returns the text between `// PAGE: name` and `// PAGE: end` in the example, without common
 /// indentation.
 fn marked(name: &str) -> String {
     let lines =
@@ -51,9 +51,8 @@ fn the_code_is_that_of_the_example() {
     assert!((10..50).contains(&detector.lines().count()), "{} lines", detector.lines().count());
 }
 
-/// Runs the commands of a page in order and in one folder, so that a block can use the files of
-/// those before it; their number. Blocks that begin with cargo build and run for minutes, and are
-/// left out.
+/// Runs the commands of a page in order and in one folder, and returns their number. Blocks that
+/// begin with cargo build are skipped: they run for minutes.
 fn run_commands_of(page: &str, at: &Place) -> usize {
     let program = Path::new(PROGRAM).parent().unwrap().display();
     let mut run = 0;
@@ -79,7 +78,7 @@ fn the_commands_work_as_written() {
     }
 }
 
-/// The measured columns of the table of detectors are those of the record that it links to.
+/// The measured columns of the table of detectors are those of the linked record.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
@@ -96,7 +95,7 @@ fn the_measured_table_is_that_of_the_record() {
         .filter(|line| line.starts_with("| `"))
         .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
         .collect();
-    // A detector that a user adds is in neither; one that is in the record is in the table of the page.
+    // A user's own detector is in neither table.
     let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
     let recorded = |name: &str| cells.iter().filter(is_shown).any(|cell| cell.id.detector == name);
     let names: Vec<String> = ours

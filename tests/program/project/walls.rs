@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use contactbench::detect::table::TABLE;
 
-/// The crates of the project that each crate is linked with. A record and its report need no
-/// detector.
+/// The crates that each crate may be linked with. A record and its report need no detector.
 const WALLS: [(&str, &[&str]); 8] = [
     ("terms", &[]),
     ("core", &["terms"]),
@@ -35,7 +34,7 @@ fn crates_import_only_those_below_them() {
     }
 }
 
-/// All entries below a folder of the project, the folder aside.
+/// Returns all entries below a folder of the project.
 fn below(folder: &str) -> Vec<PathBuf> {
     let (mut found, mut folders) = (Vec::new(), vec![root().join(folder)]);
     while let Some(next) = folders.pop() {
@@ -79,8 +78,8 @@ fn code_lines_are_at_most_100_columns() {
     assert!(wide.is_empty(), "{wide:#?}");
 }
 
-/// What others need to know of a detector are fields of its entry. The core's own files, the
-/// campaigns, and the lectures on the book's detectors, are about single detectors.
+/// Names of detectors stand in the table only; other files use fields of its entries. The core, the
+/// campaigns and the lectures on single detectors are excepted.
 #[test]
 fn names_of_detectors_stand_in_the_table_alone() {
     let mut seen = 0;

@@ -6,7 +6,7 @@ use std::process::Command;
 use super::junit;
 use crate::common::{PROGRAM, Place};
 
-/// The action, as the example workflow calls it, on a baseline made by this very program.
+/// Runs the action as the example workflow does, on a baseline made by this program.
 #[cfg(unix)]
 #[test]
 fn the_example_workflow_passes() {
@@ -24,7 +24,7 @@ fn the_example_workflow_passes() {
     let (workflow, action) = (read("docs/ci/github.yml"), read("action.yml"));
     let make = workflow.lines().find_map(|line| line.strip_prefix("#   contactbench ")).unwrap();
     at.good(make);
-    // Inputs of the workflow, otherwise the defaults of the action.
+    // Inputs of the workflow, or the defaults of the action.
     let input = |name: &str| {
         let said = workflow.lines().find_map(|line| line.trim().strip_prefix(name));
         let declared = action.split(&format!("\n  {name}:\n")).nth(1).unwrap();
@@ -33,7 +33,7 @@ fn the_example_workflow_passes() {
             .unwrap_or_else(|| default.unwrap().trim_matches('"'))
             .to_string()
     };
-    // The battery is long, and held elsewhere: here one detector on one scene.
+    // One detector on one scene, because the whole check is long.
     let script = format!(
         "#!/bin/sh\nif [ $1 = check ]; then set -- \"$@\" --scene packed:n=20; fi\nexec {PROGRAM} \
          \"$@\"\n"
@@ -67,7 +67,7 @@ fn the_example_workflow_passes() {
         assert!(head.starts_with(&format!("### contactbench {verb}: ")), "{summary}");
         assert!(!head.contains("failed"), "{summary}");
     }
-    // The gate closes.
+    // A changed count fails the gate.
     let text = at.read("ci/baseline/samples.jsonl");
     let text = text.replacen("\"digest\":\"0x", "\"digest\":\"0xf", 1);
     at.file("ci/baseline/samples.jsonl", text);

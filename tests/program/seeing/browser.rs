@@ -1,5 +1,4 @@
-//! A real browser for tests: Chromium, driven by chromedriver over the WebDriver protocol (JSON
-//! over HTTP, on this machine alone).
+//! Chromium for tests, driven by chromedriver over the WebDriver protocol on this machine.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -16,7 +15,7 @@ const OPTIONS: &str = "--headless=new --no-sandbox --disable-gpu --disable-quic 
                        --disable-background-networking --disable-component-update --disable-sync \
                        --disable-dev-shm-usage";
 
-/// A window of a browser; closed when dropped.
+/// A browser window, closed when dropped.
 pub struct Browser {
     driver: Child,
     port: u16,
@@ -25,7 +24,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Opens a window of this size; none where Chromium or chromedriver are not installed, unless
+    /// Opens a window of this size; `None` without Chromium and chromedriver, unless
     /// `CONTACTBENCH_BROWSER=required`.
     pub fn open(width: u32, height: u32) -> Option<Browser> {
         let names = ["chromium", "chromium-browser", "google-chrome"];
@@ -66,12 +65,12 @@ impl Browser {
         Some(browser)
     }
 
-    /// Where downloads go.
+    /// Returns the folder of downloads.
     fn downloads(&self) -> PathBuf {
         self.folder.path().join("downloads")
     }
 
-    /// One request; the value of the answer.
+    /// Sends a request; returns the value of the answer.
     fn send(&self, method: &str, path: &str, body: &Value) -> Value {
         let body = if method == "POST" { body.to_string() } else { String::new() };
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -100,35 +99,34 @@ impl Browser {
         self.send("POST", &format!("/session/{}{path}", self.session), &body)
     }
 
-    /// Opens a file.
     pub fn show(&self, file: &Path) {
         let file = file.canonicalize().unwrap();
         self.post("/url", json!({"url": format!("file://{}", file.display())}));
     }
 
-    /// What a piece of JavaScript returns.
+    /// Runs JavaScript; returns its value.
     pub fn run(&self, code: &str) -> Value {
         self.post("/execute/sync", json!({"script": code, "args": []}))
     }
 
-    /// Returns what a piece of JavaScript returns, as a type.
+    /// Runs JavaScript; returns its value as a type.
     pub fn get<T: DeserializeOwned>(&self, code: &str) -> T {
         serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
     }
 
-    /// The text of the first element that this selector finds.
+    /// Returns the text of the first element that matches.
     pub fn text(&self, css: &str) -> String {
         self.get(&format!("return document.querySelector({css:?}).textContent"))
     }
 
-    /// Does something to the first element that this selector finds.
+    /// Acts on the first element that matches.
     fn act(&self, css: &str, action: &str, body: Value) {
         let found = self.post("/element", json!({"using": "css selector", "value": css}));
         let element = found.as_object().and_then(|it| it.values().next()?.as_str());
         self.post(&format!("/element/{}/{action}", element.expect("an element")), body);
     }
 
-    /// Clicks as a mouse would: fails if something is in front of the element.
+    /// Clicks like a mouse; fails if something covers the element.
     pub fn click(&self, css: &str) {
         self.act(css, "click", json!({}));
     }
@@ -137,7 +135,6 @@ impl Browser {
         self.act(css, "value", json!({"text": text}));
     }
 
-    /// Chooses the option with this text.
     pub fn choose(&self, select: &str, text: &str) {
         let k: i32 = self.get(&format!(
             "return [...document.querySelector({select:?}).options].findIndex((o) => o.text === \
@@ -147,24 +144,24 @@ impl Browser {
         self.click(&format!("{select} option:nth-child({})", k + 1));
     }
 
-    /// A command of the DevTools protocol.
+    /// Sends a command of the DevTools protocol.
     pub fn devtools(&self, command: &str, parameters: Value) {
         self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
     }
 
-    /// Makes the window that of a phone.
+    /// Emulates a phone.
     pub fn phone(&self) {
         let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
         self.devtools("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// What stands in the console: warnings, errors, refused requests.
+    /// Returns the lines of the console: warnings, errors, refused requests.
     pub fn log(&self) -> Vec<String> {
         let entries = self.post("/se/log", json!({"type": "browser"}));
         entries.as_array().unwrap().iter().map(|entry| entry.to_string()).collect()
     }
 
-    /// The content of a downloaded file.
+    /// Returns the text of a downloaded file.
     pub fn downloaded(&self, name: &str) -> String {
         let (path, begun) = (self.downloads().join(name), Instant::now());
         while begun.elapsed() < Duration::from_secs(20) {
@@ -180,7 +177,7 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         if !self.session.is_empty() {
-            // The browser outlives a driver that is killed. A failure here would hide the test's.
+            // Ends the browser, which outlives its driver; ignores errors.
             let end = || self.send("DELETE", &format!("/session/{}", self.session), &Value::Null);
             let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(end));
         }

@@ -1,4 +1,4 @@
-//! Where things stand on the page of a report, wide and on a phone, in a browser.
+//! Positions on the page of a report, wide and on a phone, in a browser.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use super::browser::Browser;
 use super::page::report;
 use crate::common::Place;
 
-/// Position of an element's side in the window; `null` if it is not shown.
+/// Returns the position of a side of an element; `None` if it is hidden.
 fn side(browser: &Browser, selector: &str, side: &str) -> Option<f64> {
     let script = format!(
         "const it = document.querySelector('{selector}'); return it.checkVisibility() ? \
@@ -23,7 +23,7 @@ fn axes_and_results_are_seen_at_every_width() {
     let page = report(&at);
     let Some(browser) = Browser::open(1280, 1000) else { return };
     browser.show(&page);
-    // The axis does not run into the head of the next column, nor into its own.
+    // The axis does not overlap its heading or the next column.
     let end = side(&browser, "table.answer thead text:last-of-type", "right").unwrap();
     let next = side(&browser, "table.answer th:nth-child(5)", "left").unwrap();
     assert!(end <= next, "{end} {next}");
@@ -45,7 +45,7 @@ fn axes_and_results_are_seen_at_every_width() {
     assert!(side(&browser, "#cells td:first-child", "left").unwrap() >= 0.0, "it stays");
 }
 
-/// Without the folder of figures the page still has them.
+/// The page does not need the folder of figures.
 #[test]
 fn a_page_that_was_moved_still_gives_pictures() {
     let at = Place::new();

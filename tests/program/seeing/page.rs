@@ -1,5 +1,5 @@
-//! `report.html` in a real browser: it opens without a word in the console, its controls do what
-//! they say, and its numbers are those of the record.
+//! `report.html` in a browser: it opens without errors, its controls work, and its numbers are
+//! those of the record.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::browser::Browser;
 use crate::common::Place;
 
-/// A name that would do harm if it became markup.
+/// A name that would do harm as markup.
 const EVIL: &str = "</script><img src=x onerror=\"window.evil=1\"><!--";
 
 const EXPERIMENT: &str = r#"
@@ -42,13 +42,13 @@ y = "time_ns / n"
 y-label = "ns"
 "#;
 
-/// Nanoseconds in a block: noise of a few percent, the same at every run.
+/// Returns the time of a block, with a fixed noise of a few percent.
 fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
     let noise = (block * 7919 + n * 31 + detector as u64 * 17) % 97;
     n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
 }
 
-/// The rows of a made-up record, in schema 3, whose lines have no check.
+/// Returns the rows of a made-up record in schema 3, which has no checks.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
     let scenes: [(&str, u64, u32); 3] = [("packed", 2, 3), ("packed", 3, 3), ("loose", 2, 2)];
@@ -97,7 +97,7 @@ fn rows() -> Vec<Value> {
     rows
 }
 
-/// A result folder, and its report.
+/// Writes a result folder and its report.
 pub fn report(at: &Place) -> PathBuf {
     std::fs::create_dir_all(at.path("experiments")).unwrap();
     at.file("experiments/e.toml", EXPERIMENT);
@@ -108,8 +108,7 @@ pub fn report(at: &Place) -> PathBuf {
     at.path("report.html")
 }
 
-/// The medians of the record by scene, dimension, detector, arithmetic and N: by sorting, from the
-/// rows alone.
+/// Returns the medians of the rows by scene, dimension, detector, arithmetic and N.
 fn medians() -> BTreeMap<(String, u64, String, String, u64), f64> {
     let mut times: BTreeMap<_, Vec<u64>> = BTreeMap::new();
     for row in rows().iter().filter(|row| row["time_ns"].is_u64()) {
@@ -127,7 +126,7 @@ fn medians() -> BTreeMap<(String, u64, String, String, u64), f64> {
     times.into_iter().map(|(key, all)| (key, median(all))).collect()
 }
 
-/// Shown series of the chart: label to its values.
+/// Returns the visible series of the chart by label.
 fn series(browser: &Browser) -> BTreeMap<String, Vec<f64>> {
     let code = "const u = document.getElementById('chart').chart; return \
                 u.series.slice(1).map((s, k) => [s.label, s.show, [...u.data[k + 1]]])";
@@ -140,7 +139,7 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * b.abs()
 }
 
-/// The cells of the table, as text.
+/// Returns the cells of the table as text.
 fn table(browser: &Browser) -> Vec<Vec<String>> {
     browser.get(
         "return [...document.querySelectorAll('#cells tbody tr')].map((row) => \
@@ -162,7 +161,7 @@ fn the_page_works_in_a_browser() {
     assert_eq!(browser.log(), [""; 0], "after all clicks");
 }
 
-/// The answer is there; a name with markup in it stayed text; nothing was asked of the network.
+/// The answer is visible, markup in a name stays text, and nothing uses the network.
 fn opens_safely(browser: &Browser) {
     assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
     assert_eq!(browser.run("return document.title"), "Who is fast? <b>");
@@ -174,7 +173,7 @@ fn opens_safely(browser: &Browser) {
     {
         assert!(body.contains(part), "{part}");
     }
-    // A promise: the browser draws images when it finds time.
+    // Images are drawn later.
     let images: Vec<u32> = browser.get(
         "return Promise.all([...document.querySelectorAll('img')].map((it) => { it.loading = 'eager'; \
          return it.decode().then(() => it.naturalWidth) }))",
@@ -187,7 +186,6 @@ fn opens_safely(browser: &Browser) {
     assert_eq!(requests, [""; 0]);
 }
 
-/// Values, toggles, scales, metric, scene, dimension, arithmetic, hovering, keys.
 fn charts(browser: &Browser) {
     let medians = medians();
     let expected = |scene: &str, dim: u64, detector: &str, arithmetic: &str| -> Vec<(f64, f64)> {
@@ -202,7 +200,7 @@ fn charts(browser: &Browser) {
         let equal = found.iter().zip(&expected).all(|(a, b)| close(*a, *b));
         assert!(equal && found.len() == expected.len(), "{label}: {found:?} {expected:?}");
     };
-    // packed, 3D, exact; controls begin hidden.
+    // Initially packed, 3D, exact; controls are hidden.
     assert_eq!(series(browser).into_keys().collect::<Vec<_>>(), [EVIL, "nbs", "sorting"]);
     for detector in ["nbs", "sorting", EVIL] {
         same(detector, per(expected("packed", 3, detector, "exact")));
@@ -255,7 +253,6 @@ fn charts(browser: &Browser) {
     assert!(tip.contains("N = 100") && tip.contains(&value.to_string()), "{tip}: no {value}");
 }
 
-/// Sorting, filters, download.
 fn results(browser: &Browser) {
     let heads: Vec<String> = browser.get(
         "return [...document.querySelectorAll('#cells thead button')].map((button) => \
@@ -304,7 +301,7 @@ fn results(browser: &Browser) {
     }
 }
 
-/// On a phone nothing is wider than the screen, and the answer is seen at once.
+/// On a phone nothing is wider than the screen, and the answer is visible at once.
 fn narrow(browser: &Browser, page: &Path) {
     for (scheme, ground) in [("light", "rgb(255, 255, 255)"), ("dark", "rgb(22, 24, 29)")] {
         browser.phone();

@@ -6,7 +6,7 @@ use super::ALL;
 use super::browser::Browser;
 use crate::common::Place;
 
-/// No address of anything else, no name that becomes markup, and all data readable.
+/// No foreign address, no markup in names, and all data readable.
 #[test]
 fn a_page_needs_nothing_else_and_holds_any_name() {
     let name = "</script><script>alert(1)</script>&\"'{{data}}.csv";
@@ -32,7 +32,7 @@ fn a_page_needs_nothing_else_and_holds_any_name() {
     }
 }
 
-/// The page in a browser: it shows the step of its address, and keys, buttons and the bar step.
+/// In a browser the page opens at the step of its address; keys, buttons and the bar step.
 #[test]
 fn a_page_steps_in_a_browser() {
     let Some(browser) = Browser::open(1200, 900) else { return };

@@ -24,7 +24,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]];
     let scene = in_open_space(&discs(&centres, 0.5)).unwrap();
     let plain = draw::svg(&scene, &found(&scene), &Look::titled("a < b & \"c\"")).unwrap();
-    // Discs, tangent and nearly tangent marks, two of them in the legend.
+    // Discs, marks of tangency, and two marks in the legend.
     assert_eq!(plain.matches("<circle").count(), 5 + 3 + 2);
     let words =
         ["contacts: 2", "exactly tangent: 2", "nearly tangent", "a &lt; b &amp; &quot;c&quot;"];
@@ -32,12 +32,12 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     assert!(!plain.contains("missed") && plain.contains(">4</text>"), "{plain}");
     let look = Look { labels: Some(false), grid: true, ..Look::default() };
     let wrong = draw::svg(&scene, &against(&scene, &[[1, 2], [4, 0], [3, 3]]), &look).unwrap();
-    assert!(wrong.contains("missed: touching, but not reported: 1"), "{wrong}");
-    assert!(wrong.contains("spurious: reported, but apart: 2"), "{wrong}");
-    assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"), "{wrong}");
+    assert!(wrong.contains("missed: ") && wrong.contains("reported: 1"), "{wrong}");
+    assert!(wrong.contains("spurious: ") && wrong.contains("apart: 2"), "{wrong}");
+    assert!(!wrong.contains(">4</text>") && wrong.contains("edge 1.0"), "{wrong}");
 }
 
-/// In a crowd, and off the middle of a pack of spheres.
+/// The picture shows the worst mistake, in a crowd and in a pack of spheres.
 #[test]
 fn the_worst_mistake_is_seen() {
     for (spec, place) in [("packed:n=5000", ""), ("packed:dim=3,n=1000", ", slice ")] {
@@ -48,16 +48,16 @@ fn the_worst_mistake_is_seen() {
             let missed = reported.remove(k);
             let pairs = found(&scene).against(reported);
             let svg = draw::svg(&scene, &pairs, &Look::titled("t")).unwrap();
-            assert!(svg.contains("missed: touching, but not reported: 1<"), "{spec} {k}");
-            let around = format!(", around {} and {}: the worst mistake", missed.i, missed.j);
-            // Spheres of a slice are large enough to be seen as it is.
+            assert!(svg.contains("reported: 1<"), "{spec} {k}");
+            let around = format!("around {} and {}", missed.i, missed.j);
+            // Spheres of a slice are large enough without a zoom.
             assert!(svg.contains(place) && svg.contains(&around) == place.is_empty(), "{spec} {k}");
             let numbers = svg.contains(&format!(">{}</text>", missed.i));
             assert!(numbers || !place.is_empty(), "{spec} {k}: few enough for numbers");
             on_the_sheet(&svg);
             let whole = Look { whole: true, ..Look::titled("t") };
             let svg = draw::svg(&scene, &pairs, &whole).unwrap();
-            assert!(svg.contains("not reported: 1<") && !svg.contains("around"), "{spec} {k}");
+            assert!(svg.contains("reported: 1<") && !svg.contains("around"), "{spec} {k}");
         }
     }
 }
@@ -72,7 +72,7 @@ fn captions_are_whole() {
     on_the_sheet(&svg);
 }
 
-/// All lines end on the sheet.
+/// All paths end on the sheet.
 fn on_the_sheet(svg: &str) {
     let side = |name: &str| -> f64 {
         let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();
@@ -90,8 +90,7 @@ fn on_the_sheet(svg: &str) {
     }
 }
 
-/// N = 0 and 1, points, points in one place, huge and tiny numbers, offsets that leave few bits: a
-/// picture, and nothing in it that is no number.
+/// N = 0 and 1, points, coincident points, huge and tiny numbers: every picture has finite numbers.
 #[test]
 fn every_scene_can_be_drawn() {
     let row: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();
@@ -117,13 +116,13 @@ fn every_scene_can_be_drawn() {
         }
     }
     let many = draw::svg(&space("loose:n=200001"), &Highlighted::default(), &Look::default());
-    assert!(many.unwrap_err().to_string().contains("200001 particles are too many"));
+    assert!(many.unwrap_err().to_string().contains("200001 particles"));
     let beyond = against(&space("packed:n=9"), &[[0, 9]]);
     let beyond = draw::svg(&space("packed:n=9"), &beyond, &Look::default());
-    assert!(beyond.unwrap_err().to_string().contains("the scene has 9 particles"));
+    assert!(beyond.unwrap_err().to_string().contains("9 particles"));
 }
 
-/// `draw` finds contacts as every detector does.
+/// `draw` finds the same contacts as the detectors.
 #[test]
 fn drawn_contacts_are_the_contacts() {
     for text in ["packed:n=500", "loose:dim=3,n=300", "clustered:n=200"] {

@@ -1,11 +1,10 @@
-//! Traces do what the detectors do, and show what the book prints.
+//! Traces follow the detectors, and show the states printed in the book.
 
 use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
 
 use super::{ALL, counted, discs, scene};
 
-/// The trace is the counted build with another probe: the same operations, the same contacts in the
-/// same order.
+/// A trace has the operations of the counted build, and its contacts in the same order.
 #[test]
 fn a_trace_counts_and_finds_what_the_counted_build_does() {
     let scenes = [
@@ -28,7 +27,7 @@ fn a_trace_counts_and_finds_what_the_counted_build_does() {
             assert_eq!((last.tally, trace.tally), (tally, tally), "{algorithm:?} {name}");
             assert_eq!(trace.contacts, pairs, "{algorithm:?} {name}");
             assert_eq!(last.state.contacts, pairs, "{algorithm:?} {name}");
-            // Counters never fall, and every step says something.
+            // Counters never fall, and every step has a sentence.
             for pair in trace.steps.array_windows::<2>() {
                 assert!(pair[0].tally.iter().zip(pair[1].tally.iter()).all(|(a, b)| a.1 <= b.1));
             }
@@ -55,14 +54,14 @@ fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
     links.map(|next| next.value.map_or(-1, |k| i64::from(k) + 1)).collect()
 }
 
-/// G5 of the book on the arrays that are shown (p103-110), and how many steps there are.
+/// Arrays of example G5 of the book (p103-110), and the number of steps.
 #[test]
 fn the_books_ten_particles_are_shown_as_printed() {
     let trace = trace(Algorithm::Nbs, None).unwrap();
     assert_eq!(trace.steps.len(), 144);
     assert_eq!(heads(&trace, 10, 'B'), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
     assert_eq!(links(&trace, 10, 'Y'), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
-    // The x-lists of row 7: before those of the row below are made, four pushes later.
+    // The x-lists of row 7, before those of the row below are made.
     let row_7 = trace.steps.iter().position(|step| step.marks.written.contains(&('A', 1))).unwrap();
     let pushed = (row_7..)
         .find(|&step| trace.steps[step].marks.written.iter().any(|(letter, _)| *letter == 'a'))
@@ -77,8 +76,7 @@ fn the_books_ten_particles_are_shown_as_printed() {
     }
 }
 
-/// While cells are checked, the list of every cell holds the particles of that cell, and those of
-/// all cells are there.
+/// While cells are checked, each list has exactly the particles of its cell.
 #[test]
 fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     for (algorithm, link, letters) in
@@ -114,7 +112,7 @@ fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     }
 }
 
-/// G2 (p90-91), G3 (p95-98) and the tree of the ten particles.
+/// Examples G2 (p90-91) and G3 (p95-98), and the tree of the ten particles.
 #[test]
 fn the_other_examples_are_shown_as_printed() {
     let screening = trace(Algorithm::Screening, None).unwrap();
@@ -157,9 +155,9 @@ fn traces_refuse_what_they_cannot_show() {
     let far = discs(&[[0.0, 0.0], [500.0, 0.0]], 0.5);
     for (scene, words) in [
         (scene("packed:dim=3,n=20"), "of spheres"),
-        (scene("packed:n=61"), "61 particles; the steps of at most 60"),
+        (scene("packed:n=61"), "61 particles"),
         (scene("packed:n=0"), "no particles"),
-        (far, "502 x 3 cells; at most 40"),
+        (far, "502 x 3 cells"),
     ] {
         let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
         assert!(format!("{error:#}").contains(words), "{error:#}");

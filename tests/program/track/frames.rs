@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::common::Place;
 
-/// Discs of radius 1 in a row that comes together and flies apart: 40 in 12 frames, in another
-/// order in every frame, with ids from 1; at the steps 0, 50, ... Those of every third column stay.
+/// Returns the place of a disc of radius 1: 40 discs in 12 frames come together and fly apart;
+/// every third one stays.
 fn place(k: usize, i: usize) -> [f64; 2] {
     let (x, y) = ((i % 8) as f64 * 2.25, (i / 8) as f64 * 2.0);
     let swing = [0.0, 0.25, 0.5, 0.75, 0.5, 0.25][k % 6];
@@ -32,8 +32,8 @@ fn dump(frames: usize, flags: &str) -> String {
     text
 }
 
-/// Its contacts by ids, as LAMMPS writes them, at every second frame; `left_out` names what is
-/// missing: frame and the place of the pair.
+/// Returns the contacts by id, as LAMMPS writes them, at every second frame; `left_out` has frame
+/// and index of missing pairs.
 fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     let mut text = String::new();
     for k in (0..frames).step_by(2) {
@@ -58,8 +58,7 @@ fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     text
 }
 
-/// What a file holds is followed as it is, whatever the order of its rows; a motion moves one
-/// frame.
+/// Frames of a file are followed in any order of rows; a motion moves one frame.
 #[test]
 fn trackers_follow_the_frames_of_a_file() {
     let at = Place::new();
@@ -72,7 +71,7 @@ fn trackers_follow_the_frames_of_a_file() {
     let [every, half] = [&found["trackers"][0], &found["trackers"][1]];
     assert_eq!([&half["missed"], &half["spurious"], &every["built"]], [0, 0, 3]);
     assert!(every["missed"].as_u64() > Some(10), "{every}");
-    // Every third stays in all eleven steps.
+    // Every third disc stays in all eleven steps.
     assert_eq!(found["at_rest"], 11 * 14);
     assert!(found["born"].as_u64() > Some(10) && found["ended"].as_u64() > Some(10), "{found}");
     assert_eq!([&of("--frames 5")["frames"], &of("--frame all")["frames"]], [5, 12]);
@@ -82,7 +81,7 @@ fn trackers_follow_the_frames_of_a_file() {
         ([&4.into(), &0.into()], &"rest".into())
     );
     assert_eq!(of("--frame 3")["motion"], "drift:speed=0.01,seed=1");
-    // The same places in an array, in one order and without ids.
+    // The same places in an array, without ids.
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (12, 40, 2), }\n";
     let mut bytes = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..]].concat();
     bytes.extend(header.bytes());
@@ -116,8 +115,8 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     at.file("one.csv", "x,y,r\n0,0,1\n");
     at.ends(2, "track other.dump", &["other.dump: frame 1 (step 50)", "id 40", "--frames"]);
     at.good("track other.dump --frames 1");
-    at.ends(2, "track box.dump", &["frame 2 (step 0)", "along x and y, and along x"]);
-    at.ends(2, "track cut.dump", &["cut.dump ends after 39 of the 40 atoms"]);
+    at.ends(2, "track box.dump", &["frame 2 (step 0)", "x and y"]);
+    at.ends(2, "track cut.dump", &["cut.dump", "39 of the 40"]);
     for list in ["new.csv", "new.npy"] {
         at.ends(2, &format!("detect cut.dump --frame all -o {list}"), &["39 of the 40"]);
         assert!(!at.path(list).exists(), "it leaves no list behind");
@@ -126,23 +125,22 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     for verb in ["recommend", "draw -o out.svg", "scene -o out.csv"] {
         at.ends(2, &format!("{verb} other.dump --frame all"), &["frame"]);
     }
-    at.ends(0, "inspect one.csv --frame all", &["the file has one frame"]);
+    at.ends(0, "inspect one.csv --frame all", &["motion"]);
 }
 
-/// What another code left out is found frame by frame, by the steps of the files.
+/// Contacts missing in a list are found by the time steps of the files.
 #[test]
 fn lists_of_all_frames_are_compared_by_their_steps() {
     let at = Place::new();
     at.file("t.dump", dump(12, "ff ff ff"));
     let verify = "verify t.dump --pairs l.dump --frame all";
     at.file("l.dump", local(12, &[]));
-    let left_out = "6 frames of the particles: 1 3 5 7 9 11";
-    at.ends(0, verify, &["the same in 6 frames", left_out]);
+    let left_out = ": 1 3 5 7 9 11";
+    at.ends(0, verify, &["6 frames", left_out]);
     assert_eq!(at.json(verify)["paired_by"], "step");
-    // One that is listed in the next; then one that never is.
+    // One contact is listed one frame late, one never.
     at.file("l.dump", local(12, &[(2, 3), (10, 0)]));
-    let said =
-        at.ends(1, verify, &["2 of 6 frames differ", "1 contact missed to its end", " 500 "]);
+    let said = at.ends(1, verify, &["2 of 6 frames", "1 contact", " 500 "]);
     assert!(said.stdout.lines().all(|line| !line.ends_with(' ')), "{}", said.stdout);
     let found = at.json(verify);
     assert_eq!([&found["errors"]["missed"], &found["errors"]["spurious"]], [2, 0]);
@@ -151,25 +149,25 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let frames = found["frames"].as_array().unwrap();
     let missed: Vec<&Value> = frames.iter().map(|frame| &frame["errors"]["missed"]).collect();
     assert_eq!(missed, [0, 1, 0, 0, 0, 1].map(Value::from).each_ref());
-    // One frame by itself is what it was, and another step is no list of it.
+    // A single frame has the same result; a list of another step is refused.
     let one = "verify t.dump --pairs l.dump";
     let of_step = at.json(&format!("{one} --frame 4 --pairs-frame 2"));
     assert_eq!(of_step["errors"], frames[2]["errors"]);
     for (more, words) in [
-        ("--frame 4", "l.dump: the list is of step 400, the particles of frame 4 (step 200)"),
-        ("--frame all --pairs-frame 1", "leave one out"),
+        ("--frame 4", "l.dump: | step 400 | frame 4 (step 200)"),
+        ("--frame all --pairs-frame 1", "--pairs-frame"),
     ] {
-        at.ends(2, &format!("{one} {more}"), &[words]);
+        at.ends(2, &format!("{one} {more}"), &words.split(" | ").collect::<Vec<_>>());
     }
-    at.ends(1, &format!("{one} --frame 4 --pairs-frame 1"), &["the list is of step 100"]);
-    // The last is taken, and the others are named.
+    at.ends(1, &format!("{one} --frame 4 --pairs-frame 1"), &["step 100"]);
+    // The last frame is used, with a note.
     at.file("t.dump", dump(11, "ff ff ff"));
     assert!(at.run(one).stderr.contains("t.dump: --frame all"));
     at.file("l.dump", local(12, &[]).replace("TIMESTEP\n200", "TIMESTEP\n210"));
-    at.ends(2, verify, &["l.dump: the list of step 210", "0 50 100 150 200 250"]);
+    at.ends(2, verify, &["l.dump: ", "step 210", "0 50 100 150 200 250"]);
 }
 
-/// A thousand frames are not a thousand lines, and the first that is wrong is among those shown.
+/// The table has the worst frames and the first wrong one.
 #[test]
 fn of_many_frames_the_worst_are_shown() {
     let at = Place::new();
@@ -177,7 +175,7 @@ fn of_many_frames_the_worst_are_shown() {
     let wrong: Vec<(usize, usize)> =
         (4..60).step_by(2).flat_map(|k| vec![(k, 0); 1 + k / 20]).collect();
     at.file("l.dump", local(60, &wrong));
-    let words = "(12 of 30 frames: of 28 that differ";
+    let words = "(12 of 30 frames: ";
     let said = at.ends(1, "verify t.dump --pairs l.dump --frame all", &[words]).stdout;
     let rows = said.lines().skip_while(|line| !line.contains("touching  listed")).skip(1);
     let rows: Vec<&str> = rows.take_while(|line| !line.starts_with('(')).collect();
@@ -186,8 +184,8 @@ fn of_many_frames_the_worst_are_shown() {
     assert!(rows[1].trim_start().starts_with("1000 "), "{said}");
 }
 
-/// `verify` reads the contacts of all frames that `detect` writes. It reports a removed pair as
-/// missed, and recognises the list of another frame.
+/// `verify` reads the lists of `detect --frame all`, reports a removed pair as missed, and
+/// recognises the list of another frame.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {
     let at = Place::new();
@@ -201,7 +199,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         }
         let text = at.read("l.csv");
         assert_eq!((text.lines().next(), at.good(all).stdout), (Some(columns), text.clone()));
-        // Of each frame what is written of it alone.
+        // Each frame has the contacts of that frame alone.
         let alone = at.good("detect t.dump --frame 7").stdout;
         let of_seven = text.lines().filter_map(|line| line.strip_prefix("7,"));
         assert!(of_seven.eq(alone.lines().skip(1)), "{alone}");
@@ -216,15 +214,15 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [7, 1]);
         assert_eq!(at.json("verify t.dump --pairs l.csv --frame 7")["errors"]["missed"], 1);
         at.good("verify t.dump --pairs l.csv --frame 8");
-        // A frame of which no row speaks is one without contacts, also where it is the last.
+        // A frame without rows has no contacts, also the last one.
         at.file("l.csv", keep(&|_, line| !line.starts_with("11,") && !line.starts_with("3,")));
         let found = at.json("verify t.dump --pairs l.csv --frame all");
         assert_eq!(found["without_rows"], 2);
         for frame in [3, 11].map(|k| &found["frames"][k]) {
             assert_eq!(frame["errors"]["missed"], frame["contacts"]);
         }
-        at.ends(2, "verify t.dump --pairs l.csv", &["the list is of frame 10", "frame 11"]);
-        // A list of another frame of the same file, alone and frame by frame.
+        at.ends(2, "verify t.dump --pairs l.csv", &["frame 10", "frame 11"]);
+        // A list of another frame, alone and frame by frame.
         at.good("detect t.dump --frame 5 -o five.csv");
         let verify = "verify t.dump --pairs five.csv --frame 2";
         assert_eq!(at.json(verify)["hint"], "--frame 5");
@@ -234,10 +232,10 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         });
         let rows: String = late.map(|(frame, rest)| format!("{frame},{rest}\n")).collect();
         at.file("late.csv", format!("{columns}\n{rows}"));
-        at.ends(1, "verify t.dump --pairs late.csv --frame all", &["one frame before"]);
+        at.ends(1, "verify t.dump --pairs late.csv --frame all", &["frame before"]);
     }
-    // Rows of half of the steps: there is no list of that number, and no empty one is made up.
+    // A table by steps has no list for a missing number.
     at.file("late.csv", "step,i,j\n300,0,1\n550,0,1\n");
-    let late = "late.csv holds 2 frames, numbered from 0; there is no frame 11";
-    at.ends(2, "verify t.dump --pairs late.csv --frame 11", &[late]);
+    let late = ["late.csv", "2 frames", "frame 11"];
+    at.ends(2, "verify t.dump --pairs late.csv --frame 11", &late);
 }

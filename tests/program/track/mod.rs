@@ -1,4 +1,4 @@
-//! `track`: scenes in motion, and lists that are kept.
+//! `track`: moving particles and neighbour lists.
 
 mod frames;
 mod moving;
@@ -16,7 +16,7 @@ const FLIGHT: &str = "track loose:dim=2,n=400,fraction=0.5 --motion drift:speed=
                       verlet(nbs,skin=0.05,rule=lammps-10-1-yes) --tracker \
                       verlet(nbs,skin=0.05,rule=half-skin)";
 
-/// What lists miss is counted, and rules that promise nothing are allowed to miss.
+/// Misses are counted; rules without a promise may miss.
 #[test]
 fn what_rules_miss_is_counted_frame_by_frame() {
     let found = Place::new().json(FLIGHT);
@@ -33,7 +33,7 @@ fn what_rules_miss_is_counted_frame_by_frame() {
         assert_eq!((seen, number(tracker, "spurious")), (number(&found, "contacts"), 0));
         assert!(number(tracker, "formula_bytes") > 400 * 36, "{tracker}");
     }
-    // Some flags are raised for nothing; none is rightly raised for more builds than have misses.
+    // Some builds are flagged in vain; none is rightly flagged without a miss.
     let [flags, right, missing] =
         ["dangerous", "dangerous_rightly", "missing_builds"].map(|key| number(lammps, key));
     assert!(right <= flags && right <= missing && missing > 0, "{lammps}");
@@ -52,7 +52,7 @@ fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
     }
 }
 
-/// An experiment records of a tracker what `track` prints: two paths through the program.
+/// A row of an experiment has the numbers that `track` prints.
 #[test]
 fn experiments_find_of_a_course_what_track_finds() {
     let at = Place::new();
@@ -132,7 +132,7 @@ kind = "speed-error"
     assert!(judged >= 3 * 3, "{judged} rows of trackers");
 }
 
-/// Trackers beside detectors, scenes in motion beside scenes at rest, and builds that take turns.
+/// Trackers beside detectors, moving beside resting scenes, and builds that take turns.
 #[test]
 fn motion_and_rest_are_in_one_record() {
     let at = Place::new();
@@ -172,7 +172,6 @@ frames = 5
             assert_eq!(moves && outcome != "control", !row["course"].is_null(), "{row}");
         }
     }
-    // Rows that are there are not measured again.
     let before = at.read("out/samples.jsonl");
     at.good("run mixed.toml --out out --resume");
     assert_eq!(before, at.read("out/samples.jsonl"));

@@ -1,10 +1,10 @@
-//! Scenes in motion in boxes that repeat: `track`, `scene`, `inspect` and `run`.
+//! Moving particles in periodic boxes: `track`, `scene`, `inspect` and `run`.
 
 use serde_json::Value;
 
 use crate::common::{Place, fake, runner, say};
 
-/// What a motion is like; all but times and the name.
+/// Returns the description of a motion, without times and names.
 fn moved(of: &Value) -> Vec<Value> {
     let keys =
         ["particles", "frames", "contacts", "born", "ended", "tunnelled", "longest_way", "at_rest"];
@@ -13,7 +13,7 @@ fn moved(of: &Value) -> Vec<Value> {
 
 const SHEARED: &str = "loose:dim=2,n=50,fraction=0.5,periodic=true,tilt=0.2";
 
-/// A box in each frame: as they are made, and as they are read from a file.
+/// The box of each frame is followed, from a generator and from a file.
 #[test]
 fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     let at = Place::new();
@@ -32,19 +32,18 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     }
     let inspected = at.json("inspect all.xyz --frame all");
     assert_eq!(moved(&inspected["motion"]), moved(&read));
-    // One of them alone is a scene in its box, and moves on from there.
+    // One frame alone is a scene in its box, and can move.
     at.good(&format!("scene {SHEARED} --motion shear:speed=0.25 --at 29 -o a.xyz"));
     assert_eq!(at.read("a.xyz").lines().nth(1), Some(boxes[29]));
     let on = "--motion drift:speed=0.1 --frames 3 --tracker every-step(nbs)";
     let alone = at.json(&format!("track a.xyz {on}"));
     assert_eq!(moved(&alone), moved(&at.json(&format!("track all.xyz --frame last {on}"))));
-    // Open space has fewer.
     let open = at.json(&format!("track all.xyz --open {trackers}"));
     assert!(open["contacts"].as_u64() < read["contacts"].as_u64(), "{open}");
 }
 
-/// The box of a file that has none is named on the command line: one particle flies on through a
-/// face beside another, in a wrapped dump and in its unwrapped twin.
+/// --box adds the box of a file: a particle passes a face beside another, in a wrapped dump and in
+/// an unwrapped one.
 #[test]
 fn the_box_is_named_for_files_without_one() {
     let at = Place::new();
@@ -65,7 +64,7 @@ fn the_box_is_named_for_files_without_one() {
     assert!(open["ended"] == 1 && open["longest_way"].as_f64() > Some(7.0), "{open}");
 }
 
-/// The fields of a tracker in a row, and what `track` calls them.
+/// Fields of a tracker in a row, and in the JSON of `track`.
 pub const SAME: [(&str, &str); 10] = [
     ("builds", "built"),
     ("dangerous", "dangerous"),
@@ -79,7 +78,7 @@ pub const SAME: [(&str, &str); 10] = [
     ("deepest_late", "deepest"),
 ];
 
-/// Frames, boxes and answers go from process to process, and each frame is judged.
+/// Frames, boxes and answers go between processes, and each frame is judged.
 #[test]
 fn trackers_in_boxes_are_judged_frame_by_frame() {
     let at = Place::new();
@@ -121,7 +120,6 @@ fn trackers_in_boxes_are_judged_frame_by_frame() {
             let row = of(detector, None);
             assert_eq!((&row["outcome"], &row["contacts"]), (&"ok".into(), &tracked["contacts"]));
         }
-        // The judge and `track` find the same.
         let row = of("verlet", Some("every-7"));
         let missed = tracker["missed"].as_u64().unwrap();
         assert_eq!(row["outcome"], if missed > 0 { "lossy" } else { "ok" });
