@@ -1,6 +1,6 @@
 //! The command line: one file per verb.
 
-// What is printed goes through `say!` and `terminal::out`.
+// Output goes through `say!` and `terminal::out`.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 #[macro_use]

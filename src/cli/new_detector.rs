@@ -11,11 +11,10 @@ use contactbench_core::detect::{peers, table};
 
 /// The detector that is written; tests compile and check it.
 const TEMPLATE: &str = include_str!("template.rs");
-/// Its names in the template.
 const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
-/// Where detectors are in a checkout.
+/// Folder of the detectors in a checkout.
 const FOLDER: &str = "crates/core/src/detect";
 
 /// Reserved words of Rust, and names that would confuse.
@@ -206,7 +205,7 @@ fn with_line(text: &str, entry: &str) -> Option<String> {
 fn entry(Names { name, module, kind }: &Names) -> String {
     let kind = format!("super::{module}::{kind}");
     let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
-    // As rustfmt breaks it.
+    // rustfmt breaks long lines.
     if constructor.len() > 101 {
         constructor = format!(
             "        constructor: Both::<\n            {kind},\n            {kind},\n        \

@@ -1,4 +1,4 @@
-//! What several verbs share.
+//! Code shared by several verbs.
 
 #[macro_use]
 pub mod terminal;

@@ -1,6 +1,5 @@
-//! Metamorphic relations: what a change of the scene does to the set of pairs, without asking which
-//! pairs are right. Every detector of the table is held to them, in 2D and 3D, in every safe
-//! arithmetic in which the relation is exact.
+//! Metamorphic relations: a known change of the scene changes the set of pairs in a known way. All
+//! detectors are tested, in 2D and 3D, in every safe arithmetic in which the relation is exact.
 //!
 //! | relation | the set of pairs | exact in | because |
 //! |---|---|---|---|
@@ -16,10 +15,9 @@
 //! | translation | same | all | dyadic numbers with few bits: no difference changes |
 //! | a copy far away | twice | all | as translation |
 //!
-//! The relations ask nothing of the oracle, and hold `direct`, on which the oracle rests, to the
-//! same.
+//! The relations do not use the oracle, so they also test `direct`, on which it rests.
 //!
-//! `cargo test --test detectors metamorphic -- --nocapture` prints how many answers were compared.
+//! `cargo test --test detectors metamorphic -- --nocapture` prints the number of comparisons.
 
 mod relations;
 mod scenes;
@@ -39,28 +37,27 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use relations::Given;
 
-/// Pairs as they are compared: each i < j, ascending.
+/// Pairs with i < j, ascending.
 type Pairs = Vec<[u32; 2]>;
 
-/// A scene that owns its particles.
 type Flat<const D: usize> = Scene<'static, f64, D>;
 
-/// What a relation says of one scene.
+/// A changed scene, and the pairs expected there.
 struct Claim<const D: usize> {
     before: Flat<D>,
     after: Flat<D>,
-    /// The pairs after, from the pairs before.
+    /// Computes the pairs after the change from those before.
     expected: Box<dyn Fn(&Pairs) -> Pairs>,
-    /// There may be more.
+    /// Whether more pairs are allowed.
     superset: bool,
 }
 
-/// A relation; `None` where it is not exact.
+/// A relation; `None` if it is not exact.
 type Relation<const D: usize> = fn(Given<'_, D>) -> Option<Claim<D>>;
 
 const ALL: &[Arithmetic] = &Arithmetic::SAFE;
 
-/// One test for each relation, in both dimensions.
+/// Defines one test for each relation.
 macro_rules! relations {
     ($($test:ident: $relation:ident in $arithmetics:expr;)*) => {$(
         #[test]
@@ -85,11 +82,11 @@ relations! {
     a_copy_far_away_has_the_same_pairs: copy in ALL;
 }
 
-/// Small, so that far-away particles are refused, and not slow.
+/// A small limit, so that scenes with far particles are refused quickly.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
-/// Compares what a detector finds before and after a change. Returns the number of pairs before, or
-/// `None` if nothing was compared.
+/// Compares the pairs of a detector before and after a change. Returns the number of pairs before,
+/// or `None` if nothing was compared.
 fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared
 where
     AnyScene<'static>: From<Flat<D>>,
@@ -112,8 +109,8 @@ where
 
 type Compared = Result<Option<usize>, TestCaseError>;
 
-/// The pairs that a detector finds; `None` if it refuses, or the scene cannot be stored. No pair
-/// may be repeated, or be none.
+/// Returns the pairs of a detector; `None` if it refuses or the scene cannot be stored. Fails on
+/// repeated and self pairs.
 fn answer<const D: usize>(
     entry: &Entry,
     scene: &Flat<D>,
@@ -154,8 +151,8 @@ where
     format!("missed {missed:?}, added {added:?} of {all}\nbefore:\n{before}after:\n{after}")
 }
 
-/// Checks a relation for all detectors in all arithmetics, and prints how much was compared. At
-/// least one comparison must be made in each arithmetic.
+/// Tests a relation with all detectors and arithmetics, and prints the number of comparisons, which
+/// must not be 0 for any arithmetic.
 fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>)
 where
     AnyScene<'static>: From<Flat<D>>,

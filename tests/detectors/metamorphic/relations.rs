@@ -1,4 +1,4 @@
-//! The relations: how the scene is changed, and why that is exact.
+//! The relations: each change, and why it is exact.
 
 use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Scene, array};
@@ -10,14 +10,13 @@ use rand_chacha::ChaCha8Rng;
 use super::scenes::{kept, map};
 use super::{Claim, Flat, Pairs};
 
-/// A scene that is to be changed.
 pub struct Given<'a, const D: usize> {
     pub scene: &'a Flat<D>,
     pub arithmetic: Arithmetic,
     pub random: &'a mut ChaCha8Rng,
 }
 
-/// The claim of a relation about the scene; `None` if the change is not exact.
+/// `None` if the change is not exact.
 type Change<const D: usize> = Option<Claim<D>>;
 
 impl<const D: usize> Given<'_, D>
@@ -28,7 +27,7 @@ where
         self.scene.len() as u32
     }
 
-    /// The change leaves the pairs as they are.
+    /// Expects the same pairs.
     fn same(self, after: Flat<D>) -> Change<D> {
         self.becomes(after, Pairs::clone)
     }
@@ -60,8 +59,8 @@ where
         let share = [0.02, 0.5][self.random.random_range(0..2)];
         let kept: Vec<u32> = (0..self.n()).filter(|_| !self.random.random_bool(share)).collect();
         let (after, largest) = (self.scene.reordered(&kept), self.scene.largest_radius());
-        // The edge of the cells, in which coordinates are rounded, is made from the largest
-        // particle, or the extent of points.
+        // Coordinates are rounded in cells, whose edge depends on the largest particle or the
+        // extent.
         let by_cells = self.arithmetic == Arithmetic::F32Cell;
         if by_cells && (after.largest_radius() != largest || largest == 0.0) {
             return None;
@@ -105,14 +104,14 @@ where
         let k = [low, high, self.random.random_range(low..=high)][self.random.random_range(0..3)];
         let scene = self.scene;
         let scaled = |k: i32| map(scene, |c| c.map(|x| libm::ldexp(x, k)), |r| libm::ldexp(r, k));
-        // The scale nearest to the given one at which nothing under- or overflows, either.
+        // The nearest scale without under- or overflow.
         Given { scene: &scaled(0.clamp(low, high))?, ..self }.same(scaled(k)?)
     }
 
     pub fn mirror(self) -> Change<D> {
         let axis = self.random.random_range(0..D);
         let before = match self.arithmetic {
-            // Half a step of an offset is rounded upwards, and so downwards in the mirror.
+            // Half a step of an offset rounds upwards, and so downwards in the mirror.
             Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
             Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
             _ => self.scene.clone(),
@@ -142,7 +141,7 @@ where
     }
 
     pub fn translation(self) -> Change<D> {
-        // 24 bits hold the sums in f32. By cells, steps are of 2^-24 of a diameter.
+        // 24 bits hold the sums in f32; in cells, steps are 2^-24 of a diameter.
         let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
         let offset: [f64; D] = std::array::from_fn(|_| {
             self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0
@@ -169,13 +168,13 @@ where
     }
 }
 
-/// The scene with coordinates that are multiples of 2^-8 of at most 2^12.
+/// Rounds coordinates to multiples of 2^-8, at most 2^12.
 fn dyadic<const D: usize>(scene: &Flat<D>) -> Flat<D> {
     let dyadic = |x: f64| (x * 256.0).round().clamp(-1048576.0, 1048576.0) / 256.0;
     map(scene, |c| c.map(dyadic), |r| r).unwrap()
 }
 
-/// The least and the largest k for which the scene times 2^k has the same pairs.
+/// Returns the least and the largest k for which the scene times 2^k has the same pairs.
 fn powers<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<(i32, i32)>
 where
     AnyScene<'static>: From<Flat<D>>,
@@ -190,14 +189,12 @@ where
     let (least_square, most_square): (i32, i32) = match arithmetic {
         // No bit may be lost below 2^-1074 or above the largest number.
         Arithmetic::Exact => return Some((-1074 - last_bit, 1023 - first_bit)),
-        // The edge of the cells must be a normal number, also where it is 2^-20 of the extent; then
-        // the scenes are stored alike.
+        // The edge of the cells must be a normal number, even if it is 2^-20 of the extent.
         Arithmetic::F32Cell => return Some((-990 - last_bit, 1021 - first_bit)),
         Arithmetic::F32 => (-126, 127),
         _ => (-1022, 1023),
     };
-    // Squares of differences and of sums of radii must be normal numbers, and the sums of squares
-    // finite; so must what is stored.
+    // Squares of differences and sums must be normal numbers, and sums of squares finite.
     let kept = kept(scene, arithmetic)?;
     let mut compared = vec![2.0 * kept.largest_radius()];
     for (i, a) in kept.centres().iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Scenes for the relations: lattices in exact touch, decimal lattices, clouds, clusters and lines,
-//! in which particles are moved by a last bit, are of very different sizes, or lie far away.
+//! Scenes for the relations: tangent and decimal lattices, clouds, clusters and lines, with
+//! particles moved by one bit, of very different sizes, or far away.
 
 use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Real, Scene, array};
@@ -9,8 +9,7 @@ use proptest::prelude::*;
 
 use super::Flat;
 
-/// Returns a scene with centres and radii changed, each by itself; `None` if the result is not a
-/// valid scene.
+/// Changes centres and radii one by one; returns `None` if the result is not a valid scene.
 pub fn map<const D: usize>(
     scene: &Flat<D>,
     centre: impl Fn([f64; D]) -> [f64; D],
@@ -24,8 +23,8 @@ pub fn map<const D: usize>(
     Scene::new(centres.collect::<Vec<_>>(), radii).ok()
 }
 
-/// Returns a scene as an arithmetic stores it, in f64; coordinates stored by cell are in units of
-/// the cell. `None` if it cannot be stored.
+/// Returns a scene as an arithmetic stores it, in f64 (in units of the cell if stored by cell);
+/// `None` if it cannot be stored.
 pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>>
 where
     AnyScene<'static>: From<Flat<D>>,
@@ -41,7 +40,7 @@ where
     })
 }
 
-/// How the sites of particles become places.
+/// Maps sites to places.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Lattice,
@@ -50,7 +49,7 @@ enum Shape {
     Line,
 }
 
-/// One particle before its place and size are known.
+/// A particle without place and size.
 #[derive(Clone, Debug)]
 struct Seed<const D: usize> {
     site: [i8; D],
@@ -60,21 +59,20 @@ struct Seed<const D: usize> {
 }
 
 fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
-    // A ratio of 1,000 at most, from the dust of 1/100 to the giants of 10.
+    // Radii from 1/100 to 10.
     let size = prop_oneof![12 => Just(1.0), 2 => Just(0.5), 2 => 0.3..1.0, 2 => Just(0.01), 1 => Just(0.0), 1 => Just(10.0)];
-    // Multiples of 2^-30, so that no difference is nearly nothing.
+    // Multiples of 2^-30, so that no difference is tiny.
     let noise = (-(1i32 << 29)..1 << 29).prop_map(|k| f64::from(k) / f64::from(1 << 30));
     let nudge = prop_oneof![8 => Just(0i8), 1 => Just(1), 1 => Just(-1)];
     (prop::array::uniform::<_, D>(-2i8..4), prop::array::uniform::<_, D>(noise), size, nudge)
         .prop_map(|(site, noise, size, nudge)| Seed { site, noise, size, nudge })
 }
 
-/// The scenes.
 pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     let shape = prop_oneof![3 => Just(Shape::Lattice), 2 => Just(Shape::Cloud), 1 => Just(Shape::Clusters), 1 => Just(Shape::Line)];
     let spacing = prop_oneof![3 => Just(1.0), 2 => Just(0.25), 2 => Just(0.1), 1 => Just(0.3), 1 => Just(1.0 / 3.0), 1 => Just(3e3)];
-    // Radii per spacing: neighbours touch, or those at 2, 3 or (3, 4), or one last bit short of it,
-    // or none.
+    // Radii per spacing: particles touch at distance 1, 2, 3 or (3, 4), miss by one bit, or are
+    // apart.
     let (above, below) = (0.5f64.next_up(), 0.5f64.next_down());
     let shares = [0.5, 0.5, 0.5, 1.0, 1.5, 2.5, 0.7, 0.3, above, below, 0.0];
     let share = prop::sample::select(shares.to_vec());
@@ -110,7 +108,7 @@ pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     )
 }
 
-/// The next number up or down; of zero, the other zero.
+/// Returns the next number up or down; for zero, the other zero.
 fn nudged(x: f64, nudge: i8) -> f64 {
     match nudge {
         0 => x,

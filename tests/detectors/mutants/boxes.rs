@@ -1,5 +1,5 @@
-//! Boxes that repeat: a small reference that brings particles into the box and tries all images is
-//! made wrong in one way at a time, and the hard cases of the group must find out each.
+//! Mutants in periodic boxes: a small reference that wraps particles and tests all images is made
+//! wrong in one way at a time. The hard cases of boxes must find each mutant.
 
 use contactbench::contact::Arithmetic;
 use contactbench::contact::image::{Shift, compare};
@@ -9,79 +9,76 @@ use contactbench::scene::{AnyScene, Lattice, Scene, array};
 use rayon::prelude::*;
 
 ways! {
-    // Which images are made.
-    /// None: the box is not looked at.
+    // Images that are made.
+    /// None: the box is ignored.
     Open,
-    /// Also along vectors that do not repeat.
+    /// Also along open vectors.
     RepeatsWhereOpen,
-    /// Those through one face, not those through edges and corners.
+    /// Those through one face, not through edges and corners.
     FacesOnly,
-    /// All but those through all faces at once.
+    /// All except those through all faces at once.
     NoCorners,
-    /// The next along each vector, however small the box.
+    /// One along each vector, however small the box.
     NextOnly,
     /// The nearest of each pair, by rounded fractions.
     MinimumImage,
-    /// As many as reach beyond the edges' lengths, not beyond the distances of faces.
+    /// Those within reach by the lengths of edges instead of the distances of faces.
     ByEdges,
-    /// By vectors without their tilt.
+    /// Without the tilt.
     IgnoresTilt,
-    /// By the magnitude of the tilt.
+    /// With the absolute value of the tilt.
     TiltWithoutSign,
 
-    // How particles come into the box.
-    /// They are taken to be there.
+    // Wrapping of particles.
+    /// None.
     NotWrapped,
     /// By one vector at most.
     WrappedOnce,
-    /// What rounds to the upper face belongs to no cell, and is lost.
+    /// Particles that round to the upper face are lost.
     LosesUpperFace,
 
-    // Which pairs are tested.
-    /// No particle with images of itself.
+    // Tested pairs.
+    /// No particle with its own images.
     NoSelf,
-    /// Of the images of later particles half, as if earlier ones were tested against theirs.
+    /// Only half of the images of later particles.
     HalfForOrdered,
-    /// A pair has one contact at most.
+    /// One contact for each pair.
     OncePerPair,
 
-    // What is reported.
-    /// What goes through a face, from both sides.
+    // Reported pairs.
+    /// Contacts through a face, from both sides.
     BothSides,
     /// Images with the other sign.
     Reversed,
-    /// Images of the particles in the box, not of those as given.
+    /// Images of the wrapped particles instead of the given ones.
     NamedAsWrapped,
-    /// Images by a tilt of half an edge at most, which is the same lattice by other vectors.
+    /// Images of the same lattice with another tilt.
     NamedAsReduced,
 
-    // The contact test.
-    /// Coordinates of images are rounded to f64, and decide.
+    /// Rounds the coordinates of images to f64.
     RoundedPlaces,
-    /// < instead of <=, for images.
     StrictThroughFaces,
     ;
 
-    // Changes that look wrong and are not.
-    /// Right.
+    // Changes that look wrong but are not.
     Images,
-    /// One image more to each side.
+    /// One more image on each side.
     OneMore,
-    /// The box begins elsewhere.
+    /// Another corner of the box.
     OtherCorner,
 }
 
-/// The reference, at work on one scene.
+/// The reference on one scene.
 struct Search<'a, const D: usize> {
     way: Way,
     scene: &'a Scene<'a, f64, D>,
-    /// As the way takes it to be.
+    /// The lattice as changed by the mutant.
     lattice: Lattice,
     vectors: [[f64; D]; 3],
     found: Vec<ImagePair>,
 }
 
-/// A particle in the box, and by which vectors it came there.
+/// A wrapped particle, and its shift in vectors.
 type Wrapped = ([f64; 3], [i32; 3]);
 
 impl<'a, const D: usize> Search<'a, D> {
@@ -106,7 +103,7 @@ impl<'a, const D: usize> Search<'a, D> {
             Way::OtherCorner => (0..3).for_each(|k| origin[k] -= 0.625 * vectors[k][k]),
             _ => {}
         }
-        // A way that makes no box of it takes it as it is.
+        // The given lattice, if the change is not a box.
         let lattice = Lattice::new(vectors, repeats, origin).unwrap_or(*lattice);
         let row = |v: usize| match lattice.periodic()[v] {
             true => std::array::from_fn(|k| lattice.vectors()[v][k]),
@@ -120,7 +117,7 @@ impl<'a, const D: usize> Search<'a, D> {
         (0..D).map(|k| dual[k] * x[k]).sum()
     }
 
-    /// `None` for a particle that is lost.
+    /// Returns `None` for a lost particle.
     fn wrap(&self, i: usize) -> Option<Wrapped> {
         let given = array(&self.scene.centres()[i]);
         let from_corner = |x: &[f64; D]| {
@@ -149,7 +146,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Images of a pair go from the lowest to the highest.
+    /// Returns the highest image along a vector; the lowest is its negative.
     fn most(&self, v: usize) -> i32 {
         let reach = 2.0 * self.scene.largest_radius();
         let length = |v: usize| self.vectors[v].iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -157,7 +154,7 @@ impl<'a, const D: usize> Search<'a, D> {
             _ if !self.lattice.periodic()[v] => 0,
             Way::NextOnly => 1,
             Way::ByEdges => (reach / length(v) + 1.0) as i32,
-            // Two fractions differ by one, or a last bit more.
+            // Fractions differ by at most one and a bit.
             way => {
                 let beyond = reach / self.lattice.height(v) + 1.0 + 1e-9;
                 beyond as i32 + i32::from(way == Way::OneMore)
@@ -182,7 +179,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.found
     }
 
-    /// Is the image looked for at all?
+    /// Returns whether an image is tested.
     fn tried(&self, [i, j]: [usize; 2], [a, b]: [Wrapped; 2], image: [i32; 3]) -> bool {
         let shifted = image.iter().filter(|&&number| number != 0).count();
         let nearest = |v: usize| match self.lattice.periodic()[v] {
@@ -203,7 +200,7 @@ impl<'a, const D: usize> Search<'a, D> {
     fn test(&mut self, [i, j]: [usize; 2], [a, b]: [Wrapped; 2], image: [i32; 3]) {
         let (r, s) = (self.scene.radius(i), self.scene.radius(j));
         let there = self.place(&std::array::from_fn(|k| b.0[k]), image);
-        // Most are: no rounding makes up for that.
+        // A quick test with a wide margin.
         let apart = |k: usize| {
             (a.0[k] - there[k]).abs() > 2.0 * (r + s) + 1e-9 * (a.0[k].abs() + there[k].abs())
         };
@@ -235,7 +232,7 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-/// Hard cases with the truth of their last step.
+/// Returns the hard cases with the truth of their last step.
 fn trials() -> Vec<(&'static str, Periodic<'static>, Vec<ImagePair>)> {
     let mut trials = Vec::new();
     for case in cases().filter(|case: &&Case| case.group == "boxes") {

@@ -1,40 +1,34 @@
-//! The hard-case catalogue finds out every detector that is wrong on purpose, and none that is
-//! right.
+//! The hard cases find every wrong detector, and no right one.
 //!
-//! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and given every
-//! hard case, in both dimensions and every safe arithmetic; one that knows images ([`boxes`]) is
-//! given those of boxes. A mutant that no case finds out means that a case is missing. Refusing is
-//! not being wrong. Changes that look wrong but are not ([`ways::right`]) must pass everything: a
-//! mutant that only seems to be one would make the catalogue look weak.
+//! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and tested on
+//! every hard case, in both dimensions and every safe arithmetic; [`boxes`] does the same for
+//! periodic boxes. If no case finds a mutant, a case is missing. A refusal is not wrong. Changes
+//! that look wrong but are not ([`ways::right`]) must pass.
 //!
-//! Cases of more work than [`LIGHT`] are tried only on mutants that no lighter one finds out, so
-//! the number of cases that find a mutant out is that among the light ones. The right ones among
-//! the mutants are tried on light cases, the unchanged detectors on all.
+//! Cases above [`LIGHT`] run only on mutants that no lighter case finds, and on unchanged
+//! detectors.
 //!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
-/// Declares the mistakes and, after a semicolon, the changes that are not mistakes. A way with a
-/// parameter lists its values after `in`.
+/// Declares the mistakes and, after a semicolon, changes that are not mistakes. Values of a
+/// parameter come after `in`.
 macro_rules! ways {
     (
         $($(#[doc = $wrong:literal])* $mutant:ident $(($of:ty) in $each:expr)?,)*;
         $($(#[doc = $none:literal])* $right:ident $(($by:ty) in $all:expr)?,)*
     ) => {
-        /// One mistake, or none.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Way {
             $($(#[doc = $wrong])* $mutant $(($of))?,)*
             $($(#[doc = $none])* $right $(($by))?,)*
         }
 
-        /// Mistakes that the catalogue must find.
         pub fn mutants() -> Vec<Way> {
             let mut all = Vec::new();
             $(all.extend(ways!(@ $mutant $($each)?));)*
             all
         }
 
-        /// Changes that must pass the catalogue.
         pub fn right() -> Vec<Way> {
             let mut all = Vec::new();
             $(all.extend(ways!(@ $right $($all)?));)*
@@ -63,7 +57,7 @@ use rayon::prelude::*;
 use reference::Reference;
 use ways::Way;
 
-/// A hard case in one dimension as one arithmetic stores it.
+/// A hard case in one dimension and arithmetic.
 struct Trial {
     name: &'static str,
     dim: usize,
@@ -74,10 +68,9 @@ struct Trial {
     work: u64,
 }
 
-/// See the top.
+/// Most work of a light case.
 const LIGHT: u64 = 12_000;
 
-/// What comes of a trial.
 #[derive(Debug, PartialEq)]
 enum Verdict {
     Right,
@@ -86,8 +79,7 @@ enum Verdict {
     Panics,
 }
 
-/// All trials, those of least work first: of the cases that find a mutant out, the simplest are
-/// named.
+/// All trials by work, so that the simplest case that finds a mutant is named.
 static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     let mut trials = Vec::new();
     let open = |case: &&Case| case.expect != Expect::Invalid && case.group != "boxes";
@@ -98,7 +90,7 @@ static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
                 let Ok(truth) = oracle::truth(&steps[steps.len() - 1].scene, arithmetic) else {
                     continue;
                 };
-                // An earlier step that the arithmetic cannot store leaves nothing behind.
+                // A step that cannot be stored is left out.
                 let steps: Vec<_> =
                     steps.iter().filter_map(|step| step.scene.stored(arithmetic).ok()).collect();
                 let work = steps.iter().map(|scene| scene.len() as u64).sum::<u64>()
@@ -118,7 +110,7 @@ static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     trials
 });
 
-/// Gives one detector all steps in order; the last one is judged.
+/// Runs all steps in order, and judges the last.
 fn judge(way: Way, trial: &Trial) -> Verdict {
     let (mut plane, mut space) = (Reference::<2>::new(way), Reference::<3>::new(way));
     let mut last = (Ok(()), Digest::default());
@@ -168,7 +160,7 @@ fn the_catalogue_finds_out_every_mutant() {
     assert!(survivors.is_empty(), "no hard case finds out {survivors:?}: a case is missing");
 }
 
-/// The number of cases that find a mutant out, up to three, and its line of the table.
+/// Returns the number of cases that find a mutant, up to three, and its line of the table.
 fn row(way: Way) -> (usize, String) {
     let (mut killers, mut names): (Vec<&Trial>, Vec<&str>) = (Vec::new(), Vec::new());
     for trial in TRIALS.iter().filter(|trial| way.dim().is_none_or(|dim| dim == trial.dim)) {
