@@ -37,7 +37,7 @@ pub struct Draw {
     /// Contact list whose mistakes are drawn
     #[arg(long, value_name = "FILE")]
     pairs: Option<PathBuf>,
-    /// With --pairs: draw the whole scene
+    /// Draw the whole scene (for --pairs)
     #[arg(long)]
     whole: bool,
     /// Print particle numbers [default: up to 60]

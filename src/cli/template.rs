@@ -1,13 +1,13 @@
 //! `new-detector`: what it does, in a line (author, year, "title", section).
 //!
 //! 1. The particles are sorted along x.
-//! 2. Each is tested against those after it, as long as they are within reach along x.
+//! 2. Each is tested against the following ones within reach along x.
 //!
 //! * Cost: N log N key comparisons for N particles, and a bound test for every pair within reach
 //!   along x: N^(2 - 1/D) in a box.
 //! * Memory: `16N` bytes.
 //! * Refuses scenes over the memory limit.
-//! * Deviations from the source: say here what differs, and why.
+//! * Deviations from the source: none.
 
 use super::{Declare, Detector, Options, Refusal, within};
 use crate::contact::Bodies;
@@ -16,15 +16,15 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Sorts along x, and tests what is within reach: a place to begin.
+/// Sorts along x, and tests the pairs within reach.
 pub struct NewDetector {
     options: Options,
-    /// x and number of each particle, by x. Kept from call to call: a second detection of a scene
+    /// x and number of each particle, sorted by x. Kept between calls, so that a second detection
     /// allocates nothing.
     order: Vec<(f64, u32)>,
 }
 
-/// What the memory formula says for `n` particles: 8 bytes of x, 4 of the number, 4 of padding.
+/// Memory for `n` particles in bytes: 8 for x, 4 for the number, 4 for padding.
 fn bytes(n: usize) -> u64 {
     16 * n as u64
 }
@@ -59,8 +59,8 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         for (k, &(x, i)) in self.order.iter().enumerate() {
             for &(further, j) in &self.order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Loses no touching pair to rounding; crate::filter has the same for cells, boxes
-                // and keys, and the proofs.
+                // Loses no contact to rounding; crate::filter has the proof, and the same for cells,
+                // boxes and keys.
                 if filter::beyond(x, further, bodies.reach()) {
                     break;
                 }
@@ -81,8 +81,8 @@ mod tests {
     use crate::probe::Tally;
     use crate::scene::{Radii, Scene};
 
-    /// Four discs in a row, each touching the next exactly, and one far away. (Every test that
-    /// loops over the table has the detector, too: here is the place for what holds for it alone.)
+    /// Four tangent discs in a row, and one far away. Tests of all detectors include this one; here
+    /// is the place for tests of its own.
     #[test]
     fn a_row_of_discs() {
         let centres: Vec<_> =

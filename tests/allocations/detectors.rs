@@ -123,7 +123,7 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// With several threads the formula includes the contacts that threads collect, but not the lists
+/// For several threads, the formula includes the contacts that threads collect, but not the lists
 /// of their shares.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;

@@ -78,7 +78,7 @@ fn known_scenes() {
     let column: Vec<_> = (0..50).map(|k| [3.0, f64::from(k), 0.0]).collect();
     let tiny = f64::from_bits(1);
     for (name, scene, expected) in [
-        // With cells of edge 1 and i = floor(x), the middle disc is in cell 0, the right one in 2.
+        // In cells of edge 1 with i = floor(x), the middle disc is in cell 0, the right one in 2.
         ("three", of(&[[0.0, 0.0], [1f64.next_down(), 0.0], [2.0, 0.0]], 0.5), Some(1)),
         ("row from -1", of(&row(-1.0), 0.5), Some(1999)),
         // Rounding decides which neighbours touch.

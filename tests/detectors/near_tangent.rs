@@ -43,7 +43,7 @@ fn detectors_neither_lose_nor_add_nor_repeat_a_couple() {
     assert!(wrong > 500 && exact > 50_000, "\n{}", table.text());
 }
 
-/// With rounded decisions the campaign fails in all parts.
+/// The campaign fails in all parts if decisions are rounded.
 #[test]
 fn rounded_decisions_are_found_out() {
     let plan = |pairs| Plan { pairs, test: Test::Rounded, ..PLAN };

@@ -317,8 +317,8 @@ fn columns_are_for_few_bodies_far_apart() {
     assert_eq!(ranges(&Stored::F64(of(row))), 2);
 }
 
-/// Pairs within some steps of a diameter, where f32 has few bits left for coordinates. With half of
-/// the proven bound on rounding, some of these are lost or added.
+/// Pairs within some steps of a diameter, where f32 has few bits left for coordinates. Half of the
+/// proven bound on rounding would lose or add some.
 #[test]
 fn couples_where_floats_are_coarse() {
     let mut state = 1;

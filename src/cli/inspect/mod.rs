@@ -63,7 +63,7 @@ impl Report {
 
 /// Reads the file, finds the contacts, prints both, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    // With --frame all, the last frame is described, and then the motion.
+    // For --frame all, the last frame is described, and then the motion.
     let all = options.input.frame == Some(Frame::All);
     let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(

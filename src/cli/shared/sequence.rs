@@ -54,7 +54,7 @@ pub fn sequence<T>(
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
-    // With a motion or one frame, that frame moves.
+    // If a motion or one frame is given, that frame moves.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };

@@ -26,7 +26,7 @@ ways! {
     ByEdges,
     /// Without the tilt.
     IgnoresTilt,
-    /// With the absolute value of the tilt.
+    /// By the absolute value of the tilt.
     TiltWithoutSign,
 
     // Wrapping of particles.

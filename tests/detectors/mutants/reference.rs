@@ -1,5 +1,5 @@
-//! A detector that is small, plain and right, and can be made wrong in one way at a time: a grid of
-//! cells with half the mask; for the mistakes that these cannot make, a spatial hash and a sweep.
+//! A small right detector that can be made wrong in one way at a time: a grid with half the mask,
+//! and for other mistakes a spatial hash and a sweep.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashSet};
@@ -14,14 +14,13 @@ use contactbench::sink::{Sink, splitmix64};
 
 use super::ways::Way;
 
-/// The number of a cell.
 type Cell<const D: usize> = [i64; D];
 
-/// The detector. Everything but `way` and `radii` is what a call leaves behind, and only wrong ways
-/// look at.
+/// The detector. Fields other than `way` and `radii` are left by earlier calls, and only mutants
+/// read them.
 pub struct Reference<const D: usize> {
     way: Way,
-    /// Radii of the scene, at which only wrong contact tests look.
+    /// Radii of the scene, for wrong contact tests.
     pub radii: Vec<f64>,
     lists: BTreeMap<Cell<D>, Vec<u32>>,
     numbers: Vec<Cell<D>>,
@@ -29,7 +28,7 @@ pub struct Reference<const D: usize> {
     found: Vec<[u32; 2]>,
 }
 
-/// Where cells begin and how large they are; `cells` where they are those of the library.
+/// Origin and size of cells; `cells` if they are those of the library.
 #[derive(Clone, Copy, PartialEq)]
 struct Grid<const D: usize> {
     low: [f64; D],
@@ -60,7 +59,7 @@ impl<const D: usize> Reference<D> {
         Reference { way, radii, lists, numbers, grid: None, found }
     }
 
-    /// Particles on lists by cell; each cell against itself and the mask.
+    /// Lists particles by cell; tests each cell against itself and the mask.
     fn cells<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -165,7 +164,6 @@ impl<const D: usize> Reference<D> {
         self.grid = Some(grid);
     }
 
-    /// The number of the cell that holds a point.
     fn cell<P: Probe>(&self, p: [f64; D], grid: Grid<D>, probe: &mut P) -> Cell<D> {
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / grid.reach;
         std::array::from_fn(|k| {
@@ -175,7 +173,7 @@ impl<const D: usize> Reference<D> {
                 Way::SinglePrecisionCells => (from_low as f32 * scale as f32) as i64,
                 Way::SinglePrecisionFromZero => (x as f32 * scale as f32).floor() as i64,
                 Way::ZerosDiffer => (x * scale).floor().to_bits() as i64,
-                // Of any size and sign, where the grid is not this scene's or too fine.
+                // Numbers of any size and sign, if the grid does not fit the scene.
                 Way::StaleGrid | Way::NeverRefuses => (from_low * scale).floor() as i64,
                 way => {
                     let number = i64::from(grid.cells.map_or(0, |cells| cells.index(x, k, probe)));
@@ -197,7 +195,7 @@ impl<const D: usize> Reference<D> {
         (from..to).filter(kept).collect()
     }
 
-    /// Under which key the list of a cell is kept.
+    /// Returns the key of a cell's list.
     fn key(&self, cell: Cell<D>) -> Cell<D> {
         match self.way {
             Way::Torus(bits) => cell.map(|c| c.rem_euclid(1 << bits)),
@@ -205,7 +203,7 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// So much of a list as is looked at.
+    /// Returns the part of a list that is tested.
     fn counted<'a>(&self, list: &'a [u32]) -> &'a [u32] {
         if self.way == Way::ByteCount { &list[..(list.len() % 256).max(1)] } else { list }
     }
@@ -258,7 +256,7 @@ impl<const D: usize> Reference<D> {
         pairs: &mut Pairs,
         probe: &mut P,
     ) {
-        // Numbers of particles that are no more.
+        // Stale lists have numbers of earlier particles.
         let n = bodies.len() as u32;
         if i < n && j < n && !pairs.full(i, j) && self.touch(bodies, i, j, probe) {
             pairs.push(i, j);
@@ -298,8 +296,7 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// Particles in buckets by a hash of their cell; each against the buckets of all neighbouring
-    /// cells.
+    /// Hashes particles by cell; tests each against the buckets of all neighbouring cells.
     fn hash<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -340,7 +337,7 @@ impl<const D: usize> Reference<D> {
         Ok(pairs)
     }
 
-    /// Particles in the order of x; each against those that follow within reach.
+    /// Sorts particles by x; tests each against those that follow within reach.
     fn sweep<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -374,7 +371,7 @@ impl<const D: usize> Reference<D> {
     }
 }
 
-/// The pairs found, and how many each particle has.
+/// The pairs found, and their number for each particle.
 struct Pairs {
     way: Way,
     found: Vec<[u32; 2]>,

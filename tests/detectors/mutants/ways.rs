@@ -1,4 +1,4 @@
-//! The ways to be wrong, each one mistake that somebody has made or could make.
+//! The mistakes of the mutants, each made in some code or easy to make.
 
 use contactbench::detect::book::mask;
 
@@ -10,7 +10,7 @@ ways! {
     DropsFirstElement,
     /// Particles of radius 0 are left out.
     DropsPoints,
-    /// Particle numbers are kept in a byte.
+    /// Particle numbers are stored in a byte.
     ByteElements,
 
     // Pairs.
@@ -24,13 +24,13 @@ ways! {
     BothOrders,
     /// All neighbouring cells are visited, not half of them.
     FullMask,
-    /// Across cells a pair is tested only where i < j.
+    /// Across cells a pair is tested only if i < j.
     OrderedAcross,
-    /// A particle that has a contact is not tested further.
+    /// A particle with a contact is not tested again.
     OneContactEach,
-    /// A particle keeps so many contacts, as in a table of neighbours.
+    /// A particle keeps at most this many contacts.
     ContactsEach(usize) in [32, 100],
-    /// What is in neighbouring cells is reported untested.
+    /// Particles in neighbouring cells are reported untested.
     Untested,
 
     // The contact test.
@@ -40,17 +40,17 @@ ways! {
     RoundedRoot,
     /// |p|² + |q|² - 2p·q in f64.
     ExpandedForm,
-    /// Differences of coordinates that were rounded to f32.
+    /// Differences of coordinates rounded to f32.
     SinglePrecisionTest,
     /// d² <= s²(1 + 10^-12).
     RelativeTolerance,
     /// d <= s + 10^-9.
     AbsoluteTolerance,
-    /// ri² + rj² for (ri + rj)².
+    /// ri² + rj² instead of (ri + rj)².
     SumOfSquares,
     /// The largest radius for all.
     LargestRadius,
-    /// Particles at one place are taken for one particle.
+    /// Particles at one place count as one.
     SkipsCoincident,
 
     // The size of a cell.
@@ -64,7 +64,7 @@ ways! {
     EdgeOfMean,
     /// The edge is the largest radius.
     EdgeHalved,
-    /// The edge is the largest diameter, also where rounding accepts more.
+    /// The edge is the largest diameter, although rounding accepts more.
     EdgeWithoutSlack,
 
     // The number of a cell.
@@ -74,19 +74,19 @@ ways! {
     SinglePrecisionCells,
     /// Numbers in f32, from zero.
     SinglePrecisionFromZero,
-    /// Numbers are kept in so many bits; those of neighbours are not wrapped.
+    /// Numbers have this many bits; those of neighbours are not wrapped.
     Bits(u32) in [8, 16, 21],
-    /// Which cells are done is kept by numbers of so many bits.
+    /// Cells are marked as done by numbers of this many bits.
     DoneByBits(u32) in [16, 21],
     /// Numbers are the bits of a double, so that 0 and -0 differ.
     ZerosDiffer,
-    /// No domain is refused, however many cells it has.
+    /// No number of cells is refused.
     NeverRefuses,
 
     // Visiting cells.
     /// The last cell along this axis (0: x, 1: the last one) is not visited.
     LastUnvisited(usize) in [0, 1],
-    /// The first cell along this axis is not looked at as a neighbour.
+    /// The first cell along this axis is not tested as a neighbour.
     FirstUnseen(usize) in [0, 1],
     /// In this dimension, cell k of the mask is left out.
     MaskWithout([usize; 2]) in masks(),
@@ -94,61 +94,59 @@ ways! {
     MaskRepeats([usize; 2]) in masks(),
 
     // Capacity.
-    /// At most so many particles in a cell.
+    /// A cell holds at most this many particles.
     Capacity(usize) in [32, 100, 256, 1024],
-    /// The number of particles in a cell is kept in a byte.
+    /// The number of particles in a cell is stored in a byte.
     ByteCount,
 
     // State.
     /// Lists are not emptied.
     StaleLists,
-    /// Where N is as before, the grid is.
+    /// The grid is kept if N is unchanged.
     StaleGrid,
-    /// Where N is as before, cell numbers are.
+    /// Cell numbers are kept if N is unchanged.
     StaleNumbers,
-    /// Where N and the box are as before, the pairs are.
+    /// Pairs are kept if N and the box are unchanged.
     StalePairs,
     /// The largest diameter is that of the first call.
     StaleReach,
 
     // The hash.
-    /// Particles of all cells in a bucket are taken for those of the cell looked for.
+    /// All particles in a bucket count as those of the wanted cell.
     BucketsUncompared,
-    /// A bucket holds the cell that came first, other cells are lost.
+    /// A bucket holds only its first cell.
     BucketsOfOneCell,
 
     // The sweep.
-    /// It stops where the second coordinates are too far apart.
+    /// It stops if the second coordinates are too far apart.
     BreakOnWrongAxis,
     /// It stops at particles exactly at reach.
     BreakAtReach,
-    /// It looks at so many particles that follow.
+    /// It tests only this many following particles.
     Window(usize) in [32],
-    /// Its order is that of x in f32.
+    /// It sorts by x in f32.
     SinglePrecisionOrder,
     /// It stops by a difference in f32.
     SinglePrecisionBreak,
     ;
 
-    // Changes that look wrong and are not.
+    // Changes that look wrong but are not.
     /// The grid, right.
     Grid,
     /// The spatial hash, right.
     Hash,
     /// The sweep along x, right.
     Sweep,
-    /// Cell k of the mask is replaced by its mirror: the pair of cells comes up from the other
-    /// side.
+    /// Cell k of the mask is replaced by its mirror.
     Mirrored([usize; 2]) in masks(),
-    /// Numbers of so many bits, neighbours wrapped, too: a torus, on which distant cells share a
-    /// list and are told apart by the test.
+    /// Numbers have this many bits and wrap, so that distant cells share a list.
     Torus(u32) in [8, 21],
-    /// Numbers above this are taken for it: particles of far cells share the last one.
+    /// Larger numbers are clamped to this one.
     Clamped(i64) in [40],
 }
 
 impl Way {
-    /// The algorithm that is changed: [`Way::Grid`], [`Way::Hash`] or [`Way::Sweep`].
+    /// Returns the changed algorithm: [`Way::Grid`], [`Way::Hash`] or [`Way::Sweep`].
     pub fn algorithm(self) -> Way {
         use Way::*;
         match self {
@@ -159,7 +157,7 @@ impl Way {
         }
     }
 
-    /// The dimension in which it differs from its algorithm, if it is only one.
+    /// Returns the dimension in which it differs from its algorithm, if only one.
     pub fn dim(self) -> Option<usize> {
         match self {
             Way::MaskWithout([dim, _]) | Way::MaskRepeats([dim, _]) | Way::Mirrored([dim, _]) => {
@@ -170,7 +168,7 @@ impl Way {
     }
 }
 
-/// The cells of the masks: dimension and place.
+/// Iterates over the cells of the masks: dimension and place.
 fn masks() -> impl Iterator<Item = [usize; 2]> {
     let cells = |dim, len| (0..len).map(move |k| [dim, k]);
     cells(2, mask::PLANE.len()).chain(cells(3, mask::SPACE.len()))

@@ -6,7 +6,7 @@ const KINDS: [(&str, &str); 10] = [
     ("diameters", "hold diameters"),
     ("unit", "another unit than"),
     ("apart", "nothing touches"),
-    ("points", "radii of 0"),
+    ("points", "radii are 0"),
     ("nested", "nearly concentric"),
     ("twice", "of another, such"),
     ("flat", "z is 0"),
