@@ -8,7 +8,7 @@ use crate::common::{PROGRAM, Place, has};
 /// Compiles a program in C++; fails on any error or warning.
 fn built(at: &Place, arguments: &str) {
     let mut compiler = Command::new("c++");
-    compiler.args(["-Wall", "-Wextra", "-Werror"]).args(arguments.split(' '));
+    compiler.args(["-Wall", "-Wextra", "-Werror"]).args(shlex::split(arguments).unwrap());
     let built = compiler.current_dir(at.root()).output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
 }
