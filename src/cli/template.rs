@@ -59,8 +59,8 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         for (k, &(x, i)) in self.order.iter().enumerate() {
             for &(further, j) in &self.order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Loses no contact to rounding; crate::filter has the proof, and the same for cells,
-                // boxes and keys.
+                // Loses no contact to rounding; crate::filter has the proof, and the same for
+                // cells, boxes and keys.
                 if filter::beyond(x, further, bodies.reach()) {
                     break;
                 }

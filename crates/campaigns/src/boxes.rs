@@ -2,13 +2,13 @@
 //!
 //! ```text
 //!      |         |         |         |     open space: borders at low + m·reach (a textbook grid)
-//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (this project): a within
-//!      |         |         |         |     an ulp of one of them, pairs six cells apart
+//!      |         |  b......a         |     and low + m·reach / (1 - 2^-18) (this project): a
+//!      |         |         |         |     within an ulp of one of them, pairs six cells apart
 //!
 //!   +-----.-----------.-----+     every pair has its own site, six reaches from the next one, also
-//!   |                 b     |     through the faces, so nothing else touches; the first sites are on
-//!   a           a           a     the faces; then particles are replaced by other images, up to many
-//!   |            b          |     boxes away, and the vectors by others of the same lattice
+//!   |                 b     |     through the faces, so nothing else touches; the first sites are
+//!   a           a           a     on the faces; then particles are replaced by other images, up to
+//!   |            b          |     many boxes away, and the vectors by others of the same lattice
 //!   +-----.-----------------+
 //! ```
 //!

@@ -50,7 +50,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`contacts()`] takes plain slices and uses the detector `streamed-nbs`. The modules below offer all detectors of [`detect::table`], in every arithmetic, with operation counts:
+//! [`contacts()`] takes plain slices and uses the detector `streamed-nbs`. The modules below offer
+//! all detectors of [`detect::table`], in every arithmetic, with operation counts:
 //!
 //! 1. [`scene`]: centres and radii, always valid.
 //! 2. [`contact`]: the contact test, shared by all detectors. [`filter`] proves that no detector

@@ -26,16 +26,16 @@ pub enum Refusal {
     Pairs { found: u64, particles: u64, room: u64 },
     /// There will be more pairs than a list may hold, according to a sample of the particles.
     #[error(
-        "each of the {particles} particles touches about {} others: about {:.1e} pairs, more than a \
-         list of {limit} bytes holds; are the radii in another unit than the coordinates, or are \
+        "each of the {particles} particles touches about {} others: about {:.1e} pairs, more than \
+         a list of {limit} bytes holds; are the radii in another unit than the coordinates, or are \
          particles given twice? If not, raise the memory limit",
         count(*each), 0.5 * each * *particles as f64
     )]
     Crowd { particles: u64, each: f64, limit: u64 },
     /// Cells have too many numbers.
     #[error(
-        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), and \
-         a grid can address 2^31; remove far-away particles, or use kd-tree"
+        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), \
+         and a grid can address 2^31; remove far-away particles, or use kd-tree"
     )]
     Domain { axis: &'static str, low: f64, high: f64, edge: f64, cells: f64 },
     /// The largest difference of two coordinates along an axis overflows.
@@ -62,7 +62,8 @@ pub enum Refusal {
     /// A periodic box has more images within reach than the limit allows.
     #[error(
         "the {particles} particles have about {images:.1e} images within reach ({reach:e}) in and \
-         around the box, which take {needed:.1e} bytes, and the limit is {limit} bytes; {}raise the memory limit",
+         around the box, which take {needed:.1e} bytes, and the limit is {limit} bytes; {}raise \
+         the memory limit",
         if *images > MANY * *particles as f64 {
             "is the box in another unit than the radii? If not, "
         } else {

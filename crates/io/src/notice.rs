@@ -80,7 +80,8 @@ impl Notice {
                     _ => "the sizes may be too large, or in another unit".into(),
                 };
                 format!(
-                    "{each:.1} contacts per particle are more than a packing of hard particles has; \
+                    "{each:.1} contacts per particle are more than a packing of hard particles \
+                     has; \
                      {what}"
                 )
             }

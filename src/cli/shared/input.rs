@@ -151,7 +151,8 @@ impl Input {
         if generated && !io::exists(Path::new(text)) {
             ensure!(
                 !self.is_said(),
-                "{OPTIONS} are for files; for a generated scene, write parameters such as dim=3 into \
+                "{OPTIONS} are for files; for a generated scene, write parameters such as dim=3 \
+                 into \
                  {text}"
             );
             return Ok(Origin::Made(Spec::parse(text)?));

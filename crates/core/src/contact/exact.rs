@@ -2,7 +2,8 @@
 //!
 //! A binary floating-point number is an integer times a power of two. All numbers of one test are
 //! scaled by one common power of two. Their differences, sums and squares are then integers, and
-//! nothing is rounded: underflow and overflow cannot occur, and subnormals need no special case. The
+//! nothing is rounded: underflow and overflow cannot occur, and subnormals need no special case.
+//! The
 //! *short* form takes the differences `a[k] - b[k]` and the sum ra + rb in units of 2^-62 of the
 //! sum. If all of them are integers below 2^62, their squares fit in 128 bits; this holds for
 //! nearly every pair near tangency. Other pairs are decided like a contact with an image of shift

@@ -23,7 +23,8 @@
 //!
 //! Exact arithmetic decides everything between. Finite input never yields NaN.
 //!
-//! [`slack`] derives how far apart two accepted particles can be at most; [`crate::filter`] derives what cells, boxes and keys must add to that.
+//! [`slack`] derives how far apart two accepted particles can be at most; [`crate::filter`] derives
+//! what cells, boxes and keys must add to that.
 //!
 //! **Images.** In a periodic box the second centre is shifted by integer multiples of the box's
 //! vectors. The exact test adds the shift as further terms of the difference and never rounds a

@@ -13,7 +13,9 @@ const LEVEL: &str = "level";
 
 /// A detector of the table with values for its parameters.
 ///
-/// [`fmt::Display`] writes the normal form, which records use: the name, then the parameters with values other than the default, in alphabetical order. Equivalent specifications have equal text, and [`parse`] reads it back.
+/// [`fmt::Display`] writes the normal form, which records use: the name, then the parameters with
+/// values other than the default, in alphabetical order. Equivalent specifications have equal text,
+/// and [`parse`] reads it back.
 #[derive(Clone)]
 pub struct DetectorSpec {
     /// Entry of the detector in the table.

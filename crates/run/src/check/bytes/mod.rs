@@ -7,7 +7,7 @@
 //!
 //! | byte | meaning |
 //! |---|---|
-//! | 0 | bit 0: 3D; bit 1: a radius per particle; bit 2: detectors keep their buffers over several calls |
+//! | 0 | bit 0: 3D; bit 1: a radius per particle; bit 2: detectors keep buffers between calls |
 //! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, otherwise any |
 //! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
 //! | 3 | the radius: 1/2 to 16 half units, one of some odd lengths, or 0 |
