@@ -40,7 +40,7 @@ fn the_normal_form_is_sorted_without_defaults_and_parses_to_itself() {
 #[test]
 fn errors_list_the_valid_names_and_values() {
     for (given, parts) in [
-        ("nsb", &["no detector 'nsb'; did you mean nbs?", "streamed-nbs", "direct"][..]),
+        ("nsb", &["no detector 'nsb' (did you mean nbs?)", "streamed-nbs", "direct"][..]),
         ("", &["no detector ''", "direct"]),
         ("sorting:level=avx2", &["no parameter 'level'", "sorting takes no parameters"]),
         ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
@@ -48,7 +48,7 @@ fn errors_list_the_valid_names_and_values() {
         ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),
         ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
         ("streamed-nbs:levle=avx2", &["did you mean level?"]),
-        ("streamed-nbs:form=dens", &["form cannot be 'dens'; did you mean dense?"]),
+        ("streamed-nbs:form=dens", &["form cannot be 'dens' (did you mean dense?)"]),
         ("nbs:levels=auto,", &["levels cannot be 'auto,'"]),
         ("hgrid:levels=0.3/0.1", &["levels cannot be '0.3/0.1'", "optimal, or the largest"]),
         ("hgrid:levels=-1/2", &["levels cannot be '-1/2'", "as in 0.1/0.3/1"]),
