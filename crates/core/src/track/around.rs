@@ -157,8 +157,8 @@ impl<const D: usize> Strain<D> {
             let along = product(&moved);
             (0..D).for_each(|k| to[k] += along * old[k]);
         }
-        // |F v|² = |v|² + 2 v·A v + |A v|². By Gershgorin, no eigenvalue of the symmetric part of A is
-        // below the lower end of its discs.
+        // |F v|² = |v|² + 2 v·A v + |A v|². By Gershgorin, no eigenvalue of the symmetric part of A
+        // is below the lower end of its discs.
         let lowest = (0..D).map(|k| {
             let beside = |l: usize| 0.5 * (by[k][l] + by[l][k]).abs();
             by[k][k] - (0..D).filter(|&l| l != k).map(beside).sum::<f64>()

@@ -30,8 +30,8 @@ fn misses(found: &Courses) -> Vec<Block> {
          Never: contacts that were not reported later either. Late: the longest delay of the \
          others. Deepest: the largest overlap of a missed contact. Dangerous: builds whose rule \
          was already broken when it was first checked, as LAMMPS counts them. Of these \
-         after a miss: dangerous builds after a missed contact. Builds after a miss: all of them. Trackers that are not \
-         listed missed nothing and had no dangerous build.",
+         after a miss: dangerous builds after a missed contact. Builds after a miss: all of them. \
+         Trackers that are not listed missed nothing and had no dangerous build.",
     );
     let whole = |name| move |(.., cell): Missed<'_>| value(cell, name) as u64;
     let table = Table::of("", missed)

@@ -20,9 +20,9 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
     about.maps.iter().map(section).collect()
 }
 
-const READING: &str = "Each place names the fastest detector and the time of the runner-up over its \
-                       own; bold means decided. Intervals, and all detectors that may be as fast, \
-                       are in maps.csv.";
+const READING: &str = "Each place names the fastest detector and the time of the runner-up over \
+                       its own; bold means decided. Intervals, and all detectors that may be as \
+                       fast, are in maps.csv.";
 
 #[derive(Clone, Debug)]
 pub struct Drawn {

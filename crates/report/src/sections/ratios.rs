@@ -56,14 +56,14 @@ pub fn section(about: &About<'_>) -> Option<Section> {
 fn blocks(found: &Ratios) -> Vec<Block> {
     let how = Text::from(
         "Each number is the time over that of the reference: the median of the ratios within a \
-         block, and its interval. Below 1 is faster than the reference, which runs with one thread, \
-         in the same arithmetic if it has it, else exactly. ",
+         block, and its interval. Below 1 is faster than the reference, which runs with one \
+         thread, in the same arithmetic if it has it, else exactly. ",
     );
     let how = how
         .emphasis("wrong (0.45)")
         .plain(
-            " is a wrong answer, whose time means nothing; other words give the reason why there is \
-             no time. All ratios are in ",
+            " is a wrong answer, whose time means nothing; other words give the reason why there \
+             is no time. All ratios are in ",
         )
         .code("ratios.csv")
         .plain(".");

@@ -7,10 +7,10 @@ use contactbench_terms::number::plural;
 
 pub fn blocks(found: &Matrix) -> Vec<Block> {
     let how = Text::from(
-        "An answer is right if it has exactly the pairs that touch in exact arithmetic in the scene \
-         as given. The first table counts the answers of each kind. The second lists the cases with \
-         an answer that is not right: -3 +1 means three pairs missed and one added (by the \
-         predicate, or by the representation of the scene), ",
+        "An answer is right if it has exactly the pairs that touch in exact arithmetic in the \
+         scene as given. The first table counts the answers of each kind. The second lists the \
+         cases with an answer that is not right: -3 +1 means three pairs missed and one added (by \
+         the predicate, or by the representation of the scene), ",
     )
     .emphasis("lossy")
     .plain(" (a textbook filter lost contacts), ")

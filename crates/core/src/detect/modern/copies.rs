@@ -8,9 +8,9 @@
 //! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
 //! |e| <= 2^-24, |t| <= 2^-150. The sum s' of two stored radii has s <= s'(1 + 2^-23) + 2^-148 and
 //! s >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so
-//! s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise below: the
-//! widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is decided here.
-//! Radii below 2^-126 lose digits, so little is decided.
+//! s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise
+//! below: the widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is
+//! decided here. Radii below 2^-126 lose digits, so little is decided.
 
 use crate::contact::{Bodies, Slack};
 use crate::filter::Near;

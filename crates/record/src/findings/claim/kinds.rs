@@ -216,8 +216,8 @@ fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
     let law = match (&choice.law, off) {
         (Ok(law), _) if law.name() != wanted => format!("{} fits, not {wanted}", law.name()),
         (_, Some(Tail { sizes: [first, last], found, law })) => format!(
-            "exponent {found:.3} for n = {first} to {last}, where {wanted} has {law:.3}: {:.3} off, \
-             {LIMIT} allowed",
+            "exponent {found:.3} for n = {first} to {last}, where {wanted} has {law:.3}: {:.3} \
+             off, {LIMIT} allowed",
             (found - law).abs()
         ),
         (Ok(_), None) => format!("{wanted} fits"),
