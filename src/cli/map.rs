@@ -56,7 +56,7 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let name = format!("{} x {}", axes.x, axes.y);
     let text = if svg {
         let [x, y] = axes.labels();
-        let title = format!("Who is the fastest: {y} against {x}");
+        let title = format!("Fastest detector: {y} against {x}");
         figure::map::drawn(&title, &axes, &found, &Styles::new(cells.iter()))
     } else {
         csv(&[sections::map::rows(&name, &found)])

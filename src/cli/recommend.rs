@@ -100,16 +100,15 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
         let boxed = match &given.lattice {
-            Some(lattice) => format!(" repeating along {}", along(lattice.periodic())),
+            Some(lattice) => format!(" in a box periodic along {}", along(lattice.periodic())),
             None => String::new(),
         };
-        let (contacts, decided) = (race.contacts, arithmetic.name());
+        let (contacts, decided) = (plural(race.contacts as usize, "contact"), arithmetic.name());
         let threads = plural(threads, "thread");
         writeln!(
             out,
-            "{name}: {n} {what}{boxed}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
-             blocks",
-            race.blocks
+            "{name}: {n} {what}{boxed}, {contacts}, {decided} arithmetic, {threads}, {}",
+            plural(race.blocks as usize, "block")
         )?;
         write!(out, "{}", table(&race, verdict.as_ref(), n).plain(terminal::width()))?;
         match &verdict {

@@ -336,7 +336,7 @@ impl Boundaries {
             let what = match self.periodic {
                 Some(_) => format!("--periodic needs a box, and {name} declares none"),
                 None => {
-                    format!("{name} says that it repeats along {}, but not the box's vectors", {
+                    format!("{name} is periodic along {}, but has no vectors of the box", {
                         along(periodic)
                     })
                 }

@@ -13,7 +13,7 @@ use contactbench_core::memory::default_limit;
 use contactbench_core::periodic::{self, ImagePair, depth};
 use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
 use contactbench_scenes::touching::{in_any_box, particle};
-use contactbench_terms::number::mean_radii;
+use contactbench_terms::number::{mean_radii, plural};
 use contactbench_views::draw::{self, Highlighted, Look};
 
 /// Most kinds of refusals printed.
@@ -93,11 +93,12 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     let mut kinds: Vec<(&str, u64)> = kinds.into_values().collect();
     kinds.sort_by_key(|&(_, times)| std::cmp::Reverse(times));
     for (reason, times) in kinds.iter().take(KINDS) {
-        writeln!(out, "refused {times} times: {reason}")?;
+        writeln!(out, "refused {}: {reason}", plural(*times as usize, "time"))?;
     }
     if kinds.len() > KINDS {
         let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| times).sum();
-        writeln!(out, "refused {rest} times for {} other reasons", kinds.len() - KINDS)?;
+        let (rest, others) = (plural(rest as usize, "time"), kinds.len() - KINDS);
+        writeln!(out, "refused {rest} for {}", plural(others, "other reason"))?;
     }
     Ok(())
 }

@@ -153,7 +153,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let Found { time, memory, pairs, images, .. } = &found;
     let across = match (&given.lattice, pairs) {
         (Some(lattice), Pairs::Boxed(pairs)) => format!(
-            ", {} of them across the box, which repeats along {} ({} made)",
+            ", {} of them across the box, periodic along {} ({} made)",
             pairs.iter().filter(|pair| pair.image != [0; 3]).count(),
             along(lattice.periodic()),
             plural(*images, "image")

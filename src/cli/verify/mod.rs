@@ -183,7 +183,7 @@ impl Verified<'_> {
             plural(self.scene().len(), "particle"),
             counted(found.truth.len(), "touching pair"),
             self.lattice().map_or(String::new(), |lattice| {
-                format!(" in a box that repeats along {}", along(lattice.periodic()))
+                format!(" in a box periodic along {}", along(lattice.periodic()))
             }),
             options.arithmetic.name()
         )?;
@@ -230,8 +230,8 @@ impl Verified<'_> {
             return Ok(());
         }
         let Errors { missed, spurious, .. } = found.errors;
-        self.couples(out, "missed", "overlap", &found.missed, missed)?;
-        self.couples(out, "spurious", "gap", &found.spurious, spurious)?;
+        self.print_pairs(out, "missed", "overlap", &found.missed, missed)?;
+        self.print_pairs(out, "spurious", "gap", &found.spurious, spurious)?;
         Ok(())
     }
 
@@ -253,7 +253,7 @@ impl Verified<'_> {
     }
 
     /// Prints the worst of `count` pairs of a kind, with their particles.
-    fn couples(
+    fn print_pairs(
         &self,
         out: &mut impl Write,
         kind: &str,
@@ -292,18 +292,18 @@ impl Verified<'_> {
 
     fn json(&self) -> Value {
         let Verified { options, list, found, .. } = self;
-        let body = |k: u32| {
+        let particle_of = |k: u32| {
             let (centre, radius) = particle(self.scene(), k);
             json!({ "index": k, "centre": centre[..self.scene().dim()], "radius": radius })
         };
-        let couples = |list: &[(ImagePair, f64)]| -> Vec<Value> {
+        let pairs = |list: &[(ImagePair, f64)]| -> Vec<Value> {
             let finite = |depth: f64| depth.clamp(-f64::MAX, f64::MAX);
-            let couple = |(pair, depth): &(ImagePair, f64)| {
-                let bodies = [pair.i, pair.j].map(body);
+            let one = |(pair, depth): &(ImagePair, f64)| {
+                let particles = [pair.i, pair.j].map(particle_of);
                 let image = &pair.image[..self.scene().dim()];
-                json!({ "bodies": bodies, "image": image, "depth": finite(*depth) })
+                json!({ "particles": particles, "image": image, "depth": finite(*depth) })
             };
-            list.iter().take(SHOWN).map(couple).collect()
+            list.iter().take(SHOWN).map(one).collect()
         };
         let flags = self.reading.as_ref().map(|it| self.flags(it).join(" "));
         let hint = self.other.map(|other| self.other_flags(other)).or(flags);
@@ -326,8 +326,8 @@ impl Verified<'_> {
             "same": found.is_same(),
             "errors": found.errors,
             "unknown": found.unknown.len(),
-            "missed": couples(&found.missed),
-            "spurious": couples(&found.spurious),
+            "missed": pairs(&found.missed),
+            "spurious": pairs(&found.spurious),
             "within_skin": found.within_skin,
             "one_sided": found.one_sided.len(),
             "hint": hint.filter(|flags| !flags.is_empty()),

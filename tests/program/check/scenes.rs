@@ -44,7 +44,7 @@ fn check_takes_scenes() {
     let count = 2 * must().count() + must().filter(takes).count();
     let line = "check --scene two.csv --scene far.csv --arithmetic exact --arithmetic f32";
     let words = format!("check: {count} detections by ");
-    at.ends(0, line, &[&words, "refused 1 times: f32: ", "refused 1 times: nbs: "]);
+    at.ends(0, line, &[&words, "refused 1 time: f32: ", "refused 1 time: nbs: "]);
     let line = "check --scene two.csv --detector nothing";
     let words = "two.csv: 1 missed, 0 spurious, 0 duplicate";
     at.ends(1, &format!("{line} --out new/folder"), &[words]);

@@ -215,8 +215,8 @@ impl Atoms {
         }
         if kind.ends_with('u') {
             rows.particles.notices.push(Notice::Assumed(
-                "unwrapped coordinates: bodies may be outside the box, and where boundaries are \
-                 open those that touch across it do not touch"
+                "unwrapped coordinates: particles may be outside the box, and contacts across open \
+                 boundaries are left out"
                     .into(),
             ));
         }

@@ -148,7 +148,7 @@ pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
     let format = scene_format(path)?;
     ensure!(
         given.lattice.is_none() || format == SceneFormat::Xyz,
-        "{}: the scene has a box that repeats, and only .xyz files hold one; write .xyz",
+        "{}: the scene has a periodic box, which only .xyz files store; write .xyz",
         path.display()
     );
     create(path, |out| scene_to(out, format, given))

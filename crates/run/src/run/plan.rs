@@ -57,6 +57,9 @@ pub(crate) fn place((experiment, spec): &Planned<'_>) -> String {
 
 pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
+    // The dimension of a file is not known before the file is read.
+    let is_file = spec.params.contains_key("path");
+    let dim = if is_file { String::new() } else { format!(" {}D", spec.dim) };
     let swept = spec
         .params
         .iter()
@@ -64,7 +67,7 @@ pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
         .map(|(name, value)| format!(" {name}={value}"));
     let course = spec.course.iter().map(|course| format!(" {}", course.motion));
     let swept: String = swept.chain(course).collect();
-    format!("{}: {} {}D{n}{swept}", experiment.name, spec.name, spec.dim)
+    format!("{}: {}{dim}{n}{swept}", experiment.name, spec.name)
 }
 
 fn can_be_made(spec: &Spec) -> anyhow::Result<()> {

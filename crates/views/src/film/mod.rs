@@ -119,10 +119,12 @@ impl Film {
         let megabytes = MOST_BYTES / 1_000_000;
         match k {
             _ if self.bytes() <= MOST_BYTES => Ok(()),
-            0 | 1 => bail!("two frames are a page of more than {megabytes} MB; take fewer bodies"),
+            0 | 1 => {
+                bail!("two frames are a page of more than {megabytes} MB; take fewer particles")
+            }
             _ => bail!(
                 "a page of at most {megabytes} MB holds {k} such frames; take --frames {k}, or \
-                 fewer bodies"
+                 fewer particles"
             ),
         }
     }
@@ -141,7 +143,7 @@ impl Film {
 
     pub fn summary(&self) -> String {
         let Film { tracker, particles, motion, .. } = self;
-        let bodies = if self.space { "spheres" } else { "discs" };
+        let what = if self.space { "spheres" } else { "discs" };
         let built = self.frames.iter().filter(|frame| frame.built).count();
         let missed: usize = self.frames.iter().map(|frame| frame.missed).sum();
         let slice = self.slice.filter(|_| self.space).map_or(String::new(), |slice| {
@@ -153,7 +155,7 @@ impl Film {
             Some(first) => format!("missed {} since frame {first}", plural(missed, "contact")),
         };
         format!(
-            "{particles} {bodies}{slice}, {motion}, {frames}. {tracker} built in {built} of them \
+            "{particles} {what}{slice}, {motion}, {frames}. {tracker} built in {built} of them \
              and {missed}."
         )
     }

@@ -64,7 +64,7 @@ impl Mistake {
                 "the images of the list left out{}",
                 if zero { " (all that are named are 0)" } else { "" }
             ),
-            Mistake::Declared(axes) => format!("the file's box, repeating along {}", along(axes)),
+            Mistake::Declared(axes) => format!("the file's box, periodic along {}", along(axes)),
             Mistake::Rounded(arithmetic) => format!("contacts decided in {}", arithmetic.name()),
             Mistake::Strict => {
                 "contacts decided by <, where here it is <= (each pair missed is an \
@@ -79,7 +79,7 @@ impl Mistake {
             Mistake::Open => "open boundaries (no contact across the box)".into(),
             Mistake::WithoutOwn => "no contact of a particle with its own image".into(),
             Mistake::Nearest => "no image but the nearest of each pair (minimum image)".into(),
-            Mistake::Along(axes) => format!("a box that repeats along {}", along(axes)),
+            Mistake::Along(axes) => format!("a box periodic along {}", along(axes)),
             Mistake::Straight(_) => "a box without its tilt".into(),
             Mistake::Periods(periods) => {
                 let of = |(period, axis): (Option<f64>, &str)| {

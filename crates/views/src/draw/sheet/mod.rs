@@ -107,7 +107,7 @@ impl Sheet<'_> {
         let mut said = format!("{count} {}", if scene.dim() == 2 { "discs" } else { "spheres" });
         if lattice.repeats() {
             let centres = self.bodies.all[..count].iter().map(|body| body.centre);
-            said += &format!(" in a box that repeats along {}", along(lattice.periodic()));
+            said += &format!(" in a box periodic along {}", along(lattice.periodic()));
             said += &match outside(centres, lattice).len() {
                 0 => String::new(),
                 count => format!(", {count} outside it"),
