@@ -46,7 +46,8 @@ fn main() {
     for path in &sources {
         println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
-    // A commit changes no source, so it matters only if sources were not committed.
+    // A commit changes no source, so Cargo would not run this script again. It matters only if
+    // sources were uncommitted.
     if dirty == "true" {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);

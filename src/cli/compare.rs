@@ -1,5 +1,3 @@
-//! `contactbench compare`.
-
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;

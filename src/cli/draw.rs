@@ -1,5 +1,3 @@
-//! `contactbench draw`.
-
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

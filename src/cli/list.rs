@@ -1,5 +1,3 @@
-//! `contactbench list`.
-
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::process::ExitCode;

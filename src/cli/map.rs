@@ -1,5 +1,3 @@
-//! `contactbench map`.
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,5 +1,3 @@
-//! `contactbench merge`.
-
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -82,7 +80,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // A folder that is not a shard may hold what the others lack.
+    // A folder that is not a shard may hold the missing rows.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();

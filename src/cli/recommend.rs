@@ -1,5 +1,3 @@
-//! `contactbench recommend`.
-
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;

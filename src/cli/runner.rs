@@ -1,5 +1,3 @@
-//! `contactbench runner`.
-
 use std::process::ExitCode;
 
 use anyhow::Context;

@@ -1,5 +1,3 @@
-//! `contactbench scene`: writes one.
-
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;

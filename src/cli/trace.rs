@@ -1,5 +1,3 @@
-//! `contactbench trace`.
-
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -1,5 +1,3 @@
-//! `contactbench track`.
-
 use std::io::Write;
 use std::process::ExitCode;
 

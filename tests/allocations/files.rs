@@ -112,7 +112,8 @@ fn promises_and_bombs_are_bounded() {
     assert!(usage.unwrap().peak_bytes < 4 << 20);
 }
 
-/// 160 MB in some KB: each layer has a modest ratio, the whole does not.
+/// 160 MB in some KB: the compression ratio of each layer is within the limit, that of both
+/// together is not.
 #[test]
 fn layers_of_compression_are_bounded_together() {
     let _guard = quiet();
@@ -131,7 +132,7 @@ fn layers_of_compression_are_bounded_together() {
         assert!(peak < 100 << 20, "{peak} bytes");
     };
 
-    // One piece, flushed so that it can be repeated.
+    // One compressed piece, flushed so that it can be repeated.
     let mut deflate = flate2::Compress::new(Compression::best(), false);
     let mut packed = Vec::with_capacity(1 << 16);
     let header = npy(&format!("({}, 4)", pieces * piece.len() / 32), &[]);

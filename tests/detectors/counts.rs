@@ -178,7 +178,7 @@ fn counting_changes_nothing_and_repeats_exactly() {
 }
 
 fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
-    // The sort of the standard library may change.
+    // A new standard library may sort with other comparisons.
     let own = |op| {
         op != Op::KeyCompare
             || !["sweep", "kd-tree", "bvh", "hgrid"].iter().any(|name| detector.starts_with(name))

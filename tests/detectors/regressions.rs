@@ -48,7 +48,7 @@ fn all_detectors_are_right_on_all_files() {
     }
 }
 
-/// The files have the property in their name, to the last bit.
+/// The files hold exactly the contacts for which they were written.
 #[test]
 fn the_files_hold_the_pairs_that_they_name() {
     let pairs = |name: &str, arithmetic| {

@@ -108,8 +108,8 @@ fn coordinates_that_begin_again() {
     }
 }
 
-/// Particles with more neighbours than a vector and than each buffer holds, and crowds at the corners
-/// of a cube that fill the room for neighbours and candidates exactly and with one more.
+/// Some particles have more neighbours than a vector or a buffer holds. Crowds at the corners of a
+/// cube fill the buffers of neighbours and candidates exactly, and exceed them by one.
 #[test]
 fn heaps_of_any_height_and_rooms_that_are_filled() {
     for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
@@ -124,7 +124,8 @@ fn heaps_of_any_height_and_rooms_that_are_filled() {
     }
 }
 
-/// More sparse layers than the 32 that a bundle may have.
+/// Layers with less than one particle each. The 32 bits of a coordinate limit the layers of a
+/// bundle.
 #[test]
 fn lines_strips_and_columns() {
     for n in [1000, 2000, 4999] {
@@ -138,7 +139,7 @@ fn lines_strips_and_columns() {
     }
 }
 
-/// A crowd in an extent beyond the numbers of cells is refused without a panic.
+/// A crowd in an extent beyond the range of cell numbers is refused without a panic.
 #[test]
 fn crowds_far_apart_are_refused() {
     let heap = |at: f64| (0..2500).map(move |k| [at + 1e-3 * f64::from(k), at]);
@@ -157,7 +158,7 @@ fn textbook_loses_nothing() {
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
-/// Several threads, also more than bundles, and in buffers that held another scene.
+/// Several threads find the same pairs, also with more threads than bundles and in used buffers.
 #[test]
 fn threads_find_the_same() {
     let n = FEWEST_FOR_THREADS;

@@ -1,5 +1,3 @@
-//! `contactbench check`.
-
 mod failing;
 mod group;
 mod verdicts;

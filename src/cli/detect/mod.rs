@@ -1,5 +1,3 @@
-//! `contactbench detect`.
-
 mod frames;
 mod search;
 

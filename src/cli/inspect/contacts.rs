@@ -20,7 +20,7 @@ use contactbench_terms::number::{number, plural};
 /// Pairs are near tangent if their distance differs from the sum of their radii by less than this
 /// share of it.
 const NEAR: f64 = 1e-9;
-/// Most expected contacts in open space for which contacts are searched.
+/// Largest expected number of contacts in open space for which contacts are searched.
 const MOST: f64 = 5e7;
 
 pub(super) enum Contacts {
@@ -145,7 +145,7 @@ pub(super) fn report(
         }
     };
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // `of_centres` warns of these.
+    // `of_centres` warns of coincident centres.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {

@@ -1,5 +1,3 @@
-//! `contactbench inspect`.
-
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -150,7 +148,7 @@ fn of_centres(particles: &Particles, out: &mut Report) {
         .map(|k| format!("{} {} to {}", ["x", "y", "z"][k], number(low[k]), number(high[k])))
         .collect();
     out.line("centres", text.join(", "), json!({ "low": low[..dim], "high": high[..dim] }));
-    // -0 equals 0.
+    // Adding 0 turns -0 into 0, so that both have one key.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.sort_unstable_by_key(|&k| key(k));

@@ -74,7 +74,7 @@ impl Outputs {
             write::append(path, &summary(suite, cases), "--summary")?;
         }
         if self.annotations {
-            // `terminal::out` would disarm these commands.
+            // `terminal::out` would escape these commands.
             std::io::stdout().lock().write_all(annotations(suite, cases).as_bytes())?;
         }
         Ok(())

@@ -248,7 +248,7 @@ pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
 #[derive(Default)]
 pub struct Told {
     notices: Vec<Notice>,
-    /// Notices of the last frame that wait for the end, because nothing touches.
+    /// Notices of the last frame, printed at the end if no particles touch in any frame.
     waiting: Vec<Notice>,
     touched: bool,
 }

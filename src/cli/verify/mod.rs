@@ -1,5 +1,3 @@
-//! `contactbench verify`.
-
 mod compare;
 mod frames;
 mod hint;

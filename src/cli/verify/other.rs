@@ -96,7 +96,7 @@ pub(super) struct Shift {
     /// List and truth of the last frame, in the names of the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
-    /// Whether some list was not of the frame before, and not of the frame after.
+    /// Whether some list does not belong to the frame before, and some list not to the frame after.
     refuted: [bool; 2],
 }
 

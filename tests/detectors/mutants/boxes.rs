@@ -10,49 +10,49 @@ use rayon::prelude::*;
 
 ways! {
     // Images that are made.
-    /// None: the box is ignored.
+    /// Makes no images: the box is ignored.
     Open,
-    /// Also along open vectors.
+    /// Makes images along open vectors, too.
     RepeatsWhereOpen,
-    /// Those through one face, not through edges and corners.
+    /// Makes images through one face, but not through edges and corners.
     FacesOnly,
-    /// All except those through all faces at once.
+    /// Makes all images except those through all faces at once.
     NoCorners,
-    /// One along each vector, however small the box.
+    /// Makes one image along each vector, however small the box.
     NextOnly,
-    /// The nearest of each pair, by rounded fractions.
+    /// Makes only the nearest image of each pair, found by rounded fractions.
     MinimumImage,
-    /// Those within reach by the lengths of edges instead of the distances of faces.
+    /// Makes images within reach by the lengths of edges instead of the distances of faces.
     ByEdges,
-    /// Without the tilt.
+    /// Makes images without the tilt of the box.
     IgnoresTilt,
-    /// By the absolute value of the tilt.
+    /// Makes images with the absolute value of the tilt.
     TiltWithoutSign,
 
     // Wrapping of particles.
-    /// None.
+    /// Particles are not wrapped.
     NotWrapped,
-    /// By one vector at most.
+    /// Particles are wrapped by one vector at most.
     WrappedOnce,
     /// Particles that round to the upper face are lost.
     LosesUpperFace,
 
     // Tested pairs.
-    /// No particle with its own images.
+    /// No particle is tested with its own images.
     NoSelf,
-    /// Only half of the images of later particles.
+    /// Only half of the images of later particles are tested.
     HalfForOrdered,
-    /// One contact for each pair.
+    /// Each pair has only one contact.
     OncePerPair,
 
     // Reported pairs.
-    /// Contacts through a face, from both sides.
+    /// Contacts through a face are reported from both sides.
     BothSides,
-    /// Images with the other sign.
+    /// Images are reported with the opposite sign.
     Reversed,
-    /// Images of the wrapped particles instead of the given ones.
+    /// Reported images are those of the wrapped particles instead of the given ones.
     NamedAsWrapped,
-    /// Images of the same lattice with another tilt.
+    /// Reported images are those of the same lattice with another tilt.
     NamedAsReduced,
 
     /// Rounds the coordinates of images to f64.
@@ -62,9 +62,9 @@ ways! {
 
     // Changes that look wrong but are not.
     Images,
-    /// One more image on each side.
+    /// Makes one more image on each side.
     OneMore,
-    /// Another corner of the box.
+    /// The box begins at another corner.
     OtherCorner,
 }
 

@@ -34,7 +34,7 @@ ways! {
     Untested,
 
     // The contact test.
-    /// < instead of <=.
+    /// Contacts are tested with < instead of <=.
     Strict,
     /// A rounded root: sqrt(d²) <= ri + rj in f64.
     RoundedRoot,
@@ -48,7 +48,7 @@ ways! {
     AbsoluteTolerance,
     /// ri² + rj² instead of (ri + rj)².
     SumOfSquares,
-    /// The largest radius for all.
+    /// All particles get the largest radius.
     LargestRadius,
     /// Particles at one place count as one.
     SkipsCoincident,
@@ -70,17 +70,17 @@ ways! {
     // The number of a cell.
     /// Int(x / d) without the origin, as an unsigned number: -1 is 2^32 - 1, and not beside 0.
     Unsigned,
-    /// Numbers in f32, from the origin.
+    /// Cell numbers are computed in f32, from the origin.
     SinglePrecisionCells,
-    /// Numbers in f32, from zero.
+    /// Cell numbers are computed in f32, from zero.
     SinglePrecisionFromZero,
-    /// Numbers have this many bits; those of neighbours are not wrapped.
+    /// Cell numbers have this many bits; those of neighbours are not wrapped.
     Bits(u32) in [8, 16, 21],
     /// Cells are marked as done by numbers of this many bits.
     DoneByBits(u32) in [16, 21],
-    /// Numbers are the bits of a double, so that 0 and -0 differ.
+    /// Cell numbers are the bits of a double, so that 0 and -0 differ.
     ZerosDiffer,
-    /// No number of cells is refused.
+    /// Grids with any number of cells are accepted.
     NeverRefuses,
 
     // Visiting cells.
@@ -118,30 +118,30 @@ ways! {
     BucketsOfOneCell,
 
     // The sweep.
-    /// It stops if the second coordinates are too far apart.
+    /// The sweep stops if the second coordinates are too far apart.
     BreakOnWrongAxis,
-    /// It stops at particles exactly at reach.
+    /// The sweep stops at particles exactly at reach.
     BreakAtReach,
-    /// It tests only this many following particles.
+    /// The sweep tests only this many following particles.
     Window(usize) in [32],
-    /// It sorts by x in f32.
+    /// The sweep sorts by x in f32.
     SinglePrecisionOrder,
-    /// It stops by a difference in f32.
+    /// The sweep stops by a difference computed in f32.
     SinglePrecisionBreak,
     ;
 
     // Changes that look wrong but are not.
-    /// The grid, right.
+    /// The unchanged grid.
     Grid,
-    /// The spatial hash, right.
+    /// The unchanged spatial hash.
     Hash,
-    /// The sweep along x, right.
+    /// The unchanged sweep along x.
     Sweep,
     /// Cell k of the mask is replaced by its mirror.
     Mirrored([usize; 2]) in masks(),
-    /// Numbers have this many bits and wrap, so that distant cells share a list.
+    /// Cell numbers have this many bits and wrap, so that distant cells share a list.
     Torus(u32) in [8, 21],
-    /// Larger numbers are clamped to this one.
+    /// Cell numbers above this one are clamped to it.
     Clamped(i64) in [40],
 }
 

@@ -40,7 +40,7 @@ macro_rules! cases {
 }
 cases!(refusals, experiments, boxes, files, records);
 
-/// Holds the program to its pages, or writes them.
+/// Compares the pages with the output of the program, or writes them.
 mod pages {
     use super::*;
 
@@ -113,7 +113,7 @@ fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A folder in which the program runs, the last run, and what did not hold.
+/// A folder in which the program runs, the last run, and the failed expectations.
 struct Scenario {
     place: Place,
     last: Option<(String, Ended)>,
@@ -155,7 +155,7 @@ impl Scenario {
         self.words(at, words, &said, true);
     }
 
-    /// Obeys a line; returns false if it has no meaning.
+    /// Executes a line; returns false if the line is invalid.
     fn obey(&mut self, at: &str, line: &str) -> bool {
         let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
         let (name, text) = rest.split_once(' ').unwrap_or((rest, ""));

@@ -15,7 +15,7 @@ use contactbench::sink::Sink;
 
 use crate::common::Place;
 
-/// Brute force that is wrong in way `WAY`.
+/// Brute force with defect `WAY`.
 struct Mutant<const WAY: u8> {
     calls: u32,
 }
@@ -190,7 +190,7 @@ fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failur
 #[test]
 fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
     let mut values = vec![-4.0, 0.7, 2.0, -2.0 * f64::EPSILON, 0.7, 2.0, 4.0, 0.7, 2.0];
-    // Particles that do not matter.
+    // Particles that play no part in the failure.
     (0..40).for_each(|k| {
         values.extend([2.9 * f64::from(k % 7) - 3.7, 9.1 + 3.3 * f64::from(k / 7), 1.37])
     });

@@ -23,7 +23,7 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
     let again = "check --scene ./failing-my-detector-f64.csv --runner 'python3 changed.py'";
     assert!(ended.stdout.contains(&format!("  again:  contactbench {again}")), "{}", ended.stdout);
     at.ends(1, again, &[": 1 missed, 0 spurious"]);
-    // Pairs of neighbours in the list that do not touch: spurious ones.
+    // Neighbours in the list that do not touch become spurious pairs.
     let change = ["<= total * total:", "<= 1.21 * total * total:"];
     let ended = changed(&at, change, "", 1, &["0 missed, 1 spurious"]);
     assert_eq!(smallest(&ended).0, 2, "{}", ended.stdout);
@@ -53,7 +53,7 @@ const WAYS: [(&str, &str, &str); 14] = [
         "\"contacts\": len(pairs) + 1}\n    return",
         "file holds",
     ),
-    // An unhandled missing file; an unknown field.
+    // A runner that dies on a missing file, and one that rejects unknown fields.
     ("except Exception", "except ZeroDivisionError", "sample before"),
     (
         ", **load_fields):",
@@ -81,7 +81,7 @@ fn every_way_to_be_wrong_is_named() {
     for (old, new, words) in WAYS {
         changed(&at, [old, new], "--seconds 0", 1, &[words]);
     }
-    // Dies with a message.
+    // The runner dies with a message.
     let dies =
         "    if len(centres) > 10: sys.exit('first words\\nno room for more')\n    pairs = []\n";
     let words = ["exit status: 1: no room for more", "    first words\n    no room for"];

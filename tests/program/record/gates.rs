@@ -29,7 +29,7 @@ fn counts_bytes_and_digests_are_gated() {
                 (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
             }
         }),
-        // In all detectors, or the record would contradict itself.
+        // Changed in all detectors, or the record would contradict itself.
         ("answer", 3, |row| {
             if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
                 row["digest"] = OTHER.into()

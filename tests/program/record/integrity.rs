@@ -29,7 +29,7 @@ fn measured() -> (Place, String) {
     (at, text)
 }
 
-/// Holds `report` to an exit code of 1, with these words and no output.
+/// `report` must exit with code 1, print these words on standard error, and nothing else.
 fn refused(at: &Place, words: &[&str]) -> Ended {
     let ended = at.ends(1, "report a", words);
     assert_eq!(ended.stdout, "");
@@ -81,7 +81,7 @@ fn an_edited_line_is_named() {
         (time, whole, whole.replacen(ns, "\"time_ns\":1", 1), check),
         (time, whole, whole.replacen("\"detector\":\"", "\"detector\":\"x", 1), check),
         (time, whole, whole.replacen("0x", "0x1", 1), check),
-        // Without a check, as a line of an older schema, and as no row at all.
+        // Without a checksum, as a line of an older schema, and as malformed JSON.
         (time, whole, seal::unsealed(whole), check),
         (1, first, older(first), check),
         (time, whole, older(&seal::unsealed(whole)), "schema is 3"),
@@ -91,7 +91,7 @@ fn an_edited_line_is_named() {
         at.file(RECORD, text.replacen(line, &edited, 1));
         refused(&at, &["1 fault: ", &format!("{RECORD}:{number}: "), words]);
     }
-    // Without the named lines, a run measures them again.
+    // A run measures the rows of deleted lines again.
     let left = text.split_inclusive('\n').filter(|line| line.trim() != whole);
     at.file(RECORD, left.collect::<String>());
     at.good("run t.toml --resume --out a");

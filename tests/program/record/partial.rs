@@ -1,4 +1,4 @@
-//! Reports of a part of a plan begin with the share that is there, and claims over missing cells
+//! Reports of an incomplete plan begin with the share that was measured. Claims over missing cells
 //! are not covered.
 
 use crate::common::{Ended, Place};
@@ -29,7 +29,7 @@ than = "sorting"
 where = { detector = "nbs" }
 "#;
 
-/// Holds the terminal, `report.md` and `report.html` to these words.
+/// The terminal, `report.md` and `report.html` must contain these words.
 fn shown(at: &Place, ended: &Ended, words: &[&str]) {
     let (markdown, page) = (at.read("result/report.md"), at.read("result/report.html"));
     for (place, text) in [("terminal", &ended.stdout), ("report", &markdown), ("page", &page)] {

@@ -76,7 +76,7 @@ fn children_that_hide_are_found_and_ended() {
     let at = Place::new();
     for (name, before) in [
         ("hides", ""),
-        // Without the mark in its environment, and in that of its children.
+        // Removes the mark from its environment, and so from that of its children.
         (
             "bare",
             "if os.environ.pop('CONTACTBENCH_RUNNER', ''): os.execve(sys.executable, [sys.executable, *sys.argv], os.environ)",
@@ -99,7 +99,7 @@ fn children_that_hide_are_found_and_ended() {
     // `check` uses the same code, so one case is enough.
     at.run("check --runner 'python3 forks.py' --seconds 0");
     assert!(all_ended(&at) >= 3);
-    // A runner that dies leaves no more than one that is ended.
+    // A runner that dies leaves no process behind, either.
     at.file("die", "");
     at.run("run t.toml --out dies");
     assert!(all_ended(&at) >= 1);

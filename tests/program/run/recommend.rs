@@ -1,5 +1,3 @@
-//! `recommend`.
-
 use crate::common::Place;
 
 #[test]

@@ -37,7 +37,8 @@ fn the_box_its_images_and_contacts_across_it_are_drawn() {
     assert_eq!(svg.matches("<circle").count(), 6 + 3, "{svg}");
     let spheres = picture("one.csv --box 1,1,1", &["3 contacts, 3 of"]);
     assert!(spheres.contains(": 2 of 3"), "{spheres}");
-    // Four periodic faces; two and two; two, with an axis without a length.
+    // Four periodic faces; two periodic and two open ones; two periodic ones if an axis has no
+    // length.
     for (line, expected) in [
         ("discs.csv --box 4,4", (4, 0)),
         ("discs.csv --box 4,4 --periodic x", (2, 2)),

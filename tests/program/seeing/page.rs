@@ -173,7 +173,7 @@ fn opens_safely(browser: &Browser) {
     {
         assert!(body.contains(part), "{part}");
     }
-    // Images are drawn later.
+    // `decode` waits until an image is loaded.
     let images: Vec<u32> = browser.get(
         "return Promise.all([...document.querySelectorAll('img')].map((it) => { it.loading = 'eager'; \
          return it.decode().then(() => it.naturalWidth) }))",
@@ -245,7 +245,7 @@ fn charts(browser: &Browser) {
     browser.click("#log-y");
     let note = browser.text("#chart-note");
     assert!(note.contains("values of 0"), "{note}");
-    // Values at the cursor, by keys.
+    // Keys show the values at the cursor.
     browser.choose("#metric", "Time");
     browser.keys("#chart", "\u{e014}");
     let tip = browser.text("#tip:not([hidden])").replace(',', "");

@@ -234,7 +234,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         at.file("late.csv", format!("{columns}\n{rows}"));
         at.ends(1, "verify t.dump --pairs late.csv --frame all", &["frame before"]);
     }
-    // A table by steps has no list for a missing number.
+    // A frame number that the table does not hold is refused.
     at.file("late.csv", "step,i,j\n300,0,1\n550,0,1\n");
     let late = ["late.csv", "2 frames", "frame 11"];
     at.ends(2, "verify t.dump --pairs late.csv --frame 11", &late);

@@ -132,7 +132,7 @@ kind = "speed-error"
     assert!(judged >= 3 * 3, "{judged} rows of trackers");
 }
 
-/// Trackers beside detectors, moving beside resting scenes, and builds that take turns.
+/// One record holds trackers and detectors, moving and resting scenes, and builds that take turns.
 #[test]
 fn motion_and_rest_are_in_one_record() {
     let at = Place::new();

@@ -13,7 +13,7 @@ fn moved(of: &Value) -> Vec<Value> {
 
 const SHEARED: &str = "loose:dim=2,n=50,fraction=0.5,periodic=true,tilt=0.2";
 
-/// The box of each frame is followed, from a generator and from a file.
+/// Each frame has its own box, from a generator or a file.
 #[test]
 fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     let at = Place::new();
@@ -42,8 +42,8 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     assert!(open["contacts"].as_u64() < read["contacts"].as_u64(), "{open}");
 }
 
-/// --box adds the box of a file: a particle passes a face beside another, in a wrapped dump and in
-/// an unwrapped one.
+/// `--box` gives a file its box. Two touching particles pass a face, with wrapped and with
+/// unwrapped coordinates.
 #[test]
 fn the_box_is_named_for_files_without_one() {
     let at = Place::new();
