@@ -23,7 +23,7 @@ pub struct Trace {
     page_only: bool,
 }
 
-/// Writes the page and the pictures, and prints their place on standard error.
+/// Writes the page and the pictures, and prints their paths on standard error.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let algorithm = options.detector;
     let (name, scene) = match options.source.get()? {

@@ -127,7 +127,7 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
 /// of their shares.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
-    /// Bytes that rayon's queue of jobs may free meanwhile.
+    /// Most bytes that rayon's queue of jobs may free during a measurement.
     const QUEUE: u64 = 2 << 10;
     // Starts the pool, which does not belong to the detector.
     rayon::join(|| (), || ());

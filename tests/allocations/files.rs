@@ -97,7 +97,7 @@ fn promises_and_bombs_are_bounded() {
     let message = bounded(&gz(&line.repeat(1000)).repeat(70));
     assert!(message.contains("200 times"), "{message}");
 
-    // A line without end.
+    // A reader that returns an endless line.
     struct Endless;
     impl Read for Endless {
         fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {

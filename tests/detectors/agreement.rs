@@ -146,8 +146,8 @@ fn history_does_not_matter() {
     }
 }
 
-/// Parameters that split particles by size, on every hard case in turn, so that each case is also
-/// the history of the next.
+/// Parameters that split particles by size work on all hard cases in turn, so that each case is
+/// also the history of the next.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {
     for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {

@@ -38,7 +38,7 @@ impl<const D: usize> WithBodies<f64, D> for Touch {
     }
 }
 
-/// The test with its filter, as detectors use it.
+/// Runs the contact test with its filter, as detectors do.
 fn touch<const D: usize>(a: [f64; D], b: [f64; D], radii: Radii<'_, f64>) -> bool {
     let scene = Scene::new(vec![Point::from(a), Point::from(b)], radii).unwrap();
     with_bodies(&scene, Test::Exact, Touch).unwrap()

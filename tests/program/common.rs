@@ -180,7 +180,7 @@ pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
     bytes
 }
 
-/// Returns the pairs in an npy file of the program.
+/// Returns the pairs in an npy file written by the program.
 pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     let bytes = std::fs::read(path).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..64]).contains("'descr': '<u4'"));

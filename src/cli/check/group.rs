@@ -46,7 +46,7 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
 /// The word in a runner's command that is replaced by the arithmetic.
 const ARITHMETIC: &str = "{arithmetic}";
 
-/// Starts a runner in each arithmetic, tests the protocol, and prints its abilities.
+/// Starts a runner in each arithmetic, tests the protocol, and prints what it supports.
 pub(super) fn runners(
     command: &str,
     options: &Check,

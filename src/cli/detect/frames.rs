@@ -100,8 +100,8 @@ fn all(
     Ok(done)
 }
 
-/// Returns whether the contacts of a frame are named by ids: as in the frames before, or if the
-/// first frame has an id for each particle.
+/// Returns whether the contacts of a frame are named by ids. The first frame decides: it must have
+/// an id for each particle.
 fn by_id(
     options: &Detect,
     place: &dyn Fn() -> String,

@@ -31,7 +31,7 @@ pub(super) enum Contacts {
         /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
-    /// Estimated contacts per particle, too many for a search.
+    /// Estimated contacts per particle; there are too many to search.
     TooMany(f64),
     /// The reason why no detector takes the scene.
     Refused(String),

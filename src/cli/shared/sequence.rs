@@ -23,7 +23,7 @@ pub struct Sequence<'a> {
     pub recorded: bool,
     /// Particles in each frame.
     pub particles: usize,
-    /// Most frames.
+    /// Maximum number of frames.
     pub count: u64,
     /// Returns the frame of each number in turn, and `None` after the last.
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
@@ -37,7 +37,7 @@ pub struct Wanted {
     pub motion: Option<Motion>,
     /// The motion of a scene without one.
     pub otherwise: Option<Motion>,
-    /// Most frames, from the command line.
+    /// Maximum number of frames, from the command line.
     pub frames: Option<u64>,
     /// Default number of frames of a file.
     pub of_file: u64,

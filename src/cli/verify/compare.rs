@@ -1,4 +1,4 @@
-//! A list against a frame of the particles.
+//! Compares a list with a frame of the particles.
 
 use std::sync::Once;
 

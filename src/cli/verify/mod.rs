@@ -28,7 +28,7 @@ use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 
-/// Pairs printed of each kind.
+/// Most pairs printed of each kind.
 const SHOWN: usize = 5;
 
 #[derive(clap::Args)]

@@ -20,7 +20,7 @@ pub(super) struct Other {
 
 impl Verified<'_> {
     /// Finds the frame around `given` that fits the list best, if no other reading explains the
-    /// list. It must halve the errors.
+    /// list. The frame must halve the errors.
     pub(super) fn look_at_others(&mut self, given: u64) {
         let Verify { file, .. } = self.options;
         let explained = self.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
@@ -101,7 +101,7 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// Adds a frame; called from the first that differs.
+    /// Adds a frame. Frames are added from the first that differs.
     pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let pairs = verified.list.pairs.len() as u64 + verified.found.truth.len();
         if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {

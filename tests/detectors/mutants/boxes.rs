@@ -154,7 +154,7 @@ impl<'a, const D: usize> Search<'a, D> {
             _ if !self.lattice.periodic()[v] => 0,
             Way::NextOnly => 1,
             Way::ByEdges => (reach / length(v) + 1.0) as i32,
-            // Fractions differ by at most one and a bit.
+            // Wrapped fractions of two particles differ by at most 1, apart from rounding.
             way => {
                 let beyond = reach / self.lattice.height(v) + 1.0 + 1e-9;
                 beyond as i32 + i32::from(way == Way::OneMore)

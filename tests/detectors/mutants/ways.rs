@@ -68,7 +68,8 @@ ways! {
     EdgeWithoutSlack,
 
     // The number of a cell.
-    /// Int(x / d) without the origin, as an unsigned number: -1 is 2^32 - 1, and not beside 0.
+    /// Cell numbers are int(x / d) without the origin, and unsigned: -1 becomes 2^32 - 1, which is
+    /// not beside 0.
     Unsigned,
     /// Cell numbers are computed in f32, from the origin.
     SinglePrecisionCells,

@@ -1,4 +1,4 @@
-//! The check finds detectors that are wrong on purpose, with a small and simple scene.
+//! `check` finds deliberately wrong detectors and shrinks the failing scenes.
 
 use std::time::{Duration, Instant};
 

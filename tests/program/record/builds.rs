@@ -70,14 +70,14 @@ fn builds_that_were_stopped_are_resumed() {
     let text = at.read("result/samples.jsonl");
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let timed = lines.iter().position(|line| line.contains("\"pass\":\"time\"")).unwrap();
-    // Stopped in the first block, and in the second block of the last scene.
+    // The run stops in the first block, and in the second block of the last scene.
     for kept in [timed + 1, lines.len() - 1] {
         at.file("result/samples.jsonl", lines[..kept].concat());
         at.good(&format!("{run} --resume"));
         assert!(at.read("result/samples.jsonl").starts_with(&lines[..kept].concat()), "{kept}");
         let resumed = latest();
         assert_eq!(steady(&resumed.values().cloned().collect::<Vec<_>>()), expected, "{kept}");
-        // Rows that are compared were measured together, none before the stop.
+        // Rows that are compared were measured together: all before the stop, or all after it.
         let blocks = |row: &Row| (row.block, row.id.scene_id());
         for row in resumed.values().filter(|row| row.pass == Pass::Time) {
             let kept = |row: &Row| whole.get(&row.measurement()) == Some(row);

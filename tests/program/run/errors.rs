@@ -28,7 +28,7 @@ fn each_error_is_charged_to_its_cause() {
         assert_eq!(errors.wrong() > 0, coarse || lossy, "{row:?}");
         let predicate = causes.predicate.wrong();
         match (row.id.scene.as_str(), row.id.arithmetic.as_str()) {
-            // f32 decides pairs one step from tangency wrongly, with tiny overlaps.
+            // f32 misses pairs one step from tangency, whose overlap is tiny.
             ("couples", "f32") => assert!(predicate > 0 && errors.deepest_miss < 1e-12, "{row:?}"),
             // At a million diameters from the origin, f32 has 16 steps for a disc.
             ("loose", "f32") => assert!(predicate == 0 && errors.deepest_miss > 1e-3, "{row:?}"),

@@ -22,8 +22,8 @@ const RECORD: &str = "result/samples.jsonl";
 
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 2\n";
 
-/// Cells that succeed, are refused, are controls, crash in a timed pass, crash at once, and are
-/// missing.
+/// Cells that succeed, are refused, belong to a control, crash in a timed pass, crash at once, or
+/// cannot start.
 pub fn experiment() -> String {
     format!(
         "{HEAD}memory-limit-mib = 1\ndetectors = [\"nbs\", \"screening\", \
@@ -112,7 +112,7 @@ fn a_run_killed_at_random_moments_is_completed() {
         };
         let rows = killed(RUN);
         cut_short += usize::from(rows > 0 && rows < ROWS);
-        // Every other one is also killed when it is resumed.
+        // Every second run is also killed while it resumes.
         assert!(kill % 2 == 1 || killed(RESUME) >= rows, "{what}: rows were lost");
         at.ends(WHOLE, RESUME, &[]);
         assert_eq!(steady(&at), expected, "{what}: {rows} rows were there");

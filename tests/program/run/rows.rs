@@ -45,7 +45,7 @@ fn a_row_has_the_fields_of_the_format() {
     let published = "experiment scene params dim n seed order detector arithmetic pass \
                      block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
                      allocations formula_bytes stats";
-    // Fields of the format beyond those that docs promise.
+    // Fields of the format that docs do not promise.
     let more = "first_ns calls elapsed_ns warm_allocations errors causes schema machine role \
                 resources process check";
     let expected: BTreeSet<String> =

@@ -114,12 +114,12 @@ impl Browser {
         serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
     }
 
-    /// Returns the text of the first element that matches.
+    /// Returns the text of the first element that matches the selector.
     pub fn text(&self, css: &str) -> String {
         self.get(&format!("return document.querySelector({css:?}).textContent"))
     }
 
-    /// Acts on the first element that matches.
+    /// Sends an action to the first element that matches the selector.
     fn act(&self, css: &str, action: &str, body: Value) {
         let found = self.post("/element", json!({"using": "css selector", "value": css}));
         let element = found.as_object().and_then(|it| it.values().next()?.as_str());

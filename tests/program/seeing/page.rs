@@ -48,7 +48,7 @@ fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
     n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
 }
 
-/// Returns the rows of a made-up record in schema 3, which has no checks.
+/// Returns the rows of a made-up record in schema 3, whose lines have no checksums.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
     let scenes: [(&str, u64, u32); 3] = [("packed", 2, 3), ("packed", 3, 3), ("loose", 2, 2)];

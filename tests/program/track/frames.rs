@@ -32,7 +32,7 @@ fn dump(frames: usize, flags: &str) -> String {
     text
 }
 
-/// Returns the contacts by id, as LAMMPS writes them, at every second frame; `left_out` has frame
+/// Returns the contacts by id, as LAMMPS writes them, at every second frame; `left_out` lists frame
 /// and index of missing pairs.
 fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     let mut text = String::new();
@@ -128,7 +128,7 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     at.ends(0, "inspect one.csv --frame all", &["motion"]);
 }
 
-/// Contacts missing in a list are found by the time steps of the files.
+/// `verify` pairs frames and lists by time step, and finds the missing contacts.
 #[test]
 fn lists_of_all_frames_are_compared_by_their_steps() {
     let at = Place::new();
