@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::figure::style::{Marker, Styles};
 use crate::page::marks;
-use crate::sections::winners;
+use crate::sections::winners::{self, Columns};
 use contactbench_record::findings::winners::{Contender, Contest, Winners};
 use contactbench_terms::number::{short, with_interval};
 use contactbench_terms::text::html as escape;
@@ -30,7 +30,7 @@ impl Marks<'_> {
 
 pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
     let contests = winners::shown(found);
-    let table = winners::table(&contests, true, short);
+    let table = winners::table(&contests, &Columns { pictures: true, cold: true, time: short });
     table.html_with("answer", &|row, column| match (row.map(|row| contests[row]), column) {
         (None, PICTURE) => format!("<span>time / fastest</span>{}", ruler("strip")),
         (Some(contest), 1) => {

@@ -237,9 +237,9 @@ impl<'a> Part<'a> {
         }
     }
 
-    fn fastest(&self) -> Vec<Block> {
+    fn fastest(&self, cold: bool) -> Vec<Block> {
         let mut blocks = match self.asks_fastest {
-            true => sections::winners::blocks(&self.winners),
+            true => sections::winners::blocks(&self.winners, cold),
             false => Vec::new(),
         };
         if let Some(first) = blocks.first_mut() {

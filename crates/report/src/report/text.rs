@@ -138,7 +138,7 @@ fn program(fields: &Value) -> String {
 impl Part<'_> {
     fn answers(&self, with_evidence: bool) -> Vec<Block> {
         let mut out = sections::answer::blocks(&self.verdicts, with_evidence);
-        out.extend(self.fastest());
+        out.extend(self.fastest(with_evidence));
         if self.experiment.question.contains("threads") {
             out.extend(sections::threads::answer(&self.cells));
         }

@@ -9,10 +9,11 @@ use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
 
-pub fn blocks(winners: &Winners) -> Vec<Block> {
+pub fn blocks(winners: &Winners, cold: bool) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
     let shown = shown(winners);
-    let table = compared(winners).then(|| Block::Table(table(&shown, false, short)));
+    let table = compared(winners)
+        .then(|| Block::Table(table(&shown, &Columns { pictures: false, cold, time: short })));
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
@@ -26,7 +27,13 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
     Some(Section::new(
         ALL,
-        sentence.into_iter().chain([Block::Table(table(&all, false, number))]).collect(),
+        sentence
+            .into_iter()
+            .chain([Block::Table(table(
+                &all,
+                &Columns { pictures: false, cold: true, time: number },
+            ))])
+            .collect(),
     ))
 }
 
@@ -145,12 +152,21 @@ pub fn brief(winners: &Winners) -> Text {
     Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
-/// Makes a row per scene, with a column for pictures on a page.
-pub fn table(contests: &[&Contest], pictures: bool, time: fn(f64) -> String) -> Table {
+/// How the table of the fastest detectors looks.
+pub struct Columns {
+    pub pictures: bool,
+    /// Ratios of first detections, if there are any.
+    pub cold: bool,
+    pub time: fn(f64) -> String,
+}
+
+/// Makes a row per scene.
+pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
     fn next(contest: &Contest) -> Option<&Contender> {
         contest.others.first()
     }
-    let cold = contests.iter().any(|it| next(it).is_some_and(|next| next.cold.is_some()));
+    let &Columns { pictures, cold, time } = columns;
+    let cold = cold && contests.iter().any(|it| next(it).is_some_and(|next| next.cold.is_some()));
     Table::of("", contests)
         .left("scene", |it| &*it.title)
         .left("fastest", |it| {
@@ -194,7 +210,7 @@ mod tests {
 
     fn said(lab: &Lab) -> String {
         let cells = cells::cells(&lab.rows());
-        markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>())))
+        markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>()), true))
     }
 
     #[test]
@@ -215,7 +231,7 @@ mod tests {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[1000; 15]);
         assert_eq!(said(&lab), "**nbs** was timed alone.\n\n");
-        assert!(blocks(&Winners::default()).is_empty());
+        assert!(blocks(&Winners::default(), true).is_empty());
         lab.detector("mine").time(&[10; 15]).edit(|row| row.outcome = Outcome::Wrong);
         let words = "**nbs** is the only one with a right answer (mine was wrong).";
         assert_eq!(said(&lab), format!("{words}\n\n"));

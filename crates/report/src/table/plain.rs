@@ -43,18 +43,22 @@ impl Table {
 
     /// Returns the width of each column: its longest line, then narrowed until all fit. The widest
     /// column of words shrinks first while it is wider than [`NARROW`], then the widest of all.
+    /// Words are split only if nothing else helps.
     fn widths(&self, rows: &[Vec<Vec<String>>], limit: usize) -> Vec<usize> {
-        let longest = |column: usize| {
-            let lines = rows.iter().filter_map(|row| row.get(column)).flatten();
-            lines.map(|line| line.chars().count()).max().unwrap_or(0)
-        };
+        let lines = |column: usize| rows.iter().filter_map(move |row| row.get(column)).flatten();
+        let longest = |column| lines(column).map(|line| line.chars().count()).max().unwrap_or(0);
+        let words = |column| lines(column).flat_map(|line| line.split_whitespace());
+        let word = |column| words(column).map(|word| word.chars().count()).max().unwrap_or(0);
         let mut widths: Vec<usize> = (0..self.columns.len()).map(longest).collect();
+        let whole: Vec<usize> = (0..self.columns.len()).map(word).collect();
         let room = limit.saturating_sub(GAP * self.columns.len().saturating_sub(1));
         while widths.iter().sum::<usize>() > room.max(self.columns.len()) {
-            let words = |k: &usize| !self.columns[*k].right && widths[*k] > NARROW;
-            let widest = |all: &mut dyn Iterator<Item = usize>| all.max_by_key(|&k| widths[k]);
-            let at = widest(&mut (0..widths.len()).filter(words))
-                .or_else(|| widest(&mut (0..widths.len())));
+            let widest = |may: &dyn Fn(usize) -> bool| {
+                (0..widths.len()).filter(|&k| may(k)).max_by_key(|&k| widths[k])
+            };
+            let at = widest(&|k| !self.columns[k].right && widths[k] > NARROW.max(whole[k]))
+                .or_else(|| widest(&|k| widths[k] > whole[k]))
+                .or_else(|| widest(&|_| true));
             match at {
                 Some(at) if widths[at] > 1 => widths[at] -= 1,
                 _ => break,

@@ -78,5 +78,6 @@ fn plain_text_lines_up_and_fits_every_width() {
     for width in 20..100 {
         let text = wide.plain(width);
         assert!(text.lines().all(|line| line.chars().count() <= width), "{width}: {text}");
+        assert!(width < 50 || text.contains("terminal") && text.contains("detector"), "{text}");
     }
 }
