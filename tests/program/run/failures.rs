@@ -151,10 +151,10 @@ fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     let absent = "[[runner]]\nname = \"mine\"\ncommand = [\"./nothere\"]\n";
     let optional = format!("{absent}optional = true\n");
     let installed = format!("{absent}install = \"make\"\n");
-    let missing = ["NOT STARTED: mine, in 2 ", "cannot start ./nothere"];
+    let missing = ["NOT STARTED: mine in 2 ", "cannot start ./nothere"];
     for (runner, code, words) in [
         (absent, 1, &missing[..]),
-        (&*crashes, 1, &["CRASHED: mine, in 2 "]),
+        (&*crashes, 1, &["CRASHED: mine in 2 "]),
         (&optional, 0, &missing),
         (&installed, 0, &missing),
     ] {
@@ -181,13 +181,13 @@ fn who_is_wrong_comes_first_and_once() {
     at.file("t.toml", format!("{HEAD}detectors = [\"nbs\"]\n{scene}{claim}{runner}"));
     let line = "run t.toml --out out --junit junit.xml --annotations";
     let ended = at.ends(1, line, &["1 claim: 1 holds"]);
-    assert!(ended.stdout.starts_with("WRONG: fake, in 2 "), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("WRONG: fake in 2 "), "{}", ended.stdout);
     let said = |text: &str| text.lines().filter(|line| line.starts_with("WRONG")).count();
     assert_eq!((said(&ended.stdout), said(&ended.stderr)), (1, 1), "{}", ended.stderr);
     assert_eq!(ended.stdout.matches("::error ").count(), 1, "{}", ended.stdout);
     let report = at.read("out/report.md");
     assert!(report.lines().nth(2).unwrap().starts_with("> Warning: WRONG: fake,"), "{report}");
-    assert!(at.read("out/report.html").contains("WRONG: fake, in 2 "));
+    assert!(at.read("out/report.html").contains("WRONG: fake in 2 "));
     let junit = at.read("junit.xml");
     let first = junit.split("<testcase ").nth(1).unwrap();
     assert!(first.contains("fake is right") && first.contains("<failure"), "{junit}");
