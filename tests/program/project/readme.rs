@@ -78,6 +78,21 @@ fn the_commands_work_as_written() {
     }
 }
 
+/// The output that README shows is that of its record.
+#[test]
+fn the_output_of_readme_is_that_of_the_record() {
+    let at = Place::new();
+    let record = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
+    let copied = std::process::Command::new("cp").arg("-r").args([&record, at.root()]).status();
+    assert!(copied.unwrap().success());
+    let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+    let printed: Vec<String> = at.good("report standard").stdout.lines().map(words).collect();
+    let shown = &blocks(README, "text")[0];
+    for line in shown.lines().map(words) {
+        assert!(printed.contains(&line), "README shows '{line}'");
+    }
+}
+
 /// The measured columns of the table of detectors are those of the linked record.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
