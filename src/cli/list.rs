@@ -45,7 +45,7 @@ struct Item {
 }
 
 impl What {
-    /// Without the hundred hard cases, which would bury the rest.
+    /// All but the hundred hard cases, which would bury the rest.
     const USUAL: [What; 6] = [
         What::Detectors,
         What::Arithmetics,

@@ -157,7 +157,7 @@ fn trees_sort_in_n_log_n_and_search_in_n() {
     }
 }
 
-/// Counting does not change the contacts, and counts repeat.
+/// Counting does not change the contacts, and repeated counts are equal.
 #[test]
 fn counting_changes_nothing_and_repeats_exactly() {
     for entry in TABLE {
@@ -227,7 +227,7 @@ const GOLDEN: [(&str, &str); 10] = [
     ("streamed-nbs", "integerise=6000 list_push=2000 cell_probe=4000 move=2000 contact_test=22458"),
 ];
 
-/// The same for detectors with classes of sizes, on particles of different sizes.
+/// As above, for detectors with size classes and particles of different sizes.
 #[test]
 fn counts_of_levels_are_the_same_on_every_machine() {
     let found = ["dim=2", "dim=3"].map(|dim| {

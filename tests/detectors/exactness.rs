@@ -98,7 +98,7 @@ proptest! {
         check([x[0], x[1]], [x[2], x[3]], x[4].abs(), x[4].abs())?;
     }
 
-    /// Pythagorean pairs, scaled by powers of two, moved, and a few ulps off tangency.
+    /// Pythagorean pairs, scaled by powers of two, translated, and a few ulps off tangency.
     #[test]
     fn near_tangency(
         triple in prop::sample::select(vec![[3., 4., 0., 5.], [5., 12., 0., 13.], [1., 2., 2., 3.], [2., 3., 6., 7.], [1., 0., 0., 1.], [4., 4., 7., 9.]]),

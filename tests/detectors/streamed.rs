@@ -313,7 +313,7 @@ fn columns_are_for_few_bodies_far_apart() {
         };
         assert_eq!(found, expected, "{text}");
     }
-    // All but one in one column.
+    // All particles except one lie in one column.
     let row = (0..4095).map(|k| [0.0, f64::from(k)]).chain([[4100.0, 0.0]]);
     assert_eq!(ranges(&Stored::F64(of(row))), 2);
 }

@@ -130,7 +130,7 @@ pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
 pub struct Template(Vec<(PathBuf, Vec<u8>)>);
 
 impl Template {
-    /// Keeps the files that `make` leaves in a folder.
+    /// Runs `make` in a folder and keeps its files.
     pub fn new(make: impl FnOnce(&Place)) -> Template {
         let place = Place::new();
         make(&place);

@@ -64,7 +64,7 @@ impl Outcome {
 }
 
 impl Outputs {
-    /// Writes the files and lines of the options.
+    /// Writes the requested files, and annotations to standard output.
     pub fn write(&self, suite: &str, cases: &[Case]) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))

@@ -33,9 +33,9 @@ pub struct Sequence<'a> {
 pub const FRAMES: u64 = 100;
 
 pub struct Wanted {
-    /// The motion of the command line.
+    /// Motion given by an option.
     pub motion: Option<Motion>,
-    /// The motion of a scene without one.
+    /// Motion to use if no motion is given and the scene has only one frame.
     pub otherwise: Option<Motion>,
     /// Maximum number of frames, from the command line.
     pub frames: Option<u64>,

@@ -93,7 +93,7 @@ impl Verified<'_> {
 /// Tests whether each list is that of the frame before or after.
 #[derive(Default)]
 pub(super) struct Shift {
-    /// List and truth of the last frame, in the names of the list.
+    /// Listed and true pairs of the previous frame, named as in the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
     /// Whether some list does not belong to the frame before, and some list not to the frame after.

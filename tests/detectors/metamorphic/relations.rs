@@ -141,7 +141,7 @@ where
     }
 
     pub fn translation(self) -> Change<D> {
-        // 24 bits hold the sums in f32; in cells, steps are 2^-24 of a diameter.
+        // The sums fit the 24 bits of f32; in cells, steps are 2^-24 of a diameter.
         let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
         let offset: [f64; D] = std::array::from_fn(|_| {
             self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0

@@ -71,8 +71,8 @@ fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
 pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     let shape = prop_oneof![3 => Just(Shape::Lattice), 2 => Just(Shape::Cloud), 1 => Just(Shape::Clusters), 1 => Just(Shape::Line)];
     let spacing = prop_oneof![3 => Just(1.0), 2 => Just(0.25), 2 => Just(0.1), 1 => Just(0.3), 1 => Just(1.0 / 3.0), 1 => Just(3e3)];
-    // Radii per spacing: particles touch at distance 1, 2, 3 or (3, 4), miss by one bit, or are
-    // apart.
+    // Radii in units of the spacing: particles touch at an offset of 1, 2, 3 or (3, 4) sites, miss
+    // by one bit, or are apart.
     let (above, below) = (0.5f64.next_up(), 0.5f64.next_down());
     let shares = [0.5, 0.5, 0.5, 1.0, 1.5, 2.5, 0.7, 0.3, above, below, 0.0];
     let share = prop::sample::select(shares.to_vec());

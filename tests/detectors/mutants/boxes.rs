@@ -68,7 +68,7 @@ ways! {
     OtherCorner,
 }
 
-/// The reference on one scene.
+/// The reference detector on one scene.
 struct Search<'a, const D: usize> {
     way: Way,
     scene: &'a Scene<'a, f64, D>,
@@ -78,7 +78,7 @@ struct Search<'a, const D: usize> {
     found: Vec<ImagePair>,
 }
 
-/// A wrapped particle, and its shift in vectors.
+/// A wrapped particle, and its shift as numbers of box vectors.
 type Wrapped = ([f64; 3], [i32; 3]);
 
 impl<'a, const D: usize> Search<'a, D> {

@@ -1,14 +1,4 @@
-//! The hard cases find every wrong detector, and no right one.
-//!
-//! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and tested on
-//! every hard case, in both dimensions and every safe arithmetic; [`boxes`] does the same for
-//! periodic boxes. If no case finds a mutant, a case is missing. A refusal is not wrong. Changes
-//! that look wrong but are not ([`ways::right`]) must pass.
-//!
-//! Cases above [`LIGHT`] run only on mutants that no lighter case finds, and on unchanged
-//! detectors.
-//!
-//! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
+//! The hard cases find every mutant of a detector, and accept every right detector.
 
 /// Declares the mistakes and, after a semicolon, changes that are not mistakes. Values of a
 /// parameter come after `in`.
@@ -79,7 +69,7 @@ enum Verdict {
     Panics,
 }
 
-/// All trials by work, so that the simplest case that finds a mutant is named.
+/// All trials, those of least work first, so that the simplest case that finds a mutant is named.
 static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     let mut trials = Vec::new();
     let open = |case: &&Case| case.expect != Expect::Invalid && case.group != "boxes";

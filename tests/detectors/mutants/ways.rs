@@ -115,7 +115,7 @@ ways! {
     // The hash.
     /// All particles in a bucket count as those of the wanted cell.
     BucketsUncompared,
-    /// A bucket holds only its first cell.
+    /// A bucket keeps the list of its first cell only.
     BucketsOfOneCell,
 
     // The sweep.

@@ -186,7 +186,8 @@ fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failur
     report.unwrap().failures.remove(0)
 }
 
-/// The book's cells lose a pair to the last bits of a coordinate: only those bits stay.
+/// The book's cells lose a pair because of the last bits of a coordinate; shrinking keeps only
+/// those bits.
 #[test]
 fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
     let mut values = vec![-4.0, 0.7, 2.0, -2.0 * f64::EPSILON, 0.7, 2.0, 4.0, 0.7, 2.0];

@@ -36,7 +36,7 @@ const WAYS: [(&str, &str, &str); 14] = [
     // Other output before and between replies.
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
     ("    return pairs\n", "    print('found', file=channel)\n    return pairs\n", "found"),
-    // Another version, arithmetic, digest or unit of time; a sample without repetition.
+    // Wrong version, arithmetic, digest or unit of time, and a sample without repetition.
     ("\"protocol\": 4", "\"protocol\": 3", "protocol 4"),
     ("\"f64\"", "\"double\"", "'double'"),
     ("<< 32", "<< 31", "0x447a68c51d52cce3"),

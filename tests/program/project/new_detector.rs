@@ -46,10 +46,10 @@ fn what_is_written_works() {
         .map(|it| format!("on {}:\n{}", it.found_on, check::as_csv(&it.smallest.scene)))
         .collect();
     assert!(failures.is_empty() && !report.cut && report.cases > 400, "{failures:?}");
-    // It refuses only what the arithmetic cannot hold.
+    // The new detector refuses only what the arithmetic cannot hold.
     let refused = &report.refused;
     assert!(refused.keys().all(|reason| !reason.starts_with("new-detector")), "{refused:?}");
-    // It respects the memory limit.
+    // The new detector respects the memory limit.
     let scene = contactbench::scene::spec::Spec::parse("packed:n=300").unwrap().make().unwrap();
     for (memory_limit, enough) in [(16 * 300, true), (16 * 300 - 1, false)] {
         let (mut count, mut detector) =
@@ -108,7 +108,7 @@ fn the_lines_come_to_their_places() {
         assert_eq!(added(&before["mod.rs"], &after["mod.rs"]), [format!("pub mod {module};")]);
         let modules = after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
         assert!(modules.clone().is_sorted(), "{:?}", modules.collect::<Vec<_>>());
-        // One entry, before the controls.
+        // The table gains one entry, before the controls.
         let table = &after["table/mod.rs"];
         let lines = added(&before["table/mod.rs"], table).join("\n");
         assert_eq!(lines.matches("Entry {").count(), 1, "{lines}");

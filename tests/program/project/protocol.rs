@@ -1,5 +1,5 @@
-//! Holds docs/PROTOCOL.md to the program: its transcript is replayed line by line, it has every
-//! request and reply of the protocol, and its digests are right.
+//! Tests docs/PROTOCOL.md: its transcript is replayed line by line, it has every request and reply
+//! of the protocol, and its digests are right.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -19,7 +19,7 @@ fn block(info: &str) -> Vec<&'static str> {
     lines.take_while(|line| *line != "```").collect()
 }
 
-/// Removes what differs between machines and releases from a message.
+/// Removes from a message what differs between machines and releases.
 fn steady(line: &str) -> Value {
     let mut message: Value = serde_json::from_str(line).unwrap();
     for field in ["time_ns", "calls", "elapsed_ns", "first_ns", "version"] {

@@ -1,5 +1,5 @@
-//! Holds README and docs to the program: their Rust code is that of the compiled example, and their
-//! commands run as written.
+//! Tests README and docs: their Rust code is that of the compiled example, and their commands run
+//! as written.
 
 use std::path::{Path, PathBuf};
 

@@ -81,7 +81,7 @@ fn an_edited_line_is_named() {
         (time, whole, whole.replacen(ns, "\"time_ns\":1", 1), check),
         (time, whole, whole.replacen("\"detector\":\"", "\"detector\":\"x", 1), check),
         (time, whole, whole.replacen("0x", "0x1", 1), check),
-        // Without a checksum, as a line of an older schema, and as malformed JSON.
+        // The line loses its checksum, gets an older schema, or becomes malformed JSON.
         (time, whole, seal::unsealed(whole), check),
         (1, first, older(first), check),
         (time, whole, older(&seal::unsealed(whole)), "schema is 3"),
@@ -214,7 +214,7 @@ fn copies_of_experiments_are_under_the_seal() {
     let edited = "a/experiments/t.toml: ";
     at.file(COPY, format!("{before}# loosened\n"));
     refused(&at, &["1 fault: ", edited, "SHA-256"]);
-    // The plan and its rows are cut, with no line torn or changed.
+    // Part of the plan is removed with its rows; no line is torn or changed.
     at.file(COPY, before.replace("n = [50, 80]", "n = [50]"));
     let rows: String = text.split_inclusive('\n').filter(|it| !it.contains("\"n\":80,")).collect();
     assert_ne!(rows, text);

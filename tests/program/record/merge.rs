@@ -1,4 +1,4 @@
-//! Merged records of shards and machines.
+//! Merging the records of shards and machines.
 
 use std::collections::{BTreeMap, BTreeSet};
 

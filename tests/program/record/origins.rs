@@ -99,7 +99,7 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     let mut compiler = Command::new(rustc);
     compiler.args(["--edition", "2024", "-o"]).args([&script, &source]);
     assert!(compiler.status().unwrap().success());
-    // An unpacked tarball.
+    // A source tree without a repository.
     let tree = at.path("tree");
     std::fs::create_dir_all(tree.join("src")).unwrap();
     for name in ["build.rs", "src/lib.rs", "README.md"] {

@@ -46,7 +46,7 @@ fn reports_name_what_is_missing_and_claim_nothing_of_it() {
     let ended = at.ends(0, "run t.toml --out result", &["claims"]);
     shown(&at, &ended, &["9 scenes, 18 cells", "9 cells"]);
     assert!(!ended.stdout.contains("not covered"), "{}", ended.stdout);
-    // Each scene has three cells of eight rows, because of a twin.
+    // Each scene has three cells of eight rows: two detectors and a twin.
     let whole = at.read("result/samples.jsonl");
     at.file("result/samples.jsonl", whole.split_inclusive('\n').take(5 * 24).collect::<String>());
     let none = "2 not covered";

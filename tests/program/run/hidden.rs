@@ -105,7 +105,8 @@ fn children_that_hide_are_found_and_ended() {
     assert!(all_ended(&at) >= 1);
 }
 
-/// A shell that leaves a process behind, and becomes this program.
+/// A shell starts a process in the background, then becomes this program, which must spare the
+/// process.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_was_there_before_the_first_runner_is_spared() {

@@ -66,7 +66,7 @@ fn a_record_that_was_cut_is_completed() {
     let (at, expected, _) = undisturbed();
     let whole = at.read(RECORD);
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
-    // Every eleventh row meets all passes and outcomes.
+    // Steps of eleven rows reach all passes and outcomes.
     for kept in (0..lines.len()).step_by(11) {
         let torn = &lines[kept][..lines[kept].len() / 2];
         at.file(RECORD, lines[..kept].concat() + torn);
@@ -90,7 +90,7 @@ fn a_run_killed_at_random_moments_is_completed() {
     eprintln!("CONTACTBENCH_SEED={seed}, an undisturbed run takes {took:?}");
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cut_short = 0;
-    // More than three only until one interrupts the run.
+    // More than three kills are tried only until one interrupts the run.
     for kill in 1..=20 {
         if kill > 3 && cut_short > 0 {
             break;

@@ -72,7 +72,7 @@ fn a_row_has_the_fields_of_the_format() {
         }
         assert!(row["resources"]["threads"].is_u64(), "{line}");
         assert_eq!((row["time_ns"].is_u64(), row["first_ns"].is_u64()), (timed, timed));
-        // A sample has many detections.
+        // A sample repeats the detection many times.
         if timed {
             let (calls, elapsed) = (&row["calls"], &row["elapsed_ns"]);
             assert!(calls.as_u64() > Some(100) && elapsed.as_u64() > Some(1_000_000), "{line}");

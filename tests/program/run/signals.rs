@@ -10,8 +10,8 @@ use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
-/// Starts a run with a runner that hangs unless the file `go` exists and notes its processes in
-/// `pids`; waits until it hangs.
+/// Starts a run with a runner that hangs unless the file `go` exists, and that writes its process
+/// ids to `pids`. Returns when it hangs.
 fn hanging(at: &Place) -> Child {
     let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let waits = runner("waits", "sh", &answers(&[("sample", sample)]));

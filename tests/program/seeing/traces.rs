@@ -54,7 +54,7 @@ fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
     links.map(|next| next.value.map_or(-1, |k| i64::from(k) + 1)).collect()
 }
 
-/// Arrays of example G5 of the book (p103-110), and the number of steps.
+/// The arrays equal those of example G5 in the book (p103-110), and the number of steps is fixed.
 #[test]
 fn the_books_ten_particles_are_shown_as_printed() {
     let trace = trace(Algorithm::Nbs, None).unwrap();

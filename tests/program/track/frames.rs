@@ -149,7 +149,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let frames = found["frames"].as_array().unwrap();
     let missed: Vec<&Value> = frames.iter().map(|frame| &frame["errors"]["missed"]).collect();
     assert_eq!(missed, [0, 1, 0, 0, 0, 1].map(Value::from).each_ref());
-    // A single frame has the same result; a list of another step is refused.
+    // A frame compared alone has the same result; a list of another step is refused.
     let one = "verify t.dump --pairs l.dump";
     let of_step = at.json(&format!("{one} --frame 4 --pairs-frame 2"));
     assert_eq!(of_step["errors"], frames[2]["errors"]);
@@ -167,7 +167,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     at.ends(2, verify, &["l.dump: ", "step 210", "0 50 100 150 200 250"]);
 }
 
-/// The table has the worst frames and the first wrong one.
+/// The table shows the worst frames and the first wrong one.
 #[test]
 fn of_many_frames_the_worst_are_shown() {
     let at = Place::new();

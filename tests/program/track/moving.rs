@@ -78,7 +78,7 @@ pub const SAME: [(&str, &str); 10] = [
     ("deepest_late", "deepest"),
 ];
 
-/// Frames, boxes and answers go between processes, and each frame is judged.
+/// Runners receive frames and boxes and return answers; each frame is judged.
 #[test]
 fn trackers_in_boxes_are_judged_frame_by_frame() {
     let at = Place::new();
