@@ -97,7 +97,7 @@ title = "Skins"
 kind = "speed-error"
 "#;
     at.file("steps.toml", experiment);
-    at.ends(0, "run steps.toml --out out", &["2 claims: 2 hold"]);
+    at.ends(0, "run steps.toml --out out", &["Both claims hold"]);
     let found = at.json(FLIGHT);
     let [every, lammps, half_skin] = &found["trackers"].as_array().unwrap()[..] else { panic!() };
     let mut judged = 0;
