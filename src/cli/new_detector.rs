@@ -27,7 +27,7 @@ const KEYWORDS: [&str; 60] = [
     "alloc", "test", "tests", "all", "none",
 ];
 
-/// Most letters of a name, so that tables stay readable.
+/// Maximum number of letters in a name, so that tables stay readable.
 const LONGEST: usize = 32;
 
 #[derive(clap::Args)]

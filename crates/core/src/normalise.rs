@@ -14,10 +14,10 @@ use crate::wide::{Kernel, Level, Wide};
 const FEW: usize = 1024;
 /// Shorter lists are sorted by one thread.
 const FEW_FOR_THREADS: usize = 1 << 17;
-/// Most bits of first indices that are counted at once, and the preferred number.
+/// Maximum number of bits of first indices that are counted at once, and the preferred number.
 const COUNTED: u32 = 14;
 const WELL_COUNTED: u32 = 12;
-/// Most pairs that are counted at once.
+/// Maximum number of pairs that are counted at once.
 const TOGETHER: usize = 1 << 16;
 
 /// Puts the smaller index of each pair first and sorts the pairs in ascending order.

@@ -4,7 +4,7 @@
 //! sort, Computing Systems 6(1), 5-27. Unlike theirs, a displaced item waits until its part is
 //! scanned, so that no swap waits for the one before.
 
-/// Most bits of a digit: caches and pages support as many write positions.
+/// Maximum number of bits of a digit: caches and pages support 2^10 write positions.
 pub(crate) const DIGIT: u32 = 10;
 
 /// Prefetches an element that will be written soon.

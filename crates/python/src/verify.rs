@@ -108,7 +108,8 @@ fn held(
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
     let found = contactbench_run::check::verify::verify(&job)?;
     let reading = contactbench_run::check::verify::explain(&job, &found, None)?;
-    // Causes need exact images: a list in a box without images does not identify its contacts.
+    // Only rounded arithmetics have causes. The list must identify its contacts: without allowed
+    // deviations, and with images if there is a box.
     if terms.arithmetic == Default::default()
         || terms.allowed != Allowed::default()
         || lattice.is_some() && list.images.is_none()

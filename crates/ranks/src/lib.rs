@@ -59,20 +59,20 @@ pub struct Row {
     pub around: bool,
     /// Fewest and most particles that a rank owns.
     pub own: [u64; 2],
-    /// Most particles that a rank holds for others.
+    /// Largest number of particles that a rank holds for others.
     pub halo_most: u64,
     pub sent: u64,
     /// Bytes sent in a step, counted; `sent` times the bytes of one particle.
     pub sent_bytes: u64,
     pub sent_bytes_most: u64,
     pub partners_most: u64,
-    /// From the start of a step to the last contact.
+    /// Time from the start of a step to the last contact.
     pub step_ms: f64,
     /// The part of `step_ms` until the particles of other ranks have arrived.
     pub exchange_ms: f64,
     /// Time of the search: the rest of `step_ms`.
     pub search_ms: f64,
-    /// The same search, repeated after each step while all other ranks wait.
+    /// Time of the search if it is repeated after each step while all other ranks wait.
     pub alone_ms: f64,
     /// Ratio of `alone_ms` to the longest step of any rank, per step: the part of a step that an
     /// undisturbed search of own particles and halo takes.
@@ -80,8 +80,8 @@ pub struct Row {
     /// Ratio of `alone_ms` to the longest search: about the speed that sharing memory and cores
     /// leaves, because the later search finds warm caches.
     pub alone_over_search: Option<Interval>,
-    /// Most bytes of particles, buffers and contacts in a rank, by their formulas; messages are not
-    /// included.
+    /// Largest memory of a rank, in bytes by formula: particles, buffers and contacts, without
+    /// messages.
     pub memory_most: u64,
     pub pairs: u64,
     pub digest: String,

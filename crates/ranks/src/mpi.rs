@@ -10,7 +10,7 @@ use mpi::traits::{Communicator, CommunicatorCollectives};
 use crate::rank::{Failure, together};
 use crate::world::World;
 
-/// Most bytes that a rank sends at once, because MPI counts them in 32 bits.
+/// Maximum number of bytes that a rank sends at once, because MPI counts them in 32 bits.
 const MOST: usize = 1 << 30;
 
 /// The ranks that `mpirun` started. Dropping this ends MPI.

@@ -217,8 +217,8 @@ where
         Ok(())
     }
 
-    /// Returns the bytes of particles and of the searcher's last detection, by their formulas,
-    /// without the lists of contacts.
+    /// Returns the memory of the particles and of the searcher's last detection, in bytes by
+    /// formula. The lists of contacts are not included.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
         (self.bodies.len() * each) as u64 + searcher.formula_bytes()

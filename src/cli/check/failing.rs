@@ -16,7 +16,7 @@ use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::{mean_radii, plural};
 use contactbench_views::draw::{self, Highlighted, Look};
 
-/// Most kinds of refusals printed.
+/// Maximum number of kinds of refusals printed.
 const KINDS: usize = 6;
 
 /// Returns the file for a failing scene.

@@ -23,7 +23,7 @@ use contactbench_run::check::verify::{Naming, Verification};
 use contactbench_run::moving::Late;
 use contactbench_terms::number::{mean_radii, plural, wrap};
 
-/// Most frames in the table.
+/// Maximum number of frames in the table.
 const SHOWN: usize = 12;
 /// Bytes of a missed pair while it is followed.
 const FOLLOWED: u64 = 128;
@@ -136,7 +136,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        // An empty list does not determine how the others are read.
+        // An empty list does not determine how the lists of other frames are read.
         if all.rows.iter().all(|row| row.listed == 0) {
             let compared = verified.compared();
             all.read = Some((verified.list.format, words(verified.naming), compared));

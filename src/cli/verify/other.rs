@@ -5,7 +5,7 @@ use crate::cli::verify::{Verified, Verify, counted};
 use contactbench_io as io;
 use contactbench_run::check::verify::Meaning;
 
-/// Most particles, summed over frames, and most pairs that are compared for a hint.
+/// Maximum number of particles, summed over frames, and of pairs that are compared for a hint.
 const MOST: u64 = 2_000_000;
 /// Frames after which a shift by one frame is accepted.
 const ENOUGH: u32 = 8;

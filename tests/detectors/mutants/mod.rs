@@ -58,7 +58,7 @@ struct Trial {
     work: u64,
 }
 
-/// Most work of a light case.
+/// Maximum work of a light case.
 const LIGHT: u64 = 12_000;
 
 #[derive(Debug, PartialEq)]

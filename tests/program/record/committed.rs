@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::committed::committed;
 use crate::common::{Place, untested};
 
-/// Most lines of a write-up.
+/// Maximum number of lines in a write-up.
 const LONGEST: usize = 70;
 
 fn read(path: impl AsRef<Path>) -> String {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::Options;
 use super::any::AnyDetector;
 
-/// Purpose of an entry.
+/// Kind of an entry: a detector of this project, a control, a twin or a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Finds all contacts.

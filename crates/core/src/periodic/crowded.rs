@@ -24,7 +24,7 @@ const FEW: u64 = 1024;
 const EACH: u64 = 16;
 /// A detector tests this many pairs of two images in the time of one test here.
 const CHEAPER: f64 = 8.0;
-/// Most pairs that are drawn for an estimate.
+/// Maximum number of pairs that are drawn for an estimate.
 const DRAWN: u64 = 1 << 16;
 /// Standard errors that are subtracted from an estimate for a safe lower bound.
 const SURE: f64 = 4.0;

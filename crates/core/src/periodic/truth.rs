@@ -164,8 +164,9 @@ fn tested<const D: usize>(
         return Err(Refusal::Range);
     }
     let at = |index: usize| array(&scene.centres()[index]);
-    // A sphere fills half of the box around it, or much less of a skewed one; most pairs have no
-    // image in reach.
+    // Limit for the tested images: 8 per pair, although most pairs have no image in reach, and 16
+    // per contact that fits in memory. The tested images fill a box around a sphere, which takes
+    // half of it, or much less if the box is skewed.
     let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
     let (mut images, mut list) = (0.0, List::new(limit));
     let few: Vec<usize> = match chosen {

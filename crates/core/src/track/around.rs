@@ -58,7 +58,8 @@ struct Vectors<const D: usize> {
     /// Duals of the shortest vectors of the lattice; `numbers` combines those from the box vectors.
     duals: [[f64; D]; 3],
     numbers: Numbers,
-    /// A particle that moves farther in a frame was probably given by another image.
+    /// Longest plausible displacement in one frame. A particle that moves farther was probably
+    /// stored as another image.
     far: f64,
 }
 
@@ -72,7 +73,7 @@ impl<const D: usize> Vectors<D> {
 
     fn new(lattice: &Lattice) -> Vectors<D> {
         let mut all = Vectors::NONE;
-        // Reduced first, so that the tilt does not matter.
+        // Duals and heights are those of the reduced lattice, so that the tilt does not matter.
         let (short, numbers) = lattice.reduced();
         all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {

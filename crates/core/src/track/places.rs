@@ -44,7 +44,7 @@ impl<const D: usize> Default for Unit<D> {
 }
 
 impl<const D: usize> Unit<D> {
-    /// Creates a unit for particles of up to this diameter within this box.
+    /// Creates the unit of stored positions for particles of up to this diameter within this box.
     pub fn new((low, high): Corners<D>, diameter: f64) -> Unit<D> {
         // Keeps the unit a normal double for any diameter.
         const FEWEST: u64 = 1023 - 1000;

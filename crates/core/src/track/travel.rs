@@ -8,8 +8,9 @@ use crate::scene::array;
 /// fl(fl(x - y)²). The bound is never 0.
 ///
 /// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`crate::filter`],
-/// section 5). So it is at most what is under the root here, whose own two roundings are within the
-/// other 8u. A root is rounded correctly, and the next double is above the true one.
+/// section 5). The code takes the root of (1 + 16u) times the computed one plus 2^-960, which is
+/// larger, because its two roundings take less than the other 8u. `sqrt` rounds correctly, so the
+/// next double is above the true root.
 pub(super) fn at_most(square: f64) -> f64 {
     const BAND: f64 = 16.0 / (1u64 << 53) as f64;
     const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);

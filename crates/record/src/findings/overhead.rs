@@ -18,7 +18,7 @@ pub struct Overhead {
     pub n: u64,
     pub detector: String,
     pub scene: String,
-    /// From this n on, the share is below [`LEAST`] everywhere; `None` if it never is.
+    /// Smallest n from which the share of the harness stays below [`LEAST`] in all scenes.
     pub clear_from: Option<u64>,
 }
 

@@ -10,7 +10,7 @@ use contactbench_record::experiment::twice;
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
 
-/// A group of several [`Group`]s of the table.
+/// The group `@all`: its name, and the [`Group`]s of the table that it stands for.
 const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
 
 pub fn groups() -> impl Iterator<Item = &'static str> {

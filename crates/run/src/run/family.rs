@@ -119,8 +119,9 @@ mod orphans {
         ALONE.get_or_init(|| {
             // If the system lacks this feature, only process groups are ended.
             let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-            // Children that exist already (of a shell that became this program by `exec`) are left
-            // alone, with their children. Process 1 of a container adopts all orphans.
+            // Orphans are ended only if all of them come from runners. A shell that became this
+            // program by `exec` may have left other children, and process 1 of a container adopts
+            // all orphans.
             own() != 1 && children().iter().all(|child| child.ended)
         });
     }

@@ -12,8 +12,9 @@ use std::time::Instant;
 use crate::run::processors;
 use contactbench_core::sink::splitmix64;
 
-/// More than the caches of one core hold, on most machines. In a debug build, whose times are not
-/// used, the loop would take longer than the sample.
+/// Memory that the loop reads, in bytes: more than the caches of one core hold on most machines.
+/// Less in a debug build, whose times are not used, because the loop would take longer than the
+/// sample.
 const BYTES: usize = if cfg!(debug_assertions) { 64 << 10 } else { 8 << 20 };
 const WORDS: usize = BYTES / size_of::<u32>();
 /// Number of dependent reads, which take about as long as reading everything once.

@@ -54,12 +54,12 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// Most draws for one particle, and most draws per particle on average.
+/// Maximum number of draws for one particle, and for each particle on average.
 const TRIES: u64 = 100_000;
 const TRIES_EACH: u64 = 1_000;
 /// Ratio of the largest radius of a layer to that of the next.
 const STEP: f64 = 2.0;
-/// Most cells of a layer per particle.
+/// Maximum number of cells of a layer, per particle.
 const CELLS: f64 = 4.0;
 const NONE: u32 = u32::MAX;
 

@@ -155,8 +155,8 @@ fn graded(inputs: &Inputs<'_>) -> anyhow::Result<Vec<f64>> {
     Ok(radii)
 }
 
-/// Returns the quantile `part` of radii from 1 to `ratio` whose numbers have the density r^(power -
-/// 1).
+/// Returns the quantile `part` (0 to 1) of a distribution of radii from 1 to `ratio` whose density
+/// is proportional to r^(power - 1).
 fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
     if (power * libm::log(ratio)).abs() < 1e-9 {
         return libm::pow(ratio, part);

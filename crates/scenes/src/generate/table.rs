@@ -57,7 +57,7 @@ pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> 
 pub struct Parameter {
     pub name: &'static str,
     pub kind: Kind,
-    /// The default in 2D and in 3D.
+    /// Value if the parameter is not given, in 2D and in 3D.
     pub default: [Preset; 2],
     /// Meaning and unit, for lists and help.
     pub meaning: &'static str,

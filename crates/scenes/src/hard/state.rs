@@ -23,7 +23,7 @@ pub const MAKERS: &[Maker] = &[
         let all = lattice(dim, [8, 5], |k| k);
         let mut fewer = all.clone();
         fewer.remove(20);
-        // Inserted with another number, the last one.
+        // The removed particle comes back with the last number.
         let again = [&fewer[..], &[all[20]]].concat();
         history([all, fewer, again].map(|places| uniform(dim, places, 0.5)))
     }),

@@ -49,7 +49,7 @@ fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
     }
 }
 
-/// These bits must not change, because records name the same scenes and motions.
+/// The positions must not change by a bit, because records identify scenes and motions by name.
 #[test]
 fn frames_have_the_same_bits_on_every_machine() {
     let digest = |given: &Given| {

@@ -40,9 +40,10 @@ use sheet::Sheet;
 use contactbench_core::periodic::Periodic;
 use contactbench_terms::number::number;
 
-/// Most particles of a picture: more become a grey surface, in a file that no viewer opens.
+/// Maximum number of particles in a picture. More would look like a grey surface, in a file that no
+/// viewer opens.
 pub const MOST_PARTICLES: usize = 200_000;
-/// Most lines between particles.
+/// Maximum number of lines between particles.
 pub const MOST_LINES: usize = 2_000_000;
 /// Up to this number, particles are labelled.
 pub const LABELLED: usize = 60;

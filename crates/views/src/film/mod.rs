@@ -17,7 +17,7 @@ use contactbench_terms::number::{number, plural};
 
 /// Size of the largest page, in bytes: larger pages are slow to open.
 pub const MOST_BYTES: usize = 5_000_000;
-/// Most circles of a frame: their numbers have 16 bits.
+/// Maximum number of circles in a frame: their numbers have 16 bits.
 pub const MOST_CIRCLES: usize = 20_000;
 /// Bytes of the page for a circle of constant radius, for any other circle, and for a pair. A
 /// number has 16 bits; base64 needs four letters for three bytes.

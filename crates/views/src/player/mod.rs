@@ -31,7 +31,7 @@ pub fn data(value: &serde_json::Value) -> String {
     value.to_string().replace("</", "<\\/")
 }
 
-/// Puts the colours into rules that name them as `@ink`.
+/// Replaces names of colours in CSS, such as `@ink`, by their values.
 pub fn painted(rules: &str, dark: bool) -> String {
     COLOURS.iter().fold(rules.to_string(), |rules, (name, colours)| {
         rules.replace(name, colours[usize::from(dark)])

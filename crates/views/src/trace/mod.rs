@@ -41,7 +41,7 @@ use contactbench_core::probe::{Op, Silent, Tally};
 use contactbench_core::scene::{AnyScene, Stored, array};
 
 pub const MOST_PARTICLES: usize = 60;
-/// Most cells along an axis that can be shown, borders included.
+/// Maximum number of cells along an axis, borders included.
 pub const MOST_CELLS: u32 = 40;
 pub const MOST_STEPS: usize = 3000;
 

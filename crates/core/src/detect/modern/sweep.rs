@@ -29,7 +29,7 @@ use crate::sink::Sink;
 /// Sort and sweep, in `D` dimensions.
 pub struct Sweep<const D: usize> {
     options: Options,
-    /// Sorted by the lower end of their intervals.
+    /// Copies of the particles, sorted by the lower end of their intervals on the first axis.
     pub(crate) records: Vec<Record<D>>,
     /// Lower ends along the second axis.
     lows: Vec<f32>,

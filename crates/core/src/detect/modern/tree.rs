@@ -15,7 +15,7 @@ use crate::filter;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 
-/// Most records of a leaf.
+/// Maximum number of records in a leaf.
 pub const LEAF: usize = 16;
 
 /// Sorted records, and boxes around them.

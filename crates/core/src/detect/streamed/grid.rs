@@ -27,7 +27,7 @@ use crate::filter::cells::MOST_CELLS;
 use crate::scene::Real;
 use crate::sink::splitmix64;
 
-/// Most fraction bits of a coordinate.
+/// Maximum number of fraction bits of a coordinate.
 const FRACTION: u32 = 20;
 /// Fraction bits in the sparse form, where a record has three 64-bit words.
 pub(super) const SPARSE_FRACTION: u32 = 16;
@@ -38,10 +38,11 @@ pub(super) const STEPS_OFF: f64 = 2.1;
 /// Measured optimum: more cells cost more than longer ranges of candidates. A value of 2.5 costs
 /// crowded scenes more time than it saves loose ones.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
-/// Most particles per column of a flat grid, in 2D and 3D: one or two vectors of candidates per
-/// range (measured).
+/// Maximum number of particles per column of a flat grid, in 2D and 3D: one or two vectors of
+/// candidates per range (measured).
 const COLUMN: [f64; 2] = [8.5, 8.0];
-/// Most columns per particle in a flat grid; with few particles, caches hold more columns.
+/// Maximum number of columns per particle in a flat grid; with few particles, caches hold more
+/// columns.
 const COLUMNS_PER_BODY: f64 = 6.0;
 /// Scenes with at most this many particles are not checked for crowds.
 pub(super) const FEW: usize = 4096;

@@ -165,12 +165,12 @@ impl Scratch {
     }
 }
 
-/// Most particles whose neighbours are collected before they are paired.
+/// Maximum number of particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
 /// Space for a particle's contacts in one vector; more are rare and left to the careful form.
 const KEPT: usize = 8;
-/// Most vectors of candidates per particle; more are left to the careful form. In crowded scenes
-/// one particle in 4,000 has more.
+/// Maximum number of vectors of candidates per particle; more are left to the careful form. In
+/// crowded scenes one particle in 4,000 has more.
 const VECTORS: usize = 10;
 /// Number of neighbours that ends a block.
 const ENOUGH: usize = 512;

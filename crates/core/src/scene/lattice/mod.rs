@@ -77,7 +77,7 @@ impl Lattice {
             return Err(LatticeError::Finite { value });
         }
         let lattice = Lattice { vectors, periodic, origin };
-        // Reduced first, so that the tilt does not matter.
+        // Heights are those of the reduced lattice, so that the tilt of the box does not matter.
         let (reduced, _) = lattice.reduced();
         for vector in (0..3).filter(|&vector| periodic[vector]) {
             let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));

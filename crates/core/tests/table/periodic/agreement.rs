@@ -82,8 +82,8 @@ fn detectors_find_the_truth_in_space() {
     assert!(seen.own_images > 100 && seen.far_images > 500, "{seen:?}");
 }
 
-/// The truth of a rounded arithmetic depends on the images made. The test finds no further contacts
-/// if many more images are made.
+/// The truth of a rounded arithmetic comes from the images that [`Images`] makes. The test makes
+/// many more images, and finds no further contacts.
 #[test]
 fn no_further_image_touches_in_a_rounded_arithmetic() {
     fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize

@@ -21,7 +21,7 @@ fn ratios_are_paired_sorted_and_without_wrong_winners() {
         lab.detector("screening").time(&[screening * n; 15]);
         lab.detector("sorting").time(&[sorting * n; 15]);
         lab.detector("nothing").time(&[1; 15]).edit(|row| row.outcome = Outcome::Control);
-        // The fastest is wrong, and a library is missing in its only arithmetic.
+        // The fastest subject is wrong. The library `peer`, in f64 only, is not installed.
         lab.detector("direct").time(&[50 * n; 15]).edit(|row| row.outcome = Outcome::Wrong);
         let why = format!("get it, {n}");
         lab.arithmetic("f64").detector("peer").fail(Pass::Time, Outcome::Unavailable, &why);

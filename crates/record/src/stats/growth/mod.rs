@@ -155,10 +155,9 @@ fn student(freedom: usize) -> f64 {
     }
 }
 
-/// The exponent over the last octaves, compared with the law's over the same N.
+/// The exponent measured over the last octaves of N, and that of the law over the same N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail {
-    /// The smallest and the largest N of these.
     pub sizes: [f64; 2],
     pub found: f64,
     pub law: f64,

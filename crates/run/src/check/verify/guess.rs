@@ -9,7 +9,8 @@ const ENOUGH: usize = 3;
 /// The period along each axis; `None` along axes that no pair crosses.
 pub(super) type Periods = [Option<f64>; 3];
 
-/// The longest box in which all distant listed pairs touch, and these pairs.
+/// Returns the periods of a box in which all listed pairs that are far apart touch, and these
+/// pairs. `None` if there are fewer than [`ENOUGH`] such pairs, or no box fits them all.
 pub(super) fn periods(
     space: &Periodic<'_>,
     listed: &Contacts,

@@ -31,7 +31,7 @@ use contactbench_scenes::touching::{contacts, gap, resized};
 
 /// Number of pairs kept of each kind, unless all missed pairs are requested.
 pub const WORST: usize = 100;
-/// Bytes per pair of list and truth that the search for mistakes needs at most.
+/// Largest memory of the search for mistakes, in bytes per pair of the list and of the truth.
 const READING_BYTES: u64 = 128;
 
 /// Deviations that are not errors.

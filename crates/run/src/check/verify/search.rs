@@ -45,8 +45,8 @@ impl<'a> Search<'a> {
         Ok(Some(search.best).filter(|reading| reading.wrong < given.div_ceil(2)))
     }
 
-    /// Tries all interpretations of numbers, directions and images; also returns the number of
-    /// differing pairs without a mistake.
+    /// Tries all interpretations of numbers, directions and images. Also returns how many pairs
+    /// differ if the list is read as given, without assuming a mistake.
     fn of_list(
         job: &'a Job<'a>,
         truth: &Contacts,

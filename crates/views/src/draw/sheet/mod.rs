@@ -17,7 +17,7 @@ use contactbench_io::boxes::{along, outside};
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
 
-/// Most pixels of the drawing along an axis, without margins and text.
+/// Largest width and height of the drawing in pixels, without margins and text.
 const MOST: [f64; 2] = [960.0, 720.0];
 const HEADER: f64 = 46.0;
 const ROW: f64 = 22.0;

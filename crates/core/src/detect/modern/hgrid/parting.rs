@@ -7,11 +7,12 @@ use super::levels::MOST_LEVELS;
 /// Position of the borders between levels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
-    /// The largest radius divided by a ratio, again and again; `None` puts all sizes in one level.
+    /// Borders at the largest radius divided by a ratio, again and again; `None` puts all sizes in
+    /// one level.
     Ratio(Option<f64>),
-    /// At the given radii.
+    /// Borders at the given radii.
     Borders(Borders),
-    /// At the radii for which a model of the work is least.
+    /// Borders at the radii that minimise the work in a model.
     Optimal,
 }
 
