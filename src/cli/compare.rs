@@ -64,7 +64,7 @@ struct Comparison<'a> {
     failed: usize,
 }
 
-/// Compares two records; exit code 1 if a cell fails.
+/// Compares two records; exit code 1 if a cell fails the comparison.
 pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     ensure!(
         (0.0..=1000.0).contains(&options.band),

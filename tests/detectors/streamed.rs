@@ -94,7 +94,8 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
     assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 8);
 }
 
-/// Two heaps so far apart that a coordinate wraps many times between them, and one across a wrap.
+/// Two heaps are so far apart that a coordinate wraps many times between them; one heap lies across
+/// a wrap.
 #[test]
 fn coordinates_that_begin_again() {
     let heap = |x: f64, y: f64| {
@@ -183,7 +184,7 @@ fn threads_find_the_same() {
     }
 }
 
-/// f32 leaves few pairs undecided, but on a lattice of tangent particles every contact.
+/// f32 leaves few pairs undecided, but all contacts of a lattice of tangent particles.
 #[test]
 fn few_pairs_are_left_to_the_contact_test() {
     let asked_of_contacts = |text: &str| {

@@ -239,7 +239,7 @@ impl Verified<'_> {
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// How pairs in a box were compared, as the word of the JSON and as a sentence.
+    /// How pairs in a box were compared: the word in JSON, and a sentence.
     fn compared(&self) -> Option<Compared> {
         self.lattice()?;
         Some(match self.found.taken {

@@ -103,7 +103,7 @@ impl<'a, const D: usize> Search<'a, D> {
             Way::OtherCorner => (0..3).for_each(|k| origin[k] -= 0.625 * vectors[k][k]),
             _ => {}
         }
-        // The given lattice, if the change is not a box.
+        // The given lattice, if the change does not result in a valid box.
         let lattice = Lattice::new(vectors, repeats, origin).unwrap_or(*lattice);
         let row = |v: usize| match lattice.periodic()[v] {
             true => std::array::from_fn(|k| lattice.vectors()[v][k]),

@@ -1,4 +1,14 @@
 //! The hard cases find every mutant of a detector, and accept every right detector.
+//!
+//! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and tested on
+//! every hard case, in both dimensions and every safe arithmetic; [`boxes`] does the same for
+//! periodic boxes. If no case finds a mutant, a case is missing. A refusal is not wrong. Changes
+//! that look wrong but are not ([`ways::right`]) must pass.
+//!
+//! Cases of more work than [`LIGHT`] run only on mutants that no lighter case finds, and on
+//! unchanged detectors.
+//!
+//! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
 /// Declares the mistakes and, after a semicolon, changes that are not mistakes. Values of a
 /// parameter come after `in`.

@@ -17,7 +17,7 @@
 //!
 //! Words are names, numbers, options and keys, not sentences. `ARRAYS/` stands for the folder
 //! `tests/data/arrays`. Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Line breaks count as
-//! blanks. Exit code 2 goes with one line that begins with `contactbench: `.
+//! blanks. A run with exit code 2 prints one line that begins with `contactbench: `.
 //!
 //! `pages/*.txt` hold whole pages: lines that make files, then `$ ARGUMENTS`, what that run prints
 //! on 80 columns, and its exit code if it is not 0. This command writes them again:

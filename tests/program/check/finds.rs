@@ -242,7 +242,7 @@ fn a_refusal_after_pairs_is_a_failure() {
         (failure.wrong.clone(), failure.smallest.scene.len()),
         (Some(Wrong::RefusesLate(136)), 17)
     );
-    // In a box: a sphere that touches 32 of its images.
+    // A sphere in a periodic box touches 32 of its images.
     let sphere = Scene::<f64, 3>::new(vec![[0.5; 3].into()], Radii::Uniform(1.0)).unwrap();
     let cube = Lattice::along_axes([1.0; 3], [true; 3]).unwrap();
     let given = Given::in_box(sphere.into(), cube).unwrap();

@@ -49,7 +49,8 @@ fn check_takes_scenes() {
     let words = "two.csv: 1 missed, 0 spurious, 0 duplicate";
     at.ends(1, &format!("{line} --out new/folder"), &[words]);
     assert!(at.path("new/folder/failing-nothing-exact-two.csv").exists());
-    // Without --out, `check` writes into a new folder in the temporary one, which is this folder.
+    // Without --out, `check` makes a folder in the temporary folder, which is this one in the
+    // tests.
     let before = std::fs::read_dir(at.root()).unwrap().count();
     let wrong = at.ends(1, line, &[]).stdout;
     let place = wrong.lines().find_map(|line| line.split_once("smallest failing scene: "));

@@ -72,7 +72,7 @@ fn a_reader_that_has_seen_enough_is_no_error_and_a_full_disk_is_one() {
     let at = Place::new();
     // 400 discs in one place: 79,800 pairs, more than a pipe holds.
     at.file("heap.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(400)));
-    // Its output stays in a buffer until the end.
+    // The few lines of its output stay in a buffer until the end.
     at.file("two.csv", "x,y,r\n0,0,1\n0,0,1\n");
     let first = at.shell(&format!("{{ {PROGRAM} detect heap.csv; echo $? > code; }} | head -1"));
     assert_eq!(first.stdout, "i,j\n");

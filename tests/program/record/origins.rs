@@ -127,7 +127,7 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     if git(&["init", "-q"]).is_none() {
         return untested("that the build notes its commit", "git");
     }
-    // In a foreign repository.
+    // The folder is in a repository that does not track these sources.
     assert_eq!(noted(), unknown);
     let commit = || {
         git(&["add", "-A"]).unwrap();

@@ -168,7 +168,7 @@ fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     }
 }
 
-/// A wrong answer is printed first and once, on the terminal and on every page.
+/// A wrong answer is printed once, before all else, on the terminal and on every page.
 #[test]
 fn who_is_wrong_comes_first_and_once() {
     let at = Place::new();

@@ -98,7 +98,7 @@ fn a_run_killed_at_random_moments_is_completed() {
         let what = format!("kill {kill} of seed {seed}");
         let at = Place::new();
         at.file("t.toml", experiment());
-        // Kills the program after a while.
+        // Kills the program after a random time.
         let mut killed = |line: &str| {
             let words: Vec<&str> = line.split(' ').collect();
             let mut program = program(at.root(), &words);

@@ -72,7 +72,7 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
         assert!(row.time_ns > Some(0) && row.calls >= Some(2), "{row:?}");
         assert!(row.digest.is_some() && row.counts.is_empty(), "{row:?}");
     }
-    // Two scenes; three subjects with two threads, one of them without a time for one thread.
+    // Two scenes with three subjects of two threads, one of which has no time with one thread.
     let lines = |name: &str| at.read(&format!("result/{name}")).lines().count();
     assert_eq!(lines("threads.csv"), 1 + 2 * 2);
     assert_eq!(lines("ratios.csv"), 1 + 2 * (2 + 1 + 1 + 2 + 2 + 1));

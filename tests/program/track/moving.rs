@@ -32,7 +32,7 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     }
     let inspected = at.json("inspect all.xyz --frame all");
     assert_eq!(moved(&inspected["motion"]), moved(&read));
-    // One frame alone is a scene in its box, and can move.
+    // One frame alone is a scene in its box, and another motion can move it.
     at.good(&format!("scene {SHEARED} --motion shear:speed=0.25 --at 29 -o a.xyz"));
     assert_eq!(at.read("a.xyz").lines().nth(1), Some(boxes[29]));
     let on = "--motion drift:speed=0.1 --frames 3 --tracker every-step(nbs)";
