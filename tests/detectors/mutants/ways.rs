@@ -101,7 +101,7 @@ ways! {
     ByteCount,
 
     // State.
-    /// Lists are not emptied.
+    /// Lists of an earlier call are not emptied.
     StaleLists,
     /// The grid is kept if N is unchanged.
     StaleGrid,
@@ -158,7 +158,7 @@ impl Way {
         }
     }
 
-    /// Returns the dimension in which it differs from its algorithm, if only one.
+    /// Returns the dimension in which this way differs from its algorithm, if only one.
     pub fn dim(self) -> Option<usize> {
         match self {
             Way::MaskWithout([dim, _]) | Way::MaskRepeats([dim, _]) | Way::Mirrored([dim, _]) => {
