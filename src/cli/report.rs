@@ -64,7 +64,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
         "the record in {} has no rows; run the experiment first",
         folder.display()
     );
-    // In the order in which they were run.
+    // The experiments, in the order in which they ran.
     let listed = part.provenance.as_ref().and_then(|fields| fields.get("experiments")?.as_array());
     let place = |name: &str| listed.and_then(|all| all.iter().position(|known| known == name));
     let mut copies: Vec<(&String, &String)> = part.experiments.iter().collect();

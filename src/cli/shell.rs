@@ -84,7 +84,7 @@ fn with_files(shell: Shell, script: &str) -> String {
                     );
                 }
             }
-            // Bash falls back to files.
+            // Bash completes file names by default.
             _ => {}
         }
     }

@@ -65,7 +65,7 @@ fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usi
     for level in Level::all() {
         for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
             let mut detector = in_form(level, form);
-            // The second time in used buffers.
+            // The second round uses the buffers of the first.
             for round in 0..2 {
                 let found = answer(&mut detector, scene, test);
                 let level = level.name();

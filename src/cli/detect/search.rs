@@ -104,7 +104,7 @@ impl Search {
         });
         let time = started.elapsed();
         result?;
-        // Live bytes include the lists of pairs.
+        // Live bytes include the lists of pairs, which are not memory of the detector.
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));

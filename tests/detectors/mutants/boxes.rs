@@ -200,7 +200,7 @@ impl<'a, const D: usize> Search<'a, D> {
     fn test(&mut self, [i, j]: [usize; 2], [a, b]: [Wrapped; 2], image: [i32; 3]) {
         let (r, s) = (self.scene.radius(i), self.scene.radius(j));
         let there = self.place(&std::array::from_fn(|k| b.0[k]), image);
-        // A quick test with a wide margin.
+        // Rejects distant pairs quickly, with a wide margin.
         let apart = |k: usize| {
             (a.0[k] - there[k]).abs() > 2.0 * (r + s) + 1e-9 * (a.0[k].abs() + there[k].abs())
         };

@@ -41,7 +41,7 @@ fn real_sets_have_their_number_of_contacts() {
         }
         assert_eq!(oracle::truth(&scene, Arithmetic::Exact).unwrap().digest, digest, "{file}");
     }
-    // Errors of rounding in a packing that is exactly jammed.
+    // Rounding to f32 breaks contacts of a packing that is exactly jammed.
     let jammed = read("rcp_packing/centres.npy", Some(0.5));
     assert_eq!(oracle::truth(&jammed, Arithmetic::F32).unwrap().digest.contacts, 14_851);
     // The dump has twelve columns, the CSV made from it four.

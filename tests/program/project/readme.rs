@@ -110,7 +110,7 @@ fn the_measured_table_is_that_of_the_record() {
         .filter(|line| line.starts_with("| `"))
         .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
         .collect();
-    // A user's own detector is in neither table.
+    // A detector added by a user is in neither table.
     let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
     let recorded = |name: &str| cells.iter().filter(is_shown).any(|cell| cell.id.detector == name);
     let names: Vec<String> = ours

@@ -40,7 +40,7 @@ to = "list_push"
 where = { detector = "nbs" }
 "#;
 
-/// A fingerprint of no scene.
+/// A fingerprint that no scene or answer has.
 const OTHER: &str = "0x0000000000000001";
 
 /// Copies a result folder with its rows and provenance changed.

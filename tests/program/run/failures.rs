@@ -1,4 +1,4 @@
-//! Runners that crash, hang, lie or are missing.
+//! Runners that crash, hang, give wrong answers or are missing.
 
 use contactbench::record::row::{Outcome, Pass, Row};
 
@@ -74,7 +74,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     let cases = cases();
     let runners: String =
         cases.iter().map(|(name, program, script, ..)| runner(name, program, script)).collect();
-    // 100 discs in a row of 10, 3000 diameters apart.
+    // 100 discs in rows of 10, 3000 diameters apart.
     let text = format!(
         "time-limit-s = 1\nmemory-limit-mib = 1\ndetectors = [\"screening\", \"nbs\"]\n\
          [[scene]]\nname = \"pack-c\"\nn = 100\ns = 3000\n[[scene]]\nname = \"packed\"\nn = [100, \

@@ -34,8 +34,8 @@ pub fn experiment() -> String {
     )
 }
 
-/// Scenes times rows of nbs, its twin, nothing (4 each), late (3), early and absent (3 each), and
-/// screening once with 4 rows and once with 3.
+/// Each of two scenes has 4 rows of nbs, of its twin and of nothing, and 3 of late, of early and of
+/// absent. screening has 4 rows in one scene and 3 in the other.
 const ROWS: usize = 2 * (4 + 4 + 4 + 3 + 3 + 3) + 4 + 3;
 
 pub fn steady(at: &Place) -> BTreeMap<Measurement, String> {

@@ -57,7 +57,7 @@ fn a_page_that_was_moved_still_gives_pictures() {
         "window.made = [];
          HTMLAnchorElement.prototype.click = function () { made.push(this.href.slice(0, 22)); }",
     );
-    // The figure may not be drawn yet.
+    // Repeats the click until the figure is drawn.
     let click = "
         const link = document.querySelector('a[data-kind=PNG]');
         link.dispatchEvent(new MouseEvent('click', { cancelable: true, bubbles: true }));

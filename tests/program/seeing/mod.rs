@@ -28,7 +28,7 @@ fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
     Scene::new(centres, Radii::Uniform(r)).unwrap().into()
 }
 
-/// Returns counts and contacts of the counted build.
+/// Returns operation counts and contacts of the counted build.
 fn counted(name: &str, scene: &AnyScene<'_>) -> (Tally, Vec<[u32; 2]>) {
     let (mut tally, mut pairs) = (Tally::default(), Vec::new());
     let mut detector = table::find(name).unwrap().make(Options::default());
