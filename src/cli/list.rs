@@ -108,7 +108,6 @@ impl What {
     }
 }
 
-/// Prints the tables.
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     let mut out = terminal::out();
     let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);

@@ -190,8 +190,8 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     words.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// Returns the shell script of a runner in f64 arithmetic that answers requests with shell code,
-/// and the others as unsupported.
+/// Returns the shell script of a runner in f64 arithmetic. It answers the listed requests with
+/// shell code, and replies `unsupported` to all others.
 pub fn fake(answers: &[(&str, &str)]) -> String {
     let hello = say(r#"{"reply":"hello","protocol":4,"detector":"fake","arithmetic":"f64"}"#);
     let cases: String = answers

@@ -10,7 +10,6 @@ use contactbench_core::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
 
-/// Particles and their ids.
 pub type WithIds = (Given, Option<Vec<i64>>);
 
 #[derive(clap::Args)]

@@ -127,7 +127,7 @@ ways! {
     Window(usize) in [32],
     /// The sweep sorts by x in f32.
     SinglePrecisionOrder,
-    /// The sweep stops by a difference computed in f32.
+    /// The sweep stops if a difference computed in f32 exceeds the reach.
     SinglePrecisionBreak,
     ;
 

@@ -60,7 +60,7 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
         let mut first = true;
         for i in 0..n {
             for j in i + u32::from(WAY != PAIRS_PARTICLES_WITH_THEMSELVES)..n {
-                // A sweep with one wrong character.
+                // One wrong character in a sweep causes this defect.
                 let far = (bodies.position(i)[0] - bodies.position(j)[0]).abs() >= bodies.reach();
                 if bodies.touch(i, j, probe) && !(WAY == SKIPS_PAIRS_AT_REACH && far) {
                     sink.contact(i, j);

@@ -68,7 +68,7 @@ fn an_experiment_may_name_peers_that_were_not_compiled() {
     let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
     let detectors = format!("detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n");
     let rows = rows(Path::new("."), &format!("{detectors}{scene}"));
-    // One more for the twin of nbs, in the first arithmetic.
+    // The twin of nbs adds rows in the first arithmetic.
     assert_eq!(rows.len(), 4 * (2 * (1 + PEERS.len()) + 1) * 3);
     for row in &rows {
         let peer = !row.id.detector.starts_with("nbs");

@@ -88,8 +88,8 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert_eq!(compared(&at, "--gate-time --band 1000").0, Some(0));
     changed(&at, "slower", slower, |fields| fields["profile"] = "another".into());
     assert_eq!(compared(&at, "--against nbs").2["verdict"], "not-judged");
-    // Times of another machine are printed without a verdict, unless they are judged in units of a
-    // detector of both; they never fail a gate.
+    // Times of another machine are printed without a verdict. On request they are judged in units
+    // of a detector that both have. They never fail a gate.
     let elsewhere = |row: &mut Value| {
         slower(row);
         row["machine"] = "other".into();

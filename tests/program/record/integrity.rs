@@ -138,7 +138,7 @@ fn rows_are_held_to_each_other() {
     at.file(RECORD, forged(&two, count, |row| row["dim"] = 1.into()));
     let ended = refused(&at, &["2 faults: "]);
     assert_eq!(ended.stderr.matches("a/samples.jsonl:").count(), 2, "{}", ended.stderr);
-    // A processor takes one sample at a time: one beginning with two times is an edit.
+    // A processor takes one sample at a time, so two times with the same start are an edit.
     let slower = forged(&text, time, |row| {
         let ns = row["time_ns"].as_u64().unwrap() * 10;
         (row["time_ns"], row["elapsed_ns"], row["calls"]) = (ns.into(), ns.into(), 1.into());

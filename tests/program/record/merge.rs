@@ -127,7 +127,8 @@ fn what_does_not_belong_together_is_not_merged() {
     at.ends(2, "merge a count --out b", &["nbs (exact, packed)", "N = 50", "count"]);
     changed(&at, "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     at.ends(2, "merge a scene --out b", &["packed", "N = 50"]);
-    // The copy of another experiment is not sealed.
+    // Removes the checksums of the experiments, so that another experiment is not taken for an
+    // edit.
     changed(&at, "text", |_| (), |fields| fields["experiments_sha256"] = Value::Null);
     at.file("text/experiments/t.toml", EXPERIMENT.replace("blocks = 5", "blocks = 6"));
     at.ends(2, "merge a text --out b", &["text", "t.toml"]);

@@ -105,7 +105,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     let late = of(&dense, "hangs", 400);
     let untried = |row: &&Row| row.outcome == Outcome::Timeout && row.reason.contains("not tried");
     assert!(late.len() == 3 && late.iter().all(untried), "{late:?}");
-    // Refused by the detector itself.
+    // The detector itself refuses the scene.
     for row in of(&sparse, "screening", 100) {
         assert!(row.outcome == Outcome::Refused && row.reason.contains("1048576 bytes"), "{row:?}");
     }

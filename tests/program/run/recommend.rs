@@ -11,7 +11,7 @@ fn recommend_names_one_and_why_not_the_others() {
         of(name);
     }
     assert!(find("nothing").is_none() && find("nbs-twin").is_none());
-    // An array over cells does not fit.
+    // An array over cells exceeds the memory limit.
     let refused = of("screening");
     assert_eq!(refused["outcome"], "refused");
     assert!(refused["reason"].as_str().unwrap().contains("300000"), "{refused}");

@@ -38,7 +38,7 @@ fn count(value: &Value) -> usize {
     value.as_u64().unwrap() as usize
 }
 
-/// The page has the frames, contacts, builds and misses of `track`.
+/// Frames, contacts, rebuilds and missed contacts of the page agree with `track`.
 #[test]
 fn a_film_has_its_frames_builds_and_missed_contacts() {
     let at = Place::new();
@@ -79,7 +79,7 @@ fn a_film_has_its_frames_builds_and_missed_contacts() {
     let first = count(&tracker["first_missed_frame"]);
     let words = format!("built in 5 of them and missed {missed} contacts since frame");
     assert!(missed > 10 && said.contains(&format!("{words} {first}.")), "{said}");
-    // The timeline has a mark for each build.
+    // The timeline has a mark for each rebuild.
     assert!(html.contains("d=\"M0 0V10M10 0V10M20 0V10M30 0V10M40 0V10\""));
     // The first frame is visible without JavaScript.
     let discs = html.split("id=\"discs\" class=\"disc\" d=\"").nth(1).unwrap();

@@ -214,7 +214,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [7, 1]);
         assert_eq!(at.json("verify t.dump --pairs l.csv --frame 7")["errors"]["missed"], 1);
         at.good("verify t.dump --pairs l.csv --frame 8");
-        // A frame without rows has no contacts, also the last one.
+        // A frame without rows has no contacts, even at the end of the list.
         at.file("l.csv", keep(&|_, line| !line.starts_with("11,") && !line.starts_with("3,")));
         let found = at.json("verify t.dump --pairs l.csv --frame all");
         assert_eq!(found["without_rows"], 2);
