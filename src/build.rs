@@ -62,7 +62,6 @@ fn note(name: &str, value: &str) {
     println!("cargo:rustc-env=CONTACTBENCH_{name}={value}");
 }
 
-/// The state of the sources in their repository.
 struct Commit {
     /// Last commit that changed one of the sources.
     revision: String,

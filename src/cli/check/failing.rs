@@ -19,7 +19,6 @@ use contactbench_views::draw::{self, Highlighted, Look};
 /// Maximum number of kinds of refusals printed.
 const KINDS: usize = 6;
 
-/// Returns the file for a failing scene.
 pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
         .and_then(|scene| Path::new(scene).file_stem())

@@ -40,7 +40,7 @@ where
     })
 }
 
-/// Maps sites to places.
+/// How the sites of particles become positions.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Lattice,

@@ -33,7 +33,7 @@ const NONE: &str = "    pairs = []\n";
 
 /// Pieces of the example, their replacements, and words of the error.
 const WAYS: [(&str, &str, &str); 14] = [
-    // Other output before and between replies.
+    // The runner prints other lines before and between replies.
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
     ("    return pairs\n", "    print('found', file=channel)\n    return pairs\n", "found"),
     // Wrong version, arithmetic, digest or unit of time, and a sample without repetition.

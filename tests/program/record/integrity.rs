@@ -206,7 +206,7 @@ fn no_path_leaves_the_folder() {
     }
 }
 
-/// A loosened claim, or a plan cut together with its rows, is damage like any other.
+/// Loosening a claim after the run, or removing part of the plan with its rows, is detected.
 #[test]
 fn copies_of_experiments_are_under_the_seal() {
     let (at, text) = measured();

@@ -59,7 +59,7 @@ fn copied(
         change(&mut value);
         value
     };
-    // As a run writes it: one detection in each sample, and a check of the line.
+    // Makes the row valid: one detection in each sample, and a new checksum.
     let change = |row: &mut Value| {
         change(row);
         if row["time_ns"].is_u64() {

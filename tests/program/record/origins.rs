@@ -73,7 +73,7 @@ fn every_row_names_the_program_that_answered_and_when() {
     assert_eq!((ledger.processes.len(), ledger.spans.len()), (levels + 1, spans));
     let text = at.read("result/samples.jsonl");
     assert!(!text.contains("sha256") && !text.contains("revision"));
-    // A merge keeps the entries.
+    // A merge keeps the processes of the rows.
     at.ends(1, "merge result result --out twice", &[]);
     assert_eq!(Ledger::read(&at.path("twice")), ledger);
     let page = at.read("twice/report.md");

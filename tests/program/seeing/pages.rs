@@ -6,7 +6,7 @@ use super::ALL;
 use super::browser::Browser;
 use crate::common::Place;
 
-/// No foreign address, no markup in names, and all data readable.
+/// A page loads nothing else, escapes any name, and contains readable data.
 #[test]
 fn a_page_needs_nothing_else_and_holds_any_name() {
     let name = "</script><script>alert(1)</script>&\"'{{data}}.csv";

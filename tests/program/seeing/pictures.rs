@@ -72,7 +72,7 @@ fn captions_are_whole() {
     on_the_sheet(&svg);
 }
 
-/// All paths end on the sheet.
+/// All lines of a picture end on the sheet.
 fn on_the_sheet(svg: &str) {
     let side = |name: &str| -> f64 {
         let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();
