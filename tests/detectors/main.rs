@@ -1,5 +1,5 @@
 //! Tests of all detectors of the table: answers, the book's counts, exactness, relations between
-//! answers, regressions, and mutants that must be found.
+//! answers, and regressions.
 
 mod agreement;
 mod counts;
@@ -8,7 +8,6 @@ mod fuzz;
 mod limits;
 mod metamorphic;
 mod moving;
-mod mutants;
 mod near_tangent;
 mod regressions;
 mod streamed;

@@ -8,7 +8,7 @@
 //! Cases of more work than [`LIGHT`] run only on mutants that no lighter case finds, and on
 //! unchanged detectors.
 //!
-//! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
+//! `cargo test --test mutants -- --nocapture` prints the table of mutants.
 
 /// Declares the mistakes and, after a semicolon, changes that are not mistakes. Values of a
 /// parameter come after `in`.
@@ -46,13 +46,13 @@ mod ways;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::LazyLock;
 
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::{Refusal, any};
-use contactbench::probe::Silent;
-use contactbench::scene::hard::{Case, Expect, cases};
-use contactbench::scene::{AnyScene, Real};
-use contactbench::sink::Digest;
-use contactbench::{oracle, with_scene};
+use contactbench_core::contact::{Arithmetic, Test, any_bodies};
+use contactbench_core::detect::{Detector, Refusal};
+use contactbench_core::probe::Silent;
+use contactbench_core::scene::{AnyScene, Real};
+use contactbench_core::sink::Digest;
+use contactbench_core::{oracle, with_scene, with_stored};
+use contactbench_scenes::hard::{Case, Expect, cases};
 use rayon::prelude::*;
 use reference::Reference;
 use ways::Way;
@@ -140,8 +140,12 @@ fn detect(
     plane.radii.clone_from(&radii);
     space.radii = radii;
     match scene {
-        AnyScene::Plane(scene) => any::run_stored(plane, scene, test, &mut Silent, digest),
-        AnyScene::Space(scene) => any::run_stored(space, scene, test, &mut Silent, digest),
+        AnyScene::Plane(scene) => with_stored!(scene, scene => {
+            plane.detect(any_bodies(scene, test)?, &mut Silent, digest)
+        }),
+        AnyScene::Space(scene) => with_stored!(scene, scene => {
+            space.detect(any_bodies(scene, test)?, &mut Silent, digest)
+        }),
     }
 }
 

@@ -4,13 +4,13 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashSet};
 
-use contactbench::contact::{Bodies, Margin, exact};
-use contactbench::detect::book::mask;
-use contactbench::detect::{Detector, Refusal};
-use contactbench::filter::{Cells, beyond};
-use contactbench::probe::Probe;
-use contactbench::scene::Real;
-use contactbench::sink::{Sink, splitmix64};
+use contactbench_core::contact::{Bodies, Margin, exact};
+use contactbench_core::detect::book::mask;
+use contactbench_core::detect::{Detector, Refusal};
+use contactbench_core::filter::{Cells, beyond};
+use contactbench_core::probe::Probe;
+use contactbench_core::scene::Real;
+use contactbench_core::sink::{Sink, splitmix64};
 
 use super::ways::Way;
 

@@ -1,11 +1,11 @@
 //! Mutants in periodic boxes: a small reference that wraps particles and tests all images is made
 //! wrong in one way at a time. The hard cases of boxes must find each mutant.
 
-use contactbench::contact::Arithmetic;
-use contactbench::contact::image::{Shift, compare};
-use contactbench::periodic::{self, ImagePair, Periodic};
-use contactbench::scene::hard::{Case, cases};
-use contactbench::scene::{AnyScene, Lattice, Scene, array};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::contact::image::{Shift, compare};
+use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Scene, array};
+use contactbench_scenes::hard::{Case, cases};
 use rayon::prelude::*;
 
 ways! {

@@ -1,6 +1,6 @@
 //! The mistakes of the mutants, each made in some code or easy to make.
 
-use contactbench::detect::book::mask;
+use contactbench_core::detect::book::mask;
 
 ways! {
     // Particles.
