@@ -99,10 +99,12 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
                 frames::<2>(70, sizes, motion, seed as u64),
                 frames::<3>(70, sizes, motion, 7 + seed as u64),
             ];
-            for entry in TABLE.iter().filter(|it| it.role == Role::Detector) {
-                for arithmetic in Arithmetic::ALL {
+            for (k, entry) in TABLE.iter().filter(|it| it.role == Role::Detector).enumerate() {
+                for (m, arithmetic) in Arithmetic::ALL.into_iter().enumerate() {
                     for rule in ["half-skin", "top-two", "summed"] {
-                        for skin in ["0", "0.02", "0.5", "auto"] {
+                        // Two of the four skins; each meets every detector, arithmetic and rule.
+                        let skins = ["0", "0.02", "0.5", "auto"].into_iter().enumerate();
+                        for (_, skin) in skins.filter(|(j, _)| (j + k + m + seed) % 2 == 0) {
                             let text = format!("verlet({},skin={skin},rule={rule})", entry.name);
                             for frames in &scenes {
                                 let mut tracker = tracker(&text);
@@ -116,7 +118,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
             }
         }
     }
-    assert!(all > 500_000, "{all}");
+    assert!(all > 250_000, "{all}");
 }
 
 /// A list contains what a rounded test accepts beyond the sum of the radii, from the first frame
