@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use contactbench::record::row::{Measurement, Outcome, Pass, Row};
 use serde_json::Value;
 
-use super::{EMPTY, SPARSE, of, rows};
-use crate::common::{fake, runner, sample};
+use super::{EMPTY, rows};
 
 #[test]
 fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
