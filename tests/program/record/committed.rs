@@ -152,13 +152,16 @@ fn detectors(record: &Path) -> BTreeSet<String> {
     records.flat_map(|row| columns.iter().map(|&k| name(&row[k])).collect::<Vec<_>>()).collect()
 }
 
-/// Returns the detectors of a record whose code, without comments, has changed since `revision`;
-/// `None` without the history of commits.
+/// Returns the detectors of a record whose code, without comments and tests, has changed since
+/// `revision`; `None` without the history of commits.
 fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     let is_code = |line: &str| {
         let code = line.get(1..).unwrap_or_default().trim();
         let changed = line.starts_with(['+', '-']) && !line.starts_with("+++ ");
-        changed && !line.starts_with("--- ") && !code.is_empty() && !code.starts_with("//")
+        let is_test = ["#[cfg(test)]", "mod tests;"].contains(&code);
+        changed
+            && !line.starts_with("--- ")
+            && !(code.is_empty() || code.starts_with("//") || is_test)
     };
     git(&["cat-file", "-e", revision])?;
     let mut changed = BTreeSet::new();
@@ -166,7 +169,7 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
         let stem = if name == "streamed-nbs" { "streamed".into() } else { name.replace('-', "_") };
         // The file of the detector may have been moved since.
         let path = format!("*core/src/detect/*{stem}*");
-        if git(&["diff", "-M", revision, "--", &path])?.lines().any(is_code) {
+        if git(&["diff", "-M", revision, "--", &path, ":!*tests*"])?.lines().any(is_code) {
             changed.insert(name);
         }
     }

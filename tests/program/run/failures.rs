@@ -186,7 +186,7 @@ fn who_is_wrong_comes_first_and_once() {
     assert_eq!((said(&ended.stdout), said(&ended.stderr)), (1, 1), "{}", ended.stderr);
     assert_eq!(ended.stdout.matches("::error ").count(), 1, "{}", ended.stdout);
     let report = at.read("out/report.md");
-    assert!(report.lines().nth(2).unwrap().starts_with("> Warning: WRONG: fake,"), "{report}");
+    assert!(report.lines().nth(2).unwrap().starts_with("> Warning: WRONG: fake"), "{report}");
     assert!(at.read("out/report.html").contains("WRONG: fake in 2 "));
     let junit = at.read("junit.xml");
     let first = junit.split("<testcase ").nth(1).unwrap();
