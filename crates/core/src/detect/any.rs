@@ -12,9 +12,9 @@ use crate::with_stored;
 
 /// A detector of any algorithm, for scenes of both dimensions and all storages.
 ///
-/// The scene's storage sets the precision: [`AnyScene::stored`] returns the one for an
-/// [`Arithmetic`](crate::contact::Arithmetic). For the exact test a scene in another storage is
-/// first widened to f64, without rounding.
+/// The storage of a scene sets the precision of the search; [`AnyScene::stored`] converts a scene
+/// to the storage of an [`Arithmetic`](crate::contact::Arithmetic). The exact test first widens
+/// other storages to f64, without rounding.
 pub trait AnyDetector: Send {
     /// Finds the contacts of `searched`. Fails with the refusals of the detector.
     fn search(&mut self, searched: &Searched<'_>, task: Task<'_, '_>) -> Result<(), Refusal>;
@@ -42,8 +42,8 @@ pub trait AnyDetector: Send {
         result.and(listed)
     }
 
-    /// Calls `sink` for every contact, on one thread. Operations are counted as well, because
-    /// another form without counters would have to be compiled for every detector. Fails as
+    /// Calls `sink` for every contact, on one thread. It counts operations, too: a form without
+    /// counters would have to be compiled separately for every detector. Fails as
     /// [`AnyDetector::list`].
     fn visit(
         &mut self,
@@ -70,7 +70,7 @@ pub trait AnyDetector: Send {
 
 /// The result that a detector should return.
 pub enum Task<'a, 'p> {
-    /// A list of pairs, without counters: what is timed.
+    /// A list of pairs, without counters. This task is the one that is timed.
     List(&'a mut PairList<'p>),
     /// Every contact, with all operations counted.
     Count(&'a mut Tally, &'a mut dyn Sink),
@@ -78,9 +78,9 @@ pub enum Task<'a, 'p> {
 
 /// The particles to search, in two or three dimensions.
 pub enum Searched<'a> {
-    /// Discs.
+    /// Discs, in two dimensions.
     Plane(Of<'a, 2>),
-    /// Spheres.
+    /// Spheres, in three dimensions.
     Space(Of<'a, 3>),
 }
 
@@ -132,7 +132,7 @@ where
         Both::join(A::with(options), B::with(options), options)
     }
 
-    /// Joins the two forms, which were made with these options.
+    /// Joins the 2D and the 3D form of a detector, both made with `options`.
     pub fn join(plane: A, space: B, options: Options) -> Box<dyn AnyDetector> {
         let memory_limit = options.memory_limit;
         Box::new(Both { plane, space, last_was_space: false, memory_limit })
@@ -225,8 +225,8 @@ pub fn run<const D: usize>(
     with_bodies(scene, test, Run { detector, probe, sink })
 }
 
-/// Runs a concrete detector on a scene in any storage; rounded tests are rounded in that storage.
-/// Fails as [`run`].
+/// Runs a concrete detector on a scene in any storage; rounded tests round to the precision of that
+/// storage. Fails as [`run`].
 pub fn run_stored<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,
     scene: &Stored<'_, D>,
@@ -237,7 +237,7 @@ pub fn run_stored<const D: usize>(
     with_stored(scene, test, Run { detector, probe, sink })
 }
 
-/// Works as [`run_stored`], compiled once for all kinds of radii and tests.
+/// Does the same as [`run_stored`], but is compiled once for all kinds of radii and tests.
 pub(crate) fn run_any<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,
     scene: &Stored<'_, D>,

@@ -1,8 +1,8 @@
 //! `nothing`: the control that finds no contacts.
 //!
-//! Its time is the floor of every measurement: the cost of the clock, the call and an empty result.
-//! Its rows are marked as a control, not as wrong. The other control, the A/A twin, is a second
-//! entry of the table with the same code.
+//! The time of this detector is the floor of every measurement: the cost of the clock, the call and
+//! an empty result. Its rows are marked as a control, not as wrong. The other kind of control, the
+//! A/A twin, is a second entry of the table with the code of another detector.
 
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::Bodies;

@@ -8,11 +8,11 @@ use super::any::AnyDetector;
 /// Kind of an entry: a detector of this project, a control, a twin or a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Finds all contacts.
+    /// A detector of this project; it finds all contacts.
     Detector,
     /// A control that reports no contacts, to measure everything but detection.
     Nothing,
-    /// The same code as the named detector: the difference between their times is noise.
+    /// A second entry with the named detector's code: differences of their times are noise.
     Twin(&'static str),
     /// A library that people use. It finds all contacts, but need not follow this project's rules
     /// about memory and refusals.
@@ -26,7 +26,7 @@ pub enum Group {
     Book,
     /// Grids, trees and sweeps as they are used today.
     Modern,
-    /// NBS for caches and vector registers.
+    /// Forms of NBS for caches and vector registers.
     Streamed,
     /// Controls of the measurement.
     Controls,
@@ -41,7 +41,7 @@ impl Group {
     pub const ALL: [Group; 6] =
         [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Twins, Group::Peers];
 
-    /// Returns the name in experiments.
+    /// Returns the group's name in experiments.
     pub fn name(self) -> &'static str {
         match self {
             Group::Book => "@book",
@@ -66,15 +66,15 @@ pub enum Speed {
 }
 
 /// Ranks of a detector among those that establish the truth, from 1; 0 means that it is not used.
-/// Detectors used together belong to different families, fast ones first.
+/// Detectors that are used together belong to different families; faster ones have lower ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judge {
-    /// Rank for particles of similar size.
+    /// Rank for scenes with particles of similar size.
     pub alike: u8,
-    /// Rank for different sizes, where cells as large as the largest particle hold nearly all
-    /// others.
+    /// Rank for scenes with very different sizes, in which nearly all particles would share a few
+    /// cells as large as the largest particle.
     pub differ: u8,
-    /// Rank for images in a periodic box.
+    /// Rank for images of particles in a periodic box.
     pub boxed: u8,
 }
 
@@ -92,21 +92,21 @@ pub struct Entry {
     pub name: &'static str,
     /// Purpose of the entry.
     pub role: Role,
-    /// Group that names it in experiments.
+    /// Group that includes the detector in experiments.
     pub group: Group,
     /// The algorithm in a few words.
     pub summary: &'static str,
-    /// Cost for N particles.
+    /// Growth of the run time with N, the number of particles.
     pub cost: &'static str,
     /// Memory in bytes for N particles; nx, ny and nz are cells per axis, borders included.
     pub memory: &'static str,
     /// Scenes that the detector refuses or is slow on.
     pub limits: &'static str,
-    /// Whether it can use more than one thread.
+    /// Whether the detector can use more than one thread.
     pub threads: bool,
-    /// Rough class of the run time.
+    /// Rough class of the detector's run time.
     pub speed: Speed,
-    /// Ranks among the detectors that establish the truth.
+    /// Ranks of this detector among those that establish the truth.
     pub judge: Judge,
     /// Parameters that a user can set.
     pub parameters: &'static [Parameter],
@@ -135,15 +135,15 @@ impl Entry {
 /// A choice that a detector leaves to its user. It may change times and memory, never the contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// Name before the `=`.
+    /// Name of the parameter, written before the `=`.
     pub name: &'static str,
     /// Accepted words, the default first.
     pub values: &'static [&'static str],
-    /// Further accepted values, if any.
+    /// Accepted values that [`Parameter::values`] does not list, if any.
     pub beside: Option<Beside>,
-    /// Another parameter, which cannot be combined with this one.
+    /// Name of a parameter that cannot be combined with this one.
     pub instead_of: Option<&'static str>,
-    /// The effect, in a phrase.
+    /// Effect of the parameter, in a phrase.
     pub meaning: &'static str,
 }
 
@@ -152,12 +152,12 @@ pub struct Parameter {
 pub struct Beside {
     /// Returns the canonical spelling of a value, or `None` if it is invalid.
     pub normal: fn(&str) -> Option<String>,
-    /// Form of a value, with an example.
+    /// Description of a valid value, with an example.
     pub form: &'static str,
 }
 
 impl Parameter {
-    /// Returns the value that holds if the parameter is not given.
+    /// Returns the value that is used if the parameter is not given.
     pub fn default(&self) -> &'static str {
         self.values[0]
     }

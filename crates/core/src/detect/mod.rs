@@ -1,4 +1,4 @@
-//! Detectors: which particles touch?
+//! Detectors: algorithms that find the particles that touch.
 //!
 //! Each algorithm is a file here and an entry in [`table`]. A detector owns its parameters and
 //! buffers and implements [`Detector`]. [`any::AnyDetector`] is its object-safe form, implemented
@@ -60,23 +60,23 @@ pub trait Declare: Send {
 /// Limits that hold for any detector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Limit in bytes for the arrays of a detector, including pairs collected by threads; larger
-    /// scenes are refused. The list of pairs has a limit of its own, of the same size.
+    /// Limit in bytes for the arrays of a detector, including pairs collected by threads; a scene
+    /// that needs more is refused. The list of pairs has a separate limit of the same size.
     pub memory_limit: u64,
     /// Number of threads; a detector that cannot use several uses one.
     pub threads: usize,
 }
 
 impl Default for Options {
-    /// Uses the machine's default limit ([`default_limit`]) and one thread.
+    /// Returns the machine's default limit ([`default_limit`]) and one thread.
     fn default() -> Options {
         Options { memory_limit: default_limit(), threads: 1 }
     }
 }
 
 /// Compares the bytes that a detector needs with the limit, before it allocates. `shape` returns a
-/// phrase for what makes the scene so large. Fails with [`Refusal::Memory`] if `needed` is over the
-/// limit.
+/// phrase that explains the size of the scene. Fails with [`Refusal::Memory`] if `needed` is over
+/// the limit.
 pub fn within(
     options: &Options,
     detector: &'static str,

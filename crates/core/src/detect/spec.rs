@@ -20,7 +20,7 @@ const LEVEL: &str = "level";
 pub struct DetectorSpec {
     /// Entry of the detector in the table.
     pub entry: &'static Entry,
-    /// Parameter values other than the defaults.
+    /// Parameter values that differ from the defaults.
     pub params: Params,
 }
 
@@ -33,8 +33,9 @@ impl DetectorSpec {
         (self.entry.constructor)(&self.params, options)
     }
 
-    /// Returns the detector with its defaults, with every other listed value of each parameter, and
-    /// all of these for each further set of instructions that the processor has.
+    /// Returns the detector with its defaults and with every other word (not number) of each
+    /// parameter, and all of these for each further set of vector instructions that the processor
+    /// has.
     pub fn choices(entry: &'static Entry) -> Vec<DetectorSpec> {
         let with = |spec: &DetectorSpec, name: &str, value: &str| {
             let mut params = spec.params.clone();
@@ -96,35 +97,35 @@ impl fmt::Display for DetectorSpec {
 /// Why the text of a [`DetectorSpec`] is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
-    /// No detector has this name.
+    /// A name that is not in the table of detectors.
     #[error(
         "there is no detector '{name}'{}; the detectors are: {}",
         hint(name, table::all_names()),
         table::names()
     )]
     Unknown {
-        /// The name as given.
+        /// Name as given.
         name: String,
     },
-    /// A library that this program was built without.
+    /// A detector of a library that this program was built without.
     #[error("{reason}")]
     NotBuilt {
         /// The missing library and how to get it.
         reason: String,
     },
-    /// The text has another form, or a parameter or value is unknown.
+    /// A text that is not of the form `name:parameter=value`, or an unknown parameter or value.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
     /// Two parameters that exclude each other.
     #[error("'{spec}': {name}={value} and {other} exclude each other; leave out one of them")]
     Together {
-        /// The whole text.
+        /// Whole text of the specification.
         spec: String,
-        /// Name of the parameter.
+        /// Name of the first of the two parameters.
         name: &'static str,
-        /// Value of the parameter.
+        /// Value of the first of the two parameters.
         value: String,
-        /// Name of the other parameter.
+        /// Name of the second of the two parameters.
         other: &'static str,
     },
 }

@@ -7,11 +7,12 @@
 //! 3. Detection walks over the tree. Every leaf cell is checked against itself and its contact mask
 //!    (4 cells in 2D, 13 in 3D); each mask cell is found by a descent from the root.
 //!
-//! * Cost: N log2 N; b = D·ceil(log2 n) levels for n cells along the longest of D axes.
-//! * Memory: `4N + 8·nodes` bytes for N particles; the HEAD of a leaf is stored in its parent
-//!   instead of a child. There are at most N·b nodes, about 2 per occupied cell in a dense packing.
-//!   The number of nodes is not known in advance: the array grows by doubling, so its peak may be
-//!   three times its final size.
+//! * Cost: proportional to N log2 N for N particles. The tree has b = D·ceil(log2 n) levels for n
+//!   cells along the longest of D axes.
+//! * Memory: `4N + 8·nodes` bytes; the parent of a leaf stores the leaf's HEAD instead of a child.
+//!   There are at most N·b nodes, about 2 per occupied cell in a dense packing. The number of nodes
+//!   is not known in advance: the array grows by doubling, so its peak may be three times its final
+//!   size.
 //! * Refuses 2^31 or more cells along an axis, and trees over the memory limit. The second refusal
 //!   comes while the tree is being built.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
@@ -29,7 +30,7 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// The binary tree of the book.
+/// The `binary-tree` detector of the book.
 pub struct BinaryTree {
     options: Options,
     /// Two children per node: indices of nodes or, on the last level, the HEADs of two leaves.
@@ -73,7 +74,7 @@ impl<T: Real> Detector<T, 3> for BinaryTree {
 /// The path from the root to a cell: bit `level`, counted from the top, selects the half.
 #[derive(Clone, Copy)]
 struct Levels {
-    /// Halvings per axis.
+    /// Number of times that each axis is halved.
     halvings: u32,
 }
 
@@ -83,7 +84,8 @@ impl Levels {
         Levels { halvings: 32 - (most - 1).leading_zeros() }
     }
 
-    /// Returns the half (0 or 1) of a cell with this index along an axis after this many halvings.
+    /// Returns which half (0 or 1) of an axis, halved `halving` times, contains the cell with this
+    /// index.
     #[inline(always)]
     fn half(self, index: u32, halving: u32) -> usize {
         (index >> (self.halvings - 1 - halving) & 1) as usize
@@ -161,7 +163,7 @@ impl BinaryTree {
     fn make_node(&mut self) -> Result<u32, Refusal> {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
-            // Double the array, or grow to the limit.
+            // The array doubles, or grows to the memory limit.
             let allowed = (self.options.memory_limit.saturating_sub(4 * self.particles as u64) / 8)
                 .min(u64::from(EMPTY)) as usize;
             let grown = (2 * made).min(allowed);
@@ -208,7 +210,7 @@ impl BinaryTree {
         sink: &mut impl Sink,
     ) {
         let depth = levels.halvings as usize * D;
-        // At most one waiting sibling per level, and depth <= 31 * 3.
+        // At most one sibling waits per level, and there are at most 31 * 3 levels.
         let (mut waiting, mut top) = ([(0u32, 0usize); 96], 0);
         let mut next = Some((0u32, 0usize));
         while let Some((at, level)) = next.take() {
@@ -259,7 +261,7 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// Example G1: a leaf's list (p84-85).
+    /// Example G1 of the book: the list of a leaf (pages 84 and 85).
     #[test]
     fn the_books_leaf_list() {
         let mut tree = BinaryTree::with(Options::default());

@@ -3,9 +3,9 @@
 //! Every pair of particles is tested once.
 //!
 //! * Cost: exactly N(N-1)/2 contact tests for N particles. Memory: none.
-//! * Threads share the rows of the triangle and collect contacts in lists: 8 bytes per contact, in
-//!   arrays of at most twice the length. Counting passes use one thread; the counts are the same.
-//! * Refuses contacts over the memory limit, with several threads only.
+//! * Threads share the pairs by their first particle and collect contacts, 8 bytes each, in arrays
+//!   of at most twice the length needed. Counting passes use one thread; the counts are the same.
+//! * Refuses a scene only if the contacts collected by several threads exceed the memory limit.
 //! * Deviations from the book: none.
 
 use crate::contact::Bodies;
@@ -15,7 +15,7 @@ use crate::probe::{Probe, Silent};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Tests every pair.
+/// The `direct` detector: tests every pair.
 pub struct Direct {
     options: Options,
     /// Bytes of the contacts that threads have collected.
@@ -54,7 +54,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Direct {
 }
 
 impl Direct {
-    /// Out of line and with `bodies` by value: a reference would be dereferenced for each pair.
+    /// Not inlined and with `bodies` by value: a reference would be dereferenced for each pair.
     #[inline(never)]
     fn by_threads<T: Real, const D: usize, B: Bodies<T, D>, S: Sink>(
         &mut self,

@@ -1,21 +1,20 @@
-//! Worked examples of the book, which print integerised coordinates instead of centres (tests
-//! only).
+//! Worked examples of the book, for tests. The book prints integerised coordinates, not centres.
 
 use crate::contact::{Bodies, Margin, Slack};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 
 /// Example G5: ten particles in 10 x 10 cells. The book does not print the column of particle 9
-/// (counted from 1); any column will do.
+/// (counted from 1), so the column here is arbitrary.
 pub const TEN: [[u32; 2]; 10] =
     [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6], [9, 6], [4, 7]];
 /// Example G2: nine particles for screening.
 pub const NINE: [[u32; 2]; 9] =
     [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
 
-/// Particles in the given cells of a 10 x 10 (x 10) grid. Cells are a little more than an edge
-/// apart, so relative cells do not depend on the grid's origin. All pairs "touch": the pairs found
-/// are those that the contact mask brings together.
+/// Particles in the given cells of a 10 x 10 (x 10) grid. Adjacent cells' particles are slightly
+/// more than an edge apart, so differences of cells do not depend on the grid's origin. All pairs
+/// count as touching: a detector reports all pairs that the contact mask compares.
 #[derive(Clone, Copy)]
 pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 
@@ -46,14 +45,14 @@ impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
     fn uniform(&self) -> Option<f64> {
         Some(0.5)
     }
-    /// Unlimited slack: every pair is decided by `touch`.
+    /// Returns unlimited slack, so that `touch` decides every pair.
     fn slack(&self) -> Slack {
         Slack { relative: 0.0, absolute: f64::INFINITY }
     }
 }
 
-/// Formats pairs like the book: numbers from 1, sorted, without pairs that contain a particle of
-/// `without`.
+/// Formats pairs like the book: numbers from 1, sorted. Pairs with a particle listed in `without`
+/// are left out.
 pub fn printed(pairs: &[[u32; 2]], without: &[u32]) -> String {
     let mut pairs: Vec<[u32; 2]> = pairs
         .iter()

@@ -2,8 +2,8 @@
 //!
 //! A list has a head (the last particle pushed), and every particle links to the next one.
 //! Particles are numbered from 0 and [`EMPTY`] ends a list; the book numbers from 1 and ends with
-//! -1. A head can be *marked* as old: the book adds N to it, this code sets the highest bit. Both
-//! leave room for 2^31 - 1 particles. All list operations are counted here.
+//! -1. A head can be *marked* as old: the book adds N to it, this code sets the highest bit. Each
+//! way leaves room for 2^31 - 1 particles. This module counts all list operations.
 
 use crate::contact::Bodies;
 use crate::detect::Refusal;
@@ -12,7 +12,7 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Ends a list.
+/// End of a list, and head of an empty list.
 pub const EMPTY: u32 = u32::MAX >> 1;
 const OLD: u32 = 1 << 31;
 /// Largest number of particles that lists can hold.
@@ -57,7 +57,7 @@ impl Index for usize {
 }
 
 impl Heads {
-    /// Creates an empty set of lists; events refer to it by `name`.
+    /// Creates an empty set of lists; recorded events refer to the set by `name`.
     pub fn named(name: char) -> Heads {
         Heads(Vec::new(), name)
     }
@@ -66,8 +66,7 @@ impl Heads {
     /// array is made or grows.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
-            // All heads are empty here, so a larger array neither copies the old one nor coexists
-            // with it.
+            // All heads are empty here, so the old array is freed first and nothing is copied.
             if count > self.0.capacity() {
                 self.0 = Vec::new();
                 crate::refusal::must_reserve(&mut self.0, count);
@@ -80,7 +79,7 @@ impl Heads {
         );
     }
 
-    /// Puts `particle` on `list`, which must not be marked, with links of the given kind.
+    /// Puts `particle` on `list`, which must not be marked as old, with its links of this `kind`.
     #[inline(always)]
     pub fn push<const L: usize, P: Probe>(
         &mut self,
@@ -102,7 +101,7 @@ impl Heads {
         self.look(list, Op::CellProbe, probe)
     }
 
-    /// Works as [`Heads::first`] for a list of a smaller size class, which is counted separately.
+    /// Does the same as [`Heads::first`] for a list of a smaller size class, but counts separately.
     #[inline(always)]
     pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         self.look(list, Op::LevelProbe, probe)
@@ -116,8 +115,7 @@ impl Heads {
         head & !OLD
     }
 
-    /// Marks `list` as old and returns its first particle, or returns `None` if it is empty or old
-    /// already.
+    /// Marks `list` as old and returns its first particle, or `None` if it is empty or was old.
     #[inline(always)]
     pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
         probe.count(Op::CellProbe);
@@ -129,7 +127,7 @@ impl Heads {
             first: listed(first),
             old: first & OLD != 0,
         });
-        // EMPTY is the largest unmarked number.
+        // EMPTY is the largest number without the mark.
         if first >= EMPTY {
             return None;
         }
@@ -256,7 +254,7 @@ impl<const L: usize> Links<L> {
     }
 }
 
-/// Converts to an array of the book: numbers from 1, -1 for empty.
+/// Converts an array to the numbers that the book prints: from 1, and -1 for empty.
 #[cfg(test)]
 pub fn as_printed(raw: &[u32]) -> Vec<i64> {
     raw.iter().map(|&e| if e & !OLD == EMPTY { -1 } else { i64::from(e & !OLD) + 1 }).collect()

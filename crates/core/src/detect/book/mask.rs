@@ -1,11 +1,11 @@
 //! The contact masks of the book: offsets of the cells that are checked with a central cell, so
 //! that each pair of neighbouring cells is checked once.
 
-/// Mask in 2D (p93): the cell to the left and the three cells below.
+/// Contact mask in 2D (page 93): the cell to the left and the three cells below.
 pub const PLANE: [[i32; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
-/// Mask in 3D (p121): the nine cells of the layer below, the three cells behind, the cell to the
-/// left.
+/// Contact mask in 3D (page 121): the nine cells of the layer below, the three cells behind, the
+/// cell to the left.
 pub const SPACE: [[i32; 3]; 13] = [
     [-1, -1, -1],
     [0, -1, -1],

@@ -1,8 +1,7 @@
 //! `nbs`: Munjiza-NBS (Munjiza 2004, sections 3.8, 3.10 and 3.11; Munjiza and Andrews 1998,
 //! doi:10.1002/(SICI)1097-0207(19980915)43:1<131::AID-NME447>3.0.CO;2-S).
 //!
-//! In 2D:
-//!
+//! Steps in 2D:
 //! 1. Every particle is put on the y-list of its row.
 //! 2. A loop over particles finds each non-empty row once: a *new* list, marked *old* when found.
 //!    From there it continues upwards while rows are new and not empty.
@@ -43,13 +42,13 @@ use crate::sink::Sink;
 /// Munjiza-NBS for discs (`D` = 2) or spheres (`D` = 3).
 pub struct Nbs<const D: usize> {
     options: Options,
-    /// Heads of the lists along the last axis: rows in 2D (B), layers in 3D (C).
+    /// Heads of the lists along the last axis: rows in 2D (the book's B), layers in 3D (C).
     last: Heads,
-    /// Heads of the y-lists in 3D (B): for the central layer and for the layer below.
+    /// In 3D, heads of the y-lists (the book's B): for the central layer and for the layer below.
     rows: [Heads; 2],
-    /// Heads of the x-lists (A): for the central row, and for its neighbouring rows together.
+    /// Heads of the x-lists (the book's A): for the central row, and for its neighbouring rows.
     cells: [Heads; 2],
-    /// Links of the lists along each axis, last axis first: Y and X in 2D; Z, Y and X in 3D.
+    /// Links of the lists along each axis, last first: the book's Y and X in 2D; Z, Y and X in 3D.
     links: Links<D>,
     formula: u64,
 }
@@ -102,7 +101,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Nbs<D> {
 impl<const D: usize> Nbs<D> {
     fn prepare(&mut self, cells: &Cells<D>, n: usize) -> Result<(), Refusal> {
         numbered("nbs", n)?;
-        // One set of lists along the last axis, two along each other axis.
+        // The last axis has one set of lists, each other axis has two.
         let twice: u64 = cells.count[..D - 1].iter().map(|&count| 2 * u64::from(count)).sum();
         let needed = 4 * (u64::from(cells.count[D - 1]) + twice + (D * n) as u64);
         within(&self.options, "nbs", needed, || {
@@ -248,7 +247,7 @@ mod tests {
         (tally, pairs)
     }
 
-    /// Example G5: the book's ten particles (p103-110).
+    /// Example G5: the book's ten particles (pages 103 to 110).
     #[test]
     fn the_books_ten_particles() {
         let scene = InCells(&TEN);
@@ -279,7 +278,7 @@ mod tests {
         assert_eq!(tally.get(Op::ContactTest), pairs.len() as u64);
     }
 
-    /// Example G6: nine particles in layers 7 8 6 7 5 6 7 6 6 (p122).
+    /// Example G6 of the book: nine particles in layers 7 8 6 7 5 6 7 6 6 (page 122).
     #[test]
     fn the_books_nine_particles() {
         let places = [7, 8, 6, 7, 5, 6, 7, 6, 6].map(|z| [1, 1, z]);

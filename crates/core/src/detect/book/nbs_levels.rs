@@ -1,30 +1,31 @@
-//! `nbs:levels=auto`: NBS within each size class, and once more between each class and all smaller
-//! particles. The book assumes one size (Munjiza 2004, section 3.1); this continues its idea.
+//! `nbs:levels=auto`: NBS within each size class, then between each class and all smaller
+//! particles. The book assumes particles of one size (Munjiza 2004, section 3.1).
 //!
 //! ```text
-//!   a class of large particles:  A  A  .  A      NBS among them, in cells of their size
-//!   all smaller ones near it:    f f  fff  f     on further lists of the same cells; around each
-//!                                                cell with an A, the lists of its 3^D cells
+//!   a class of large particles:  A  A  .  A      found by NBS, in cells of their size
+//!   all smaller ones near it:    f f  fff  f     on further lists of the same cells: each cell
+//!                                                with an A is checked against 3^D of these
 //! ```
 //!
 //! 1. Radii are divided into at most 32 classes at the largest radius, half of it, and so on.
 //!    Particles are ordered by class. If there is one class only, plain [`super::nbs`] is used.
-//! 2. Plain NBS detects each class, as if there were no other.
+//! 2. Plain NBS detects the contacts within each class.
 //! 3. For each class but the last, its particles (A) and all smaller ones inside its box (F) are
-//!    put on two sets of lists of layers, in cells as wide as an A and an F can reach. A loop over
-//!    A finds each of its layers once. The A of a layer go on lists of rows, and so do the F of
-//!    this layer and of the two beside it. Rows are divided into cells in the same way. Each A of a
-//!    cell is checked against the F of the three lists left, here and right, which hold those of
-//!    3^D cells.
+//!    put on two sets of layer lists, in cells as wide as the reach between an A and an F. A loop
+//!    over A finds each of its layers once. The A of this layer, and the F of it and of the two
+//!    layers beside it, are put on row lists. Rows are divided into cells in the same way. Each A
+//!    of a cell is checked against the F of three cell lists (left, central, right). They hold the
+//!    F of 3^D cells.
 //! 4. Lists are emptied by walking over particles. The code has no loop over cells: a giant covers
 //!    more cells of the smaller particles than there are particles. `hgrid` does search the cells
 //!    of the smaller ones, with fewer tests.
 //!
-//! * Cost: proportional to N for each class. For each class above its own an F is pushed at most 4
-//!   times in 2D and 13 times in 3D.
+//! * Cost: proportional to N for each class. For each larger class, a smaller particle is put on at
+//!   most 4 lists in 2D and 13 in 3D.
 //! * Memory: `4(ny + 2nx + 2M) + 4(2cy + 2cx + 2N) + 4N` bytes in 2D, `4(nz + 2ny + 2nx + 3M) +
 //!   4(2cz + 2cy + 2cx + 3N) + 4N` in 3D, for N particles and M in the largest class. nx, ny and nz
-//!   are the most cells along an axis of any class alone, cx, cy and cz with the smaller particles.
+//!   are the largest numbers of cells per axis for a class alone; cx, cy and cz are those for a
+//!   class with smaller particles.
 //! * Refuses more than 2^31 - 1 particles, and scenes over the memory limit.
 //! * Deviations from the book: those of [`super::nbs`]. A class has at most about as many cells
 //!   along an axis as particles, but at least 64, so memory is proportional to N in any domain.
@@ -39,9 +40,9 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Number of classes; the last one holds all smaller particles.
+/// Number of size classes; the last one holds all smaller particles.
 const CLASSES: usize = 32;
-/// Cells along an axis that any class may have.
+/// Number of cells along an axis that a class may always have, even with few particles.
 const CELLS: usize = 64;
 
 /// NBS by size classes; `A` is plain NBS.
@@ -50,8 +51,8 @@ pub struct NbsLevels<A, const D: usize> {
     plain: A,
     /// Particle numbers, class by class, the largest class first.
     order: Vec<u32>,
-    /// Lists of layers, rows and cells (axis 2, 1, 0): for the current class and for smaller
-    /// particles.
+    /// Heads of the lists of layers, rows and cells (axis 2, 1, 0): for the current class and for
+    /// smaller particles.
     heads: [[Heads; 2]; D],
     links: Links<D>,
     formula: u64,
@@ -76,13 +77,13 @@ impl<A: Declare, const D: usize> Declare for NbsLevels<A, D> {
 
 struct Classes {
     largest: f64,
-    /// Start of each class in the order, and the end of the last.
+    /// Index in the order where each class begins, then the end of the last class.
     ends: [usize; CLASSES + 1],
 }
 
 #[derive(Clone, Copy)]
 struct Grids<const D: usize> {
-    /// Reach that sets the edge of the class's own cells.
+    /// Edge of the cells in which plain NBS searches the class.
     reach: f64,
     own: Cells<D>,
     /// Cells shared with smaller particles, if there are any.
@@ -119,7 +120,7 @@ impl<T: Real, A: Detector<T, D> + Declare, const D: usize> Detector<T, D> for Nb
             let Some(grids) = grids else { continue };
             let ids = classes.range(k);
             let part = Part { bodies, ids: &self.order[ids.clone()], reach: grids.reach };
-            // Plain NBS needs no more memory than `prepare` has allowed.
+            // `prepare` has checked that plain NBS stays within the memory limit.
             self.plain.detect(part, probe, &mut Named { ids: part.ids, sink })?;
             if let Some(cross) = &grids.cross {
                 self.between(&bodies, cross, ids, probe, sink);
@@ -208,7 +209,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
         let cross: [u64; D] =
             std::array::from_fn(|k| most_of(&|grids| Some(grids.cross?.cells), k));
         let most = (0..CLASSES).map(|k| classes.range(k).len()).max().unwrap_or(0);
-        // Plain NBS has one set of lists of layers and two sets of all others.
+        // Plain NBS has one set of lists along the last axis and two along each other axis.
         let plain = 2 * own.iter().sum::<u64>() - own[D - 1] + (D * most) as u64;
         let needed = 4 * (plain + 2 * cross.iter().sum::<u64>() + (D * n) as u64 + n as u64);
         let shape = || format!("{n} particles in classes of sizes, cells {own:?} and {cross:?}");
@@ -253,8 +254,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
         }
     }
 
-    /// Checks the layer, row or cell of a particle, if it is new, against smaller particles in it
-    /// and beside it.
+    /// Checks a particle's layer, row or cell against smaller particles in it and beside it, unless
+    /// this was done for an earlier particle.
     fn around<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -299,7 +300,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
 }
 
 impl Classes {
-    /// Counts the classes; returns `None` if all particles are in one class.
+    /// Counts the particles of each class; returns `None` if all are in one class.
     fn new<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> Option<Classes> {
         if bodies.uniform().is_some() {
             return None;

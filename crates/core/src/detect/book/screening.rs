@@ -24,12 +24,12 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Screening. Fields carry the book's names.
+/// The `screening` detector. Its fields have the book's names.
 pub struct Screening {
     options: Options,
-    /// C: heads, one per cell.
+    /// The book's array C: the head of each cell's list.
     c: Heads,
-    /// E: links.
+    /// The book's array E: the link of each particle.
     e: Links<1>,
     formula: u64,
 }
@@ -79,7 +79,7 @@ impl Screening {
     ) -> Result<(), Refusal> {
         self.prepare(cells, bodies.len())?;
         let n = bodies.len() as u32;
-        // Offset of each mask cell from a central cell in the array.
+        // Offsets in the array from a central cell to its mask cells.
         let offsets = mask.map(|cell| {
             (0..D)
                 .rev()
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// Example G2: nine particles in 10 x 10 cells (p90-91).
+    /// Example G2 of the book: nine particles in 10 x 10 cells (pages 90 and 91).
     #[test]
     fn the_books_nine_particles() {
         let scene = InCells(&NINE);

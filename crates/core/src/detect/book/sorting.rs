@@ -1,6 +1,6 @@
 //! `sorting`: sorting and binary search (Munjiza 2004, section 3.7).
 //!
-//! 1. Arrays X, Y(, Z) of integerised coordinates and D of particle numbers are filled.
+//! 1. Arrays X, Y (and Z) are filled with integerised coordinates, array D with particle numbers.
 //! 2. They are sorted together in place, by X, then Y, then Z. The book's sort halves the range of
 //!    *values*: two pointers move in from the ends, values below mid = (min + max) / 2 go left, the
 //!    others right, and both sides are sorted in the same way.
@@ -26,12 +26,12 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Sorting with binary search, in `D` dimensions.
+/// The `sorting` detector, in `D` dimensions.
 pub struct Sorting<const D: usize> {
     options: Options,
-    /// X, Y(, Z): integerised coordinates.
+    /// The book's arrays X, Y (and Z): integerised coordinates of the particles.
     keys: [Vec<u32>; D],
-    /// D: particle numbers.
+    /// The book's array D: particle numbers.
     particles: Vec<u32>,
 }
 
@@ -162,8 +162,7 @@ impl<const D: usize> Sorting<D> {
         }
     }
 
-    /// Moves particles with keys below `mid` to the front and returns the place of the first other
-    /// one.
+    /// Moves particles with keys below `mid` to the front and returns where the others begin.
     fn partition(
         &mut self,
         axis: usize,
@@ -185,7 +184,7 @@ impl<const D: usize> Sorting<D> {
             right -= 1;
             probe.add(Op::Move, 2);
             probe.note(|| Event::Swap { axis, places: [left, right] });
-            // Keys of earlier axes are equal in the whole range.
+            // Keys of earlier axes are equal in the whole range and need no swap.
             for keys in &mut self.keys[axis..] {
                 keys.swap(left, right);
             }
@@ -260,7 +259,7 @@ mod tests {
     use super::*;
     use crate::probe::{Silent, Tally};
 
-    /// Example G3: eight particles (p95-98).
+    /// Example G3 of the book: eight particles (pages 95 to 98).
     const EIGHT: [[u32; 2]; 8] = [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6]];
 
     #[test]
@@ -282,7 +281,7 @@ mod tests {
         assert_eq!(printed(&pairs, &[]), "1-2 1-3 1-4 1-6 1-7 2-4 3-4 3-5 3-6 3-7 4-6 4-8 5-6 6-8");
     }
 
-    /// Example G4: one step of the book's partition (p99-101).
+    /// Example G4 of the book: one step of the partition (pages 99 to 101).
     #[test]
     fn the_books_partition_step() {
         let mut sorting = Sorting::<2>::with(Options::default());

@@ -11,7 +11,7 @@
 //!   at most 16 particles; in a dense packing this number hardly depends on N.
 //! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, with L leaves: the smallest power of two
 //!   of at least N/16.
-//! * Boxes enclose particles of any size, so a giant among dust costs its own pairs and a few
+//! * Boxes enclose particles of any size, so one giant particle adds only its own pairs and a few
 //!   boxes. Keys affect only speed: if all particles of a distant clump fall into one step, their
 //!   boxes overlap and the search is slow. Refuses scenes over the memory limit.
 //! * Deviations from the sources: the tree is balanced and determined by N, not by the bits of the
@@ -28,7 +28,7 @@ use crate::sink::Sink;
 /// The hierarchy of boxes, in `D` dimensions.
 pub struct Bvh<const D: usize> {
     options: Options,
-    /// Keys with particle numbers.
+    /// Morton key and number of each particle.
     keys: Vec<(u64, u32)>,
     pub(crate) tree: Tree<D>,
 }
@@ -65,7 +65,8 @@ impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
 }
 
 impl<const D: usize> Bvh<D> {
-    /// Copies the particles into the tree in the order of their keys; refusals carry `name`.
+    /// Copies the particles into the tree, sorted by key; `name` is the detector's name in
+    /// refusals.
     pub(crate) fn order<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -111,7 +112,7 @@ struct Steps<const D: usize> {
 impl<const D: usize> Steps<D> {
     const BITS: u32 = if D == 2 { 32 } else { 21 };
 
-    /// Coordinates are halved, so that edges do not overflow. For a single point the scale is
+    /// Coordinates are halved, so that edges do not overflow. If all points coincide, the scale is
     /// infinite and all keys are 0.
     fn new(bounds: Bounds<D>) -> Steps<D> {
         let low = bounds.low.map(|x| 0.5 * x);

@@ -12,10 +12,10 @@
 //!   exactly as in [`crate::detect::book::screening`].
 //! * Memory: `4(nx·ny[·nz] + 1) + 24N` bytes in 2D, `+ 32N` in 3D, for nx, ny, nz cells per axis,
 //!   two empty border cells included.
-//! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit: loose
-//!   packings, far-away particles.
-//! * Threads share the rows of the second step and collect contacts in lists: 8 bytes per contact,
-//!   in arrays of at most twice the length, under the same limit.
+//! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit: such as
+//!   loose packings and scenes with far-away particles.
+//! * Threads share the rows of the second step and collect contacts, 8 bytes each, in arrays of at
+//!   most twice the length needed, under the same limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
 //!   ([`crate::filter::cells`]); the second pass of the sort computes the cells of particles again.
 
@@ -34,7 +34,7 @@ use crate::sink::Sink;
 /// The cell grid, in `D` dimensions.
 pub struct CellGrid<const D: usize> {
     options: Options,
-    /// Starts of the records of each cell, and the end of the last one.
+    /// Index of each cell's first record, then the end of the last cell's records.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
     /// Bytes of the contacts that threads have collected.
@@ -106,7 +106,7 @@ impl<const D: usize> CellGrid<D> {
             end += *start;
             *start = end;
         }
-        // From the end of each cell backwards, so that particles of a cell stay in order.
+        // Each cell is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
             let record = Record::new(bodies, id);
             let start = &mut self.starts[cells.place(record.position, probe)];
@@ -199,7 +199,7 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
-/// Returns the cells along an axis without borders; 1 for the third axis in 2D.
+/// Returns the number of cells along an axis without border cells; 1 for the third axis in 2D.
 fn inner<const D: usize>(cells: &Cells<D>, axis: usize) -> usize {
     if axis < D { cells.count[axis] as usize - 2 } else { 1 }
 }

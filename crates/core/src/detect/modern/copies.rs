@@ -1,16 +1,16 @@
 //! Copies of the particles in a detector's own order, and decisions from these copies.
 //!
-//! If candidates are adjacent in memory, a detector does not wait for a scene in random order.
-//! [`Record`] is the copy: the centre in f64, the number, and the radius in f32, together 24 bytes
-//! in 2D and 32 in 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for
-//! each pair, and leaves nearly tangent pairs to [`Bodies::touch`].
+//! Candidates are then adjacent in memory, even if the scene is in random order. [`Record`] is the
+//! copy: the centre in f64, the number, and the radius in f32, together 24 bytes in 2D and 32 in
+//! 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for each pair, and
+//! leaves nearly tangent pairs to [`Bodies::touch`].
 //!
 //! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
-//! |e| <= 2^-24, |t| <= 2^-150. The sum s' of two stored radii has s <= s'(1 + 2^-23) + 2^-148 and
-//! s >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so
-//! s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise
-//! below: the widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is
-//! decided here. Radii below 2^-126 lose digits, so little is decided.
+//! |e| <= 2^-24, |t| <= 2^-150. For the sum s of two radii and the sum s' of the stored ones, s <=
+//! s'(1 + 2^-23) + 2^-148 and s >= s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <=
+//! 2^-21, so s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147,
+//! and likewise below: the widened slack of [`Each`]. Radii that overflow are infinite, and then
+//! nothing is decided here. Radii below 2^-126 lose digits, so little is decided.
 
 use crate::contact::{Bodies, Slack};
 use crate::filter::Near;
@@ -57,7 +57,7 @@ pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
     buffer.resize(count, filling);
 }
 
-/// The squared distances that decide, for the radii of two records.
+/// Limits on the squared distance of two records that decide whether they touch.
 pub trait Nearness: Copy + Sync {
     fn near(&self, a: f32, b: f32) -> Near;
     /// Returns a half-reach: two particles that touch are at most the sum of their half-reaches
@@ -68,7 +68,7 @@ pub trait Nearness: Copy + Sync {
     fn reach(&self, radius: f32, largest: f64) -> f64;
 }
 
-/// Limits for one radius, computed once.
+/// Limits for particles of one radius, computed once.
 #[derive(Clone, Copy, Debug)]
 pub struct One {
     near: Near,
@@ -98,7 +98,7 @@ impl Nearness for One {
     }
 }
 
-/// Limits for individual radii.
+/// Limits for particles with individual radii, computed for each pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Each(Slack);
 
@@ -121,7 +121,7 @@ impl Nearness for Each {
         half(f64::from(radius), self.0)
     }
 
-    /// The widened slack also covers sums in which only one radius is rounded.
+    /// The widened slack also covers sums in which only one radius was rounded to f32.
     #[inline(always)]
     fn reach(&self, radius: f32, largest: f64) -> f64 {
         self.0.reach(f64::from(radius), largest)
@@ -144,13 +144,13 @@ pub struct Judge<'a, P, N> {
     pub nearness: N,
 }
 
-/// Buffer of pairs found and not yet passed on.
+/// Buffer of pairs that were found and are not yet passed on.
 pub struct Found {
     pairs: [[u32; 2]; Found::ROOM],
     count: usize,
 }
 
-/// Records tested per check for free space and for undecided pairs.
+/// Number of records tested between two checks for free space and for undecided pairs.
 pub const STRIDE: usize = 64;
 
 impl Found {
@@ -170,7 +170,7 @@ impl Found {
         self.count <= Found::ROOM - STRIDE
     }
 
-    /// Replaces the marks from number `start` on by the results of `pair`, in place.
+    /// Replaces the marks from index `start` on by the pairs that `pair` makes of them, in place.
     #[inline(always)]
     pub fn settle(&mut self, start: usize, mut pair: impl FnMut([u32; 2]) -> Option<[u32; 2]>) {
         let marks = start..self.count;
@@ -211,8 +211,8 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         }
     }
 
-    /// Tests `a` against at most [`STRIDE`] others, for which there must be space, and stores a
-    /// mark for each contact. Nearly tangent pairs that are not `wanted` may be skipped.
+    /// Tests `a` against at most [`STRIDE`] others and stores a mark for each contact; there must
+    /// be space for all of them. Nearly tangent pairs that are not `wanted` may be skipped.
     #[inline(always)]
     pub fn stride<const D: usize>(
         &self,
@@ -226,7 +226,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         let (mut end, mut unsure) = (found.count, false);
         for (place, b) in others.iter().enumerate() {
             let (near, square) = (self.nearness.near(a.radius, b.radius), a.square(b));
-            // Written in any case, and kept by incrementing the count.
+            // Always written; the mark is kept only if the count is incremented.
             found.pairs[end % Found::ROOM] = mark(place, b);
             end += usize::from(square <= near.outer);
             unsure |= (square > near.inner) & (square <= near.outer);
@@ -302,7 +302,7 @@ impl<const D: usize> Bounds<D> {
         [axes[0], axes[1]]
     }
 
-    /// Returns half of an edge, which does not overflow.
+    /// Returns half the length of an edge; the length itself could overflow.
     pub fn half_edge(&self, axis: usize) -> f64 {
         0.5 * self.high[axis] - 0.5 * self.low[axis]
     }
@@ -317,8 +317,8 @@ mod tests {
     use crate::probe::Tally;
     use crate::scene::{AnyScene, Radii, Scene};
 
-    /// Checks all pairs of a scene by records against the contact test, and the boxes of pairs that
-    /// touch.
+    /// Compares the decisions from records with the contact test, for all pairs of a scene. Also
+    /// checks that the boxes of pairs that touch overlap.
     struct Pairs(u64);
     impl<T: Real, const D: usize> WithBodies<T, D> for &mut Pairs {
         type Output = Result<(), Refusal>;
@@ -347,7 +347,7 @@ mod tests {
                     }
                 }
                 assert_eq!(pairs, expected);
-                // Each pair counts as one contact test from copies, and as one above.
+                // Each pair counts as two contact tests: one from records, one in the loop above.
                 assert_eq!(probe.get(Op::ContactTest), 2 * (records.len() - i - 1) as u64);
                 self.0 += pairs.len() as u64;
             }
@@ -355,8 +355,8 @@ mod tests {
         }
     }
 
-    /// Particles on a line, each within a few ulps of touching the previous one, with radii that
-    /// f32 cannot represent, at scales where f32 overflows or underflows.
+    /// Tests particles on a line, each within a few ulps of touching the previous one. Their radii
+    /// are not exact in f32, at scales at which f32 overflows or underflows.
     #[test]
     fn records_decide_as_the_test_does() {
         for arithmetic in Arithmetic::ALL {

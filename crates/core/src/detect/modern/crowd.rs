@@ -3,21 +3,21 @@
 
 use crate::sink::splitmix64;
 
-/// Mean number of other particles in a particle's cell from which such cells are not used: a few
-/// hundred candidates.
+/// Mean number of other particles in a particle's cell above which the cells are too wide: a
+/// particle then has a few hundred candidates.
 pub const CROWD: f64 = 24.0;
 /// Largest number of size classes.
 pub const CLASSES: usize = 32;
-/// Largest sample; smaller scenes sample one particle in 32.
+/// Maximum size of a sample, which is one particle in 32.
 const SAMPLE: usize = 4096;
-/// Sample size for up to 4096 particles.
+/// Maximum size of a sample of up to 4096 particles.
 const FEW: usize = 128;
-/// This many pairs in one cell may occur by chance.
+/// In the sample of a class, up to this many ordered pairs in the same cell may be chance.
 const CHANCE: usize = 8;
 
 /// Estimates, for each size class, the mean number of other particles in a particle's cell. `place`
 /// returns a particle's class and a number for its cell that few other cells share; `bodies`
-/// returns the size of a class. The estimate is 0 if the sample is too small.
+/// returns the size of a class. The estimate is 0 if the sample has too few pairs in the same cell.
 pub fn company(
     n: usize,
     place: impl Fn(u32) -> (usize, u64),
@@ -40,7 +40,7 @@ pub fn company(
         return company;
     }
     for (k, place_of) in (0..).zip(&mut *sample) {
-        // At random, because equal strides could miss clusters whose particles are stored together.
+        // Drawn at random, because equal strides could miss clusters that are stored together.
         *place_of = place((splitmix64(k) % n as u64) as u32);
     }
     sample.sort_unstable();
@@ -48,7 +48,7 @@ pub fn company(
         let couples: usize =
             class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
         if couples > CHANCE {
-            // Scales the pairs in the sample to the whole class.
+            // Scale the pairs in the sample to the whole class.
             let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
             company[class[0].0] = couples as f64 / asked * (all / asked);
         }

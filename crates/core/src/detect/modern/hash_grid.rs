@@ -12,8 +12,8 @@
 //!    in each of half of the neighbouring rows: one range per brick. For a near particle the cell
 //!    itself is compared, because several cells may share a bucket.
 //!
-//! * Cost: proportional to N particles, whatever the domain. Particles of other cells in the same
-//!   buckets are tested in vain: on average at most one for every cell visited.
+//! * Cost: proportional to N particles, whatever the domain. Particles of other cells may be in the
+//!   same buckets and are compared in vain: on average at most one for every cell visited.
 //! * Memory: `4(B + 513) + 24N` bytes in 2D, `4(B + 1025) + 32N` in 3D, where B is the smallest
 //!   power of two of at least N.
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
@@ -34,7 +34,7 @@ use crate::sink::Sink;
 /// The hash grid, in `D` dimensions.
 pub struct HashGrid<const D: usize> {
     options: Options,
-    /// Starts of the records of each bucket, and the end of the last one.
+    /// Index of each bucket's first record, then the end of the last bucket's records.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
 }
@@ -92,7 +92,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
 
 #[derive(Clone, Copy)]
 struct Buckets {
-    /// First buckets of bricks are below 2^bits.
+    /// The first bucket of a brick is below 2^bits.
     bits: u32,
 }
 
@@ -113,12 +113,12 @@ impl Buckets {
             brick[k] /= edges[k];
             within = within * edges[k] + cell[k] % edges[k];
         }
-        // The highest bits; shifted twice, because `bits` may be 0.
+        // The highest `bits` bits; two shifts, because `bits` = 0 would need a shift by 64.
         (mixed(brick) >> 1 >> (63 - self.bits)) as usize + within as usize
     }
 }
 
-/// Neighbouring cells in a row of a brick, and a range of records that contains all of theirs.
+/// Neighbouring cells in a row of a brick, and a range of records with all their particles.
 #[derive(Clone, Copy)]
 struct Range<const D: usize> {
     records: [u32; 2],
@@ -133,7 +133,7 @@ impl<const D: usize> Range<D> {
     }
 }
 
-/// At most two bricks for each neighbouring row and for the row itself.
+/// Ranges of candidates: a row, and each neighbouring row, lies in at most two bricks.
 struct Ranges<const D: usize> {
     ranges: [Range<D>; 10],
     count: usize,
@@ -156,7 +156,7 @@ impl<const D: usize> HashGrid<D> {
             end += *start;
             *start = end;
         }
-        // From the end of each bucket backwards, so that particles of a bucket stay in order.
+        // Each bucket is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
             let record = Record::new(bodies, id);
             let start = &mut self.starts[buckets.bucket(cell(record.position, cells, probe))];

@@ -2,8 +2,8 @@
 //! for Associative Searching"; with buckets and boxes as in Friedman, Bentley and Finkel 1977, and
 //! traversed by pairs of nodes as in Gray and Moore 2000).
 //!
-//! 1. Copies are divided at the median along the longest axis, and each half likewise, down to
-//!    buckets of at most 16.
+//! 1. Copies of the particles are divided at the median along the longest axis, and each half
+//!    likewise, down to buckets of at most 16.
 //! 2. `tree.rs` builds boxes and finds the pairs.
 //!
 //! * Cost: N log N key comparisons for N particles. The search visits some nodes for every bucket;
@@ -66,7 +66,7 @@ impl<T: Real, const D: usize> Detector<T, D> for KdTree<D> {
     }
 }
 
-/// Divides the records of leaves `from..to`, which lie in `space`, until each is in its leaf.
+/// Divides the records of leaves `from..to`, which lie in `space`, among these leaves.
 fn part<const D: usize>(
     records: &mut [Record<D>],
     leaves: Leaves,
@@ -78,7 +78,7 @@ fn part<const D: usize>(
         return;
     }
     let (middle, [axis, _]) = (from + (to - from) / 2, space.longest());
-    // If there are several leaves, none is empty, so this is the place of a record.
+    // If there are several leaves, none is empty, so a record exists at this place.
     let place = leaves.place(middle) - leaves.place(from);
     let (before, median, _) = records.select_nth_unstable_by(place, |a, b| {
         probe.count(Op::KeyCompare);

@@ -26,14 +26,14 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Sort and sweep, in `D` dimensions.
+/// The `sweep` detector, in `D` dimensions.
 pub struct Sweep<const D: usize> {
     options: Options,
     /// Copies of the particles, sorted by the lower end of their intervals on the first axis.
     pub(crate) records: Vec<Record<D>>,
-    /// Lower ends along the second axis.
+    /// Lower ends of the records' intervals on the second axis.
     lows: Vec<f32>,
-    /// Upper ends along the second axis.
+    /// Upper ends of the records' intervals on the second axis.
     highs: Vec<f32>,
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn interval<const D: usize>(
     filter::interval(record.position[axis], nearness.half(record.radius))
 }
 
-/// Intervals compared on the second axis at a time.
+/// Number of intervals on the second axis that are compared together.
 const STRIDE: usize = 16;
 
 impl<const D: usize> Sweep<D> {
@@ -97,7 +97,7 @@ impl<const D: usize> Sweep<D> {
         self.search(judge, axes, bounds, probe, sink);
     }
 
-    /// Copies the particles in the order of their numbers; refusals carry `name`.
+    /// Copies the particles in their order; `name` is the detector's name in refusals.
     pub(crate) fn take<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -119,7 +119,7 @@ impl<const D: usize> Sweep<D> {
         });
     }
 
-    /// Finds the pairs of copies that are sorted along the first of two axes.
+    /// Finds the pairs of copies, which must be sorted along the first of the two axes.
     pub(crate) fn search<P: Probe>(
         &mut self,
         judge: Judge<'_, P, impl Nearness>,
@@ -154,7 +154,7 @@ impl<const D: usize> Sweep<D> {
             let ((lows, last_lows), (highs, last_highs)) =
                 (lows.as_chunks::<STRIDE>(), highs.as_chunks::<STRIDE>());
             for (k, (lows, highs)) in lows.iter().zip(highs).enumerate() {
-                // Most groups have no overlap, which takes a few instructions to detect.
+                // Most groups have no overlap, and a few instructions are enough to detect that.
                 if (0..STRIDE).fold(false, |any, j| any | overlaps(lows[j], highs[j])) {
                     (0..STRIDE)
                         .filter(|&j| overlaps(lows[j], highs[j]))

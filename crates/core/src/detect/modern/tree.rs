@@ -6,9 +6,9 @@
 //! the root is 1, the children of i are 2i and 2i + 1. Each node stores only a box that encloses
 //! the intervals of its particles on every axis ([`crate::filter`], section 2).
 //!
-//! Pairs are found by descending two nodes at a time. A node with itself becomes each half with
-//! itself and the halves with each other; two nodes with overlapping boxes become four pairs of
-//! halves. So each pair of leaves occurs once.
+//! Pairs are found by descending two nodes at a time. A node paired with itself is replaced by its
+//! two halves, each paired with itself and with the other. Two nodes with overlapping boxes are
+//! replaced by four pairs of halves. So each pair of leaves occurs once.
 
 use super::copies::{Bounds, Found, Judge, Nearness, Record, room};
 use crate::filter;
@@ -64,7 +64,7 @@ impl<const D: usize> Tree<D> {
             + size_of::<Bounds<D>>() as u64 * self.boxes.len() as u64
     }
 
-    /// Resizes the tree; the records have no meaning until they are filled.
+    /// Resizes the tree; the caller then fills the records.
     pub fn prepare(&mut self, n: usize) {
         room(&mut self.records, n, Record::NONE);
         room(&mut self.boxes, 2 * Leaves::new(n).count(), Bounds::NONE);
@@ -139,7 +139,7 @@ struct Walk<'a, N, P, S, const D: usize> {
     tree: &'a Tree<D>,
     leaves: Leaves,
     judge: Judge<'a, P, N>,
-    /// Records of one leaf that may touch a particle of the other.
+    /// Records of one leaf that may touch a particle of another leaf.
     near: [Record<D>; LEAF],
     found: Found,
     probe: &'a mut P,
@@ -183,7 +183,7 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
         let mut count = 0;
         for b in self.records(b) {
             self.probe.count(Op::BoundTest);
-            // Written in any case, and kept by incrementing the count.
+            // Always written; the record is kept only if the count is incremented.
             self.near[count % LEAF] = *b;
             count += usize::from(self.is_near(b, &box_a));
         }

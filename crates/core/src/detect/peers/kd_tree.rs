@@ -1,7 +1,7 @@
 //! `kd-tree`: the k-d tree of the crate [kd-tree](https://docs.rs/kd-tree).
 //!
-//! Particles are sorted in place into a balanced tree. Each particle, in the order of the tree,
-//! queries its neighbours within reach. The crate returns a new list for each query.
+//! The crate sorts particles in place into a balanced tree. The detector queries the neighbours of
+//! each particle within reach, in the order of the tree. Each query returns a new list.
 
 use ::kd_tree::{KdSlice2, KdSlice3};
 
@@ -12,7 +12,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and queries it once per particle.
+/// The detector of this module, in `D` dimensions: it queries the tree once per particle.
 pub struct KdTree<const D: usize> {
     points: Vec<[f64; D]>,
     items: Vec<([f64; D], u32)>,
@@ -39,8 +39,8 @@ macro_rules! detector {
                 sink: &mut S,
             ) -> Result<(), Refusal> {
                 positions(&bodies, &mut self.points);
-                // The crate's search is open: it finds nothing at exactly this distance, which the
-                // margin covers.
+                // The crate excludes points at exactly the search distance; the margin in the
+                // distance covers this.
                 let radius = squared_reach(KD_TREE.name, &bodies, &self.points)?.sqrt();
                 self.items.clear();
                 self.items.extend(self.points.iter().copied().zip(0u32..));

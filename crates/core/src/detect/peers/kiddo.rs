@@ -1,10 +1,10 @@
 //! `kiddo`: the k-d tree of the crate [kiddo](https://docs.rs/kiddo).
 //!
 //! `ImmutableKdTree` is built from the slice of centres. It handles many points with an equal
-//! coordinate, which the crate's mutable tree does not. Each particle, in the order of the leaves,
-//! queries its neighbours within reach: unsorted, without distances, by a visitor with a reused
-//! stack, so no query allocates. The crate's SIMD needs a nightly compiler and is off; its threads
-//! are off.
+//! coordinate, which the crate's mutable tree does not. The detector queries the neighbours of each
+//! particle within reach, in the order of the leaves. A query returns them unsorted and without
+//! distances, and reuses its stack, so it does not allocate. The crate's SIMD needs a nightly
+//! compiler and is off, as are its threads.
 
 use ::kiddo::{ImmutableKdTree, SquaredEuclidean};
 
@@ -15,7 +15,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and queries it once per particle.
+/// The detector of this module, in `D` dimensions: it queries the tree once per particle.
 pub struct Kiddo<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Kiddo<D> {

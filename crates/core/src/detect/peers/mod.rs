@@ -4,9 +4,9 @@
 //! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*. It
 //! finds all pairs within [`reach`](crate::contact::Bodies::reach), and
 //! [`touch`](crate::contact::Bodies::touch) decides, so its result must equal the same truth. The
-//! clock is the same, too: from raw coordinates to the complete list of pairs, including the
-//! construction of the library's structure. Scenes that a library cannot handle are refused with
-//! the reason.
+//! time covers the same work as for other detectors, from raw coordinates to the complete list of
+//! pairs. It includes the construction of the library's structure. Scenes that a library cannot
+//! handle are refused with the reason.
 //!
 //! Peers need not follow this project's rules about memory: they allocate freely and have no
 //! formula.
@@ -36,7 +36,7 @@ pub struct Peer {
     pub name: &'static str,
     /// The algorithm in a few words.
     pub summary: &'static str,
-    /// Cost for N particles.
+    /// Growth of the run time with N, the number of particles.
     pub cost: &'static str,
     /// Scenes that the peer refuses or is slow on.
     pub limits: &'static str,
@@ -85,8 +85,7 @@ pub const ZELLL: Peer = Peer {
 /// All peers.
 pub const PEERS: [&Peer; 5] = [&KIDDO, &KD_TREE, &RSTAR, &PARRY, &ZELLL];
 
-/// Returns why the peer of this name cannot run, or `None` unless it is a peer that was not
-/// compiled in.
+/// Returns why this peer cannot run, or `None` unless `name` is a peer that was not compiled in.
 pub fn missing(name: &str) -> Option<String> {
     let absent = !cfg!(feature = "peers") && PEERS.iter().any(|peer| peer.name == name);
     absent.then(|| {
@@ -112,13 +111,13 @@ fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
     })
 }
 
-/// Returns the square of the search distance, for libraries that prune and decide by squares: no
-/// pair that `touch` accepts is farther apart as such a library computes it.
+/// Returns the squared search distance for libraries that prune and decide by squares. It is at
+/// least the square that such a library computes for any pair that `touch` accepts.
 ///
-/// A square computed directly is off by 6u (see [`crate::filter`], section 5). Trees that update
-/// the distance to a box at every level may be off by a few u per level. The factor 2^-40 covers
-/// thousands of levels at no cost; the added 2^-960 covers underflow. If squares overflow, trees
-/// may compute infinity minus infinity: such scenes are refused.
+/// A square computed directly is off by 6u, with u = 2^-53 ([`crate::filter`], section 5). Trees
+/// that update the distance to a box at every level may be off by a few u per level. The factor
+/// 2^-40 covers thousands of levels at no cost; the added 2^-960 covers underflow. If squares
+/// overflow, trees may compute infinity minus infinity: such scenes are refused.
 #[cfg(feature = "peers")]
 fn squared_reach<T: Real, const D: usize>(
     detector: &'static str,
@@ -126,7 +125,7 @@ fn squared_reach<T: Real, const D: usize>(
     points: &[[f64; D]],
 ) -> Result<f64, Refusal> {
     const PART: f64 = 1.0 / (1u64 << 40) as f64;
-    // 2^-960, as bits.
+    // 2^-960, from its bits.
     let least = f64::from_bits((1023 - 960) << 52);
     let [low, high] = bounds(points);
     let farthest: f64 = (0..D).map(|k| (high[k] - low[k]) * (high[k] - low[k])).sum();

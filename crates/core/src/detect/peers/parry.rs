@@ -14,7 +14,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree of boxes and traverses it against itself.
+/// The detector of this module, in `D` dimensions: it traverses the tree against itself.
 pub struct Parry<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Parry<D> {
@@ -41,7 +41,7 @@ macro_rules! detector {
                 use $parry::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
                 positions(&bodies, &mut self.0);
-                // Called only to refuse large scenes: volumes of boxes must not overflow.
+                // Called only to refuse large scenes, because volumes of boxes must not overflow.
                 squared_reach(PARRY.name, &bodies, &self.0)?;
                 let slack = bodies.slack();
                 let boxes = self.0.iter().zip(0..).map(|(point, id)| {

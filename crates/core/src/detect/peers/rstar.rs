@@ -1,7 +1,7 @@
 //! `rstar`: the R*-tree of the crate [rstar](https://docs.rs/rstar).
 //!
-//! The tree is bulk-loaded from the centres. Each particle, in the order of the leaves, queries its
-//! neighbours within reach.
+//! The tree is bulk-loaded from the centres. The detector queries the neighbours of each particle
+//! within reach, in the order of the leaves.
 
 use ::rstar::RTree;
 use ::rstar::primitives::GeomWithData;
@@ -13,7 +13,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and queries it once per particle.
+/// The detector of this module, in `D` dimensions: it queries the tree once per particle.
 pub struct Rstar<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Rstar<D> {

@@ -5,7 +5,7 @@
 //!
 //! * A new grid is made for every detection. The crate can rebuild one in place, but then reuses
 //!   the previous cells if no particle has left its cell, which would make the measurement unfair.
-//!   It also misses a changed number of particles.
+//!   It also fails to notice a changed number of particles.
 //! * Cells are wider than the reach by the margin of [`crate::filter::cells`], whose proof holds
 //!   here: fewer than 2^31 cells per axis, found by one subtraction and one division. Cells are
 //!   doubled until their numbers fit in 32 bits.
@@ -19,7 +19,7 @@ use crate::probe::Probe;
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a grid and enumerates its pairs.
+/// The detector of this module, in `D` dimensions: it enumerates the pairs of a new grid.
 pub struct Zelll<const D: usize>(Vec<[f64; D]>);
 
 #[derive(Clone, Copy)]
@@ -80,7 +80,7 @@ fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal>
             "its cells or their distances overflow; scale the scene down, or use direct".into();
         return Err(Refusal::Library { detector: ZELLL.name, reason });
     }
-    // For points, about one particle per cell is enough.
+    // If all particles are points, cells are wide enough for about one particle each.
     if reach == 0.0 {
         edge = edge.max(longest / libm::pow(points.len().max(1) as f64, 1.0 / D as f64));
     }

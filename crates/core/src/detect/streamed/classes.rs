@@ -1,15 +1,15 @@
 //! Size classes: which particles share a grid.
 //!
 //! Cells are as wide as the reach of the largest particle in them. So particles of very different
-//! sizes are divided into classes by radius, and each class gets a grid that suits it. Larger
-//! particles then visit the grids of smaller ones ([`super::visits`]).
+//! sizes are divided into classes by radius, and each class gets its own grid. Larger particles
+//! then visit the grids of smaller ones ([`super::visits`]).
 //!
-//! Radii are grouped by octave: how often the largest radius of the scene is halved until it is not
-//! larger. Which octaves share a grid is chosen to minimise a model of the work ([`Class::work`],
-//! [`Class::visits`]). As larger particles visit finer classes one by one, the work in a class and
-//! of its visitors depends only on where the class begins and ends, so the best partition is found
-//! octave by octave. Most scenes whose sizes differ by a small factor form one class and are swept
-//! like scenes of one size.
+//! Radii are grouped by octave. The octave of a radius is how often the largest radius of the scene
+//! must be halved until it is at most this radius. Which octaves share a grid is chosen to minimise
+//! a model of the work ([`Class::work`], [`Class::visits`]). Larger particles visit each finer
+//! class separately, so the work in a class, visits included, depends only on where the class
+//! begins and ends. So the best partition is found octave by octave. Most scenes whose sizes differ
+//! by a small factor form one class and are swept like scenes of one size.
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
@@ -18,14 +18,14 @@ use crate::scene::{Real, extremes};
 
 /// Number of octaves; the last one holds all radii below 2^-31 of the largest.
 pub(super) const MOST: usize = CLASSES;
-/// Scenes with fewer particles form one class.
+/// Scenes with fewer particles than this form one class.
 const FEWEST: usize = 64;
 /// Measured cost of finding a row of candidates, in contact tests.
 const ROW: f64 = 30.0;
-/// Fixed cost of a class, in contact tests.
+/// Fixed cost of one more class, in contact tests.
 const CLASS: f64 = 2000.0;
 
-/// A range of octaves with its particles.
+/// A range of octaves and the particles in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
@@ -70,7 +70,7 @@ impl<const D: usize> Class<D> {
         }
     }
 
-    /// Returns about how many cells the class has, and their edge.
+    /// Returns the approximate number of cells of the class, and their edge.
     fn cells(&self) -> (f64, f64) {
         let lengths: [f64; D] =
             std::array::from_fn(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
@@ -79,8 +79,8 @@ impl<const D: usize> Class<D> {
         (lengths.iter().map(|length| length / edge).product(), edge)
     }
 
-    /// Estimates the contact tests within the class: those in half of the cells around each
-    /// particle.
+    /// Estimates the contact tests within the class: each particle is tested against those in half
+    /// of the cells around it.
     fn work(&self) -> f64 {
         let (cells, _) = self.cells();
         let beside = if D == 2 { 4.5 } else { 13.5 };
@@ -88,11 +88,11 @@ impl<const D: usize> Class<D> {
         n * n * beside / cells
     }
 
-    /// Estimates the cost for an octave of larger particles to visit this class, in contact tests.
+    /// Estimates the cost in contact tests if the larger particles of `octave` visit this class.
     fn visits(&self, octave: &Class<D>) -> f64 {
         let (cells, edge) = self.cells();
         let radius = octave.sum / octave.bodies as f64;
-        // A ball fills a bit more than half of the cube around it.
+        // A visit covers slightly more than half of the cube around its ball.
         let width = 2.0 * (radius + self.largest) / edge + 1.0;
         let (rows, tests) =
             if D == 2 { (width, width * width) } else { (width * width, width * width * width) };
@@ -114,7 +114,7 @@ pub(super) struct Classes<const D: usize> {
 }
 
 impl<const D: usize> Classes<D> {
-    /// Returns the best classes, or `None` if all radii are in one octave.
+    /// Returns the best classes, or `None` if radii are in one octave or particles are too few.
     pub fn of<T: Real>(bodies: &impl Bodies<T, D>) -> Option<Classes<D>> {
         let n = bodies.len() as u32;
         if bodies.uniform().is_some() || bodies.len() < FEWEST {
@@ -152,7 +152,7 @@ impl<const D: usize> Classes<D> {
         }
         let mut classes =
             Classes { largest, numbers: [0; MOST], classes: [Class::EMPTY; MOST], count: 0 };
-        // Collect the classes from the last to the first, and reverse.
+        // Collect the classes from the last to the first, then reverse their order.
         let mut last = (0..MOST).rev().find(full);
         while let Some(end) = last {
             let begin = least[end].1;

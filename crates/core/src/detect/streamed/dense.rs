@@ -1,5 +1,5 @@
-//! The dense form, for most scenes: an array over the cells of each bundle of layers, two bundles
-//! at a time per thread.
+//! The dense form, for most scenes. Each bundle of layers has an array over its cells; each thread
+//! holds two bundles at a time.
 
 use std::ops::Range;
 
@@ -41,7 +41,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
                 + (threads * most * size_of::<Record<D, R>>()) as u64
                 + of_threads as u64
         };
-        // Most scenes have bundles of about equal length; the longest is known once the lists are.
+        // An estimate, as most bundles have about equal length; the longest is known after filling.
         within(self.options, NAME, needed(n.div_ceil(plan.slabs)), shape)?;
         grow(lists, threads);
         grow(self.workers, threads);
@@ -111,12 +111,12 @@ pub(super) struct Bundles<'a, R, const D: usize> {
     pub level: Level,
 }
 
-/// Further work on the bundle with this number while it is in cache.
+/// Function called with each bundle's number after its sweep, while the bundle is in cache.
 pub(super) type Beside<'a, const D: usize> =
     &'a mut dyn FnMut(usize, &Slab<D>, &mut Scratch, &mut dyn PairSink);
 
 impl<R: Size, const D: usize> Bundles<'_, R, D> {
-    /// Sweeps a range of bundles, each against itself and the first layer of the next.
+    /// Sweeps a range of bundles, each against itself and the first layer of the next bundle.
     pub fn sweep<const EACH: bool>(
         &self,
         worker: &mut Worker<D>,
@@ -135,7 +135,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
         fill(slab, Some(range.start), sink);
         for number in range {
             fill(next, Some(number + 1).filter(|&next| next < plan.slabs), sink);
-            // The next layer is in the same bundle, except for the last layer.
+            // Begin of the bundle's last layer, the only one whose next layer is in another bundle.
             let last = ((1 << plan.layers) - 1) * plan.layer;
             let border = slab.begin[last] as usize;
             let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {

@@ -2,20 +2,20 @@
 //!
 //! Let h be the edge of a cell, s = 1/h and F the number of fraction bits. A coordinate x is stored
 //! as the integer q nearest to Q = (x - xmin) s 2^F. Let u = 2^-53, and let an axis have fewer than
-//! 2^31 cells. Then Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by
-//! 2^F is exact); rounding to an integer adds 1/2. So |q - Q| < 1.01, and the difference of two
+//! 2^31 cells. Then Q < 2^51, and its computed value is off by at most (2u + u²)Q < 1/2 (scaling by
+//! 2^F is exact). Rounding to an integer adds 1/2. So |q - Q| < 1.01, and the difference of two
 //! coordinates is within [`STEPS_OFF`] of the true one.
 //!
 //! * **Cells.** Two particles that touch have |Qj - Qi| <= reach s 2^F. The code chooses s <= (1 -
 //!   2^(2-F)) / reach, up to its own rounding of 2^-49. So |qj - qi| < 2^F - 4 + 2.1, and their
-//!   cells, q shifted right by F, differ by at most one. This is the margin of
-//!   [`crate::filter::cells`] for integers.
+//!   cells, q shifted right by F, differ by at most one. This margin corresponds to that of
+//!   [`crate::filter::cells`].
 //! * **Distances.** A distance computed from two rounded coordinates is off by less than
 //!   [`STEPS_OFF`] steps along each axis: see [`super::kernel`].
 //!
 //! **Which edge.** Cells as wide as the reach are the smallest, but in a loose scene many of them
-//! are empty. If there are more than [`CELLS_PER_PARTICLE`], the edge grows, so that memory and
-//! time depend on N only. If particles crowd in a few of these wider cells
+//! are empty. Above [`CELLS_PER_PARTICLE`] cells per particle the edge grows, so that memory and
+//! time depend only on the number of particles. If particles crowd in a few of these wider cells
 //! ([`crate::detect::modern::crowd`]), the sparse form with the smallest cells is used
 //! ([`super::sparse`]).
 
@@ -29,14 +29,14 @@ use crate::sink::splitmix64;
 
 /// Maximum number of fraction bits of a coordinate.
 const FRACTION: u32 = 20;
-/// Fraction bits in the sparse form, where a record has three 64-bit words.
+/// Number of fraction bits in the sparse form, in which a record has three 64-bit words.
 pub(super) const SPARSE_FRACTION: u32 = 16;
-/// A grid with fewer fraction bits is not used.
+/// Minimum number of fraction bits; a grid with fewer is not used.
 const FEWEST: u32 = 12;
 /// Error bound for a difference of two coordinates, in steps.
 pub(super) const STEPS_OFF: f64 = 2.1;
-/// Measured optimum: more cells cost more than longer ranges of candidates. A value of 2.5 costs
-/// crowded scenes more time than it saves loose ones.
+/// Maximum number of cells per particle, a measured optimum: more cells cost more than longer
+/// ranges of candidates. A value of 2.5 costs crowded scenes more time than it saves loose ones.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
 /// Maximum number of particles per column of a flat grid, in 2D and 3D: one or two vectors of
 /// candidates per range (measured).
@@ -50,29 +50,29 @@ pub(super) const FEW: usize = 4096;
 const WHOLE: f64 = (1u64 << 52) as f64;
 
 /// Grid of cells with its axes sorted by length. Cells adjacent along the first axis are adjacent
-/// in memory; layers are cut across the last, the longest. A flat grid has the shortest axis in the
-/// middle; in 2D it has one layer.
+/// in memory. Layers are perpendicular to the last, longest axis. In a flat grid the shortest axis
+/// is the second; in 2D a flat grid has one layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid<const D: usize> {
     axes: [usize; D],
     low: [f64; D],
-    /// 1 / edge.
+    /// Reciprocal of the cell's edge, slightly reduced.
     scale: f64,
-    /// Fraction bits.
+    /// Number of fraction bits of a coordinate.
     pub bits: u32,
     pub count: [u64; D],
     /// Whether cells along the second axis are merged into columns.
     pub flat: bool,
 }
 
-/// How the neighbours of a particle are found.
+/// How a grid finds the neighbours of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// By an array over all cells of a grid.
+    /// Reads an array over all cells of a grid.
     Dense,
-    /// By an array over the columns of a grid: the second axis is not divided.
+    /// Reads an array over the columns of a grid, whose second axis is not divided.
     Flat,
-    /// By the occupied cells only.
+    /// Sorts particles by cell and stores no array over cells.
     Sparse,
 }
 
@@ -102,13 +102,13 @@ pub(super) struct Domain<const D: usize> {
 }
 
 impl<const D: usize> Domain<D> {
-    /// Creates a domain for this many particles, of which none farther apart than `reach` touch.
+    /// Creates a domain for this many particles; a pair farther apart than `reach` does not touch.
     /// Fails with [`Refusal::Extent`] if the box is too large.
     pub fn new(corners: Corners<D>, reach: f64, bodies: usize) -> Result<Domain<D>, Refusal> {
         Ok(Domain::along(axes(corners)?, corners, reach, bodies))
     }
 
-    /// Works as [`Domain::new`] with the axes in a given order.
+    /// Does the same as [`Domain::new`] with the axes in a given order.
     pub fn along(
         axes: [usize; D],
         (low, high): Corners<D>,
@@ -137,8 +137,8 @@ impl<const D: usize> Domain<D> {
     pub fn dense(&self) -> Option<(Grid<D>, bool)> {
         let edge = edge_for(self.lengths, self.reach, self.bodies);
         let wide = self.grid(edge, FRACTION);
-        // 32 bits of the coordinates must determine x and row of a particle. Layers have lists, so
-        // there must be few enough bundles.
+        // The lowest 32 bits of the coordinates must determine x and the row of a particle. Bundles
+        // of layers have lists, so their number is limited.
         let bits = bits_for(&wide.count[..D - 1]);
         if bits < FEWEST || wide.count[D - 1] >= 1 << 31 {
             return None;
@@ -146,10 +146,10 @@ impl<const D: usize> Domain<D> {
         Some((self.grid(edge, bits), edge != self.reach && self.bodies > FEW))
     }
 
-    /// Returns a grid that is flat along the shortest axis, if few particles are so far apart that
-    /// a column holds few of them. There are then fewer ranges to look at, and cells as narrow as
-    /// the reach. In 2D all particles are in one layer. If this form is `asked` for, only the
-    /// number of columns is limited.
+    /// Returns a grid that is flat along the shortest axis, or `None` if this form does not pay. It
+    /// pays for few particles, so far apart that a column holds few of them: there are fewer ranges
+    /// than in the dense form, and cells are as narrow as the reach. In 2D all particles are in one
+    /// layer. If this form is `asked` for, only the number of columns is limited.
     fn flat(&self, asked: bool) -> Option<Grid<D>> {
         let order = |k: usize| [1, 0, 2][k];
         let turned = Domain {
@@ -190,8 +190,8 @@ impl<const D: usize> Domain<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Returns a grid, and the form that is asked for or suits the scene. `threads` threads compute
-    /// the bounding box.
+    /// Returns a grid, and its form: the one that is asked for, or one that suits the scene. The
+    /// bounding box is computed on `threads` threads.
     pub fn new<T: Real>(
         bodies: &impl Bodies<T, D>,
         asked: Option<Form>,
@@ -214,7 +214,7 @@ impl<const D: usize> Grid<D> {
         Ok((domain.sparse(reach <= T::UNDERFLOW)?, Form::Sparse))
     }
 
-    /// Returns the coordinates of a particle in steps, in the order of the grid's axes.
+    /// Returns the coordinates of a particle in integer steps, in the order of the grid's axes.
     #[inline(always)]
     pub fn steps(&self, position: [f64; D]) -> [u64; D] {
         std::array::from_fn(|k| self.along(k, position[self.axes[k]]))
@@ -231,7 +231,7 @@ impl<const D: usize> Grid<D> {
         self.axes[k]
     }
 
-    /// Returns how many steps of this grid one step of the other spans.
+    /// Returns the length of one step of another grid, in steps of this grid.
     pub fn finer_than(&self, other: &Grid<D>) -> f64 {
         let bits = (1u64 << self.bits) as f64 / (1u64 << other.bits) as f64;
         self.scale / other.scale * bits
@@ -273,13 +273,13 @@ pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f
     }
 }
 
-/// Returns the fraction bits for which coordinates on axes with these counts fit 32 bits.
+/// Returns the fraction bits with which coordinates on axes of these cell counts fit in 32 bits.
 fn bits_for(count: &[u64]) -> u32 {
     let most = count.iter().fold(1, |most, &count| most.max(count));
     FRACTION.min(most.leading_zeros().saturating_sub(32))
 }
 
-/// Returns the smallest edge, at least `reach`, that does not make too many cells.
+/// Returns the smallest edge, at least `reach`, with at most `CELLS_PER_PARTICLE · n` cells.
 fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
     let most = CELLS_PER_PARTICLE * n.max(64) as f64;
     let cells = |edge: f64| lengths.iter().map(|length| length / edge + 2.0).product::<f64>();

@@ -1,25 +1,25 @@
-//! The sweep: every particle of a slab against the few ranges of particles that can touch it
+//! The sweep: tests every particle of a slab against the few ranges of particles that can touch it
 //! ([`super::ranges`]), sixteen at a time.
 //!
-//! Most ranges hold fewer than eight particles; ranges 0 and 1 are then tested together, and ranges
-//! 2 and 3. If any range holds sixteen or more, each is processed separately. On narrow registers
-//! candidates are tested one by one ([`super::single`]).
+//! Most ranges hold fewer than eight particles: two such ranges are tested together, 0 with 1 and 2
+//! with 3. If any range of a particle holds sixteen or more, each range is processed separately. On
+//! narrow registers candidates are tested one by one ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinate differences are off by at most [`STEPS_OFF`] along each axis. Each x is rounded to 24
-//! bits, and their difference once more. The other numbers (integers below 2^22: fractions, plus or
-//! minus one cell) are exact. The sum of squares, fused or not, has at most four roundings, a
-//! relative error below 2^-21. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, apart from that
-//! relative error. Radii have relative errors of 2^-23.
+//! bits, and their difference once more. The other coordinates are exact (integers below 2^22:
+//! fractions, plus or minus one cell). The sum of squares, fused or not, has at most four
+//! roundings, a relative error below 2^-21. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
+//! apart from that relative error. Radii have relative errors of 2^-23.
 //!
-//! `grow` is the sum of these bounds and of the test's slack, with relative errors (2^-19 together)
-//! taken of the largest sum of radii. A pair with d > s + grow is refused by the contact test, and
-//! one with d <= s - grow is accepted. The test itself decides the others, a few in ten thousand
-//! contacts.
+//! `grow` is the sum of these bounds and of the test's slack, with relative errors (2^-19 in total)
+//! times the largest sum of radii. For the sum s of a pair's radii, the contact test is certain to
+//! refuse d > s + grow and to accept d <= s - grow. The test itself decides all other pairs, a few
+//! in ten thousand contacts.
 //!
-//! In the flat form the second axis is rounded like x: its steps are added to those along x.
+//! In the flat form the second axis is rounded like x: its steps are added to the steps along x.
 //!
-//! Arrays are read without bounds checks: see `unchecked.rs`.
+//! Arrays are read without bounds checks; `unchecked.rs` gives the reasons why this is safe.
 
 use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::near::{Limits, Query, test};
@@ -32,18 +32,18 @@ use crate::probe::Op;
 use crate::scene::Real;
 use crate::wide::{HALF, Kernel, LANES, Level, Wide};
 
-/// Limits on distances that decide a contact, in steps.
+/// Limits in steps that decide a contact from the distance of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     /// Sum of two radii if all radii are equal.
     pub sum: f32,
     pub grow: f32,
-    /// Edge of a cell.
+    /// Edge of a cell in steps.
     one: f32,
 }
 
 impl Bounds {
-    /// Computes the bounds for a scene in its grid; x wraps around after `turn` steps, if given.
+    /// Computes the bounds for particles in this grid; x wraps around after `turn` steps, if given.
     pub fn new<T: Real, const D: usize>(
         bodies: &impl Bodies<T, D>,
         grid: &Grid<D>,
@@ -55,7 +55,7 @@ impl Bounds {
         Bounds { sum: sum as f32, ..bounds }
     }
 
-    /// Computes the bounds for particles with individual radii that do not touch beyond `reach`.
+    /// Computes the bounds for individual radii; pairs farther apart than `reach` do not touch.
     pub fn of<const D: usize>(
         slack: Slack,
         reach: f64,
@@ -75,7 +75,7 @@ impl Bounds {
     }
 }
 
-/// Particles `places` of `slab` against their ranges in `slab` and `next`.
+/// A sweep of particles `places` of `slab` against their ranges in `slab` and `next`.
 pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub slab: &'a Slab<D>,
     pub next: &'a Slab<D>,
@@ -87,8 +87,8 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 }
 
 /// Neighbours of a block of particles and the resulting pairs, refilled for every block. The
-/// careful form uses the space for pairs before the block does.
-// Aligned to whole cache lines, wherever the stack begins.
+/// careful form uses the space for pairs before the block does. The alignment is that of cache
+/// lines.
 #[repr(align(64))]
 pub(super) struct Scratch {
     ids: [u32; ROOM],
@@ -103,8 +103,8 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Reports the pairs of `id` with sixteen candidates. Certain contacts are collected, `found`
-    /// of them so far; the contact test decides the uncertain ones.
+    /// Stores the pairs of `id` with sixteen candidates that certainly touch; `found` is the number
+    /// of stored pairs. Passes pairs that the contact test must decide to `sink`.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,
@@ -118,7 +118,7 @@ impl Scratch {
         if near == sure && near.count_ones() <= KEPT as u32 {
             let mut packed = [0; KEPT];
             source.pack(w, near, &mut packed);
-            // SAFETY: there are at most `ROOM - 3 * KEPT` pairs before a vector, see below.
+            // SAFETY: each call begins and ends with at most `ROOM - 3 * KEPT` pairs.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
             *found += near.count_ones() as usize;
@@ -130,8 +130,8 @@ impl Scratch {
         }
     }
 
-    /// Works as [`Scratch::take`] for more contacts than are packed at once, or for pairs that only
-    /// the contact test can decide.
+    /// Does the same as [`Scratch::take`] if more contacts are found than are packed at once, or
+    /// pairs that only the contact test can decide.
     #[cold]
     #[inline(always)]
     fn take_carefully<W: Wide, const D: usize>(
@@ -147,8 +147,8 @@ impl Scratch {
             let (sure, unsure) = (sure & half, (near ^ sure) & half);
             let mut packed = [0; KEPT];
             source.pack(w, sure, &mut packed);
-            // SAFETY: there are at most `ROOM - 3 * KEPT` pairs before a vector, and `KEPT` more
-            // after its first half.
+            // SAFETY: at most `ROOM - 3 * KEPT` pairs are stored when a call begins, and `KEPT`
+            // more after the first half.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
             *found += sure.count_ones() as usize;
@@ -167,14 +167,14 @@ impl Scratch {
 
 /// Maximum number of particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Space for a particle's contacts in one vector; more are rare and left to the careful form.
+/// Space for a particle's contacts in one vector; the careful form handles more, which are rare.
 const KEPT: usize = 8;
-/// Maximum number of vectors of candidates per particle; more are left to the careful form. In
-/// crowded scenes one particle in 4,000 has more.
+/// Maximum number of vectors of candidates per particle; the careful form handles more. In crowded
+/// scenes one particle in 4,000 has more.
 const VECTORS: usize = 10;
-/// Number of neighbours that ends a block.
+/// Number of neighbours after which a block ends.
 const ENOUGH: usize = 512;
-/// Space for these, for all candidates of one more particle, and for what is written past the last.
+/// Space for `ENOUGH` ids, all candidates of one more particle, and what vectors write past them.
 pub(super) const ROOM: usize = ENOUGH + VECTORS * LANES + KEPT;
 
 fn vectors(ranges: &[(u32, u32)]) -> usize {
@@ -183,9 +183,9 @@ fn vectors(ranges: &[(u32, u32)]) -> usize {
 
 struct Found {
     at: usize,
-    /// Not zero if the contact test must decide.
+    /// Nonzero if the contact test must decide a pair.
     odd: u32,
-    /// Bitwise or of the numbers of neighbours found per vector.
+    /// Bitwise or of the numbers of neighbours found in each vector.
     counts: u32,
 }
 
@@ -222,7 +222,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     Around { place, ranges: &ranges, shifts: &shifts, couples: &couples, limits };
                 let mut odd = 0;
                 if longest < LANES as u32 {
-                    // Most ranges are short: test two at a time.
+                    // Most ranges are short, so two are tested at a time.
                     let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
                     let mut r = 0;
                     if longest < HALF as u32 {
@@ -247,8 +247,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 } else {
                     odd = 1;
                 }
-                // More than eight neighbours in one vector are possible here, but only eight are
-                // kept.
+                // A vector may find more than eight neighbours, but only eight are kept.
                 odd |= found.odd | found.counts & 0x18;
                 kept = if odd == 0 { found.at } else { kept };
                 if odd != 0 {
@@ -303,8 +302,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         if in_next::<F, D>(r) { self.next } else { self.slab }
     }
 
-    /// Returns the offset from the origin of a particle's cell to that of range `r`, along y and
-    /// across layers.
+    /// Returns the offset along y and across layers from the origin of a particle's cell to the
+    /// origin of its cells in range `r`.
     pub fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
         let mut shift = [0.0; D];
@@ -323,8 +322,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         })
     }
 
-    /// Returns offsets for pairs of ranges: the first range in the lower half of the lanes, the
-    /// second in the upper half.
+    /// Returns offsets for two ranges tested together: the first range in the lower half of the
+    /// lanes, the second in the upper half.
     #[inline(always)]
     fn shifts_of_couples<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
         let couple = |r: usize| {
@@ -335,7 +334,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         [couple(0), couple(2)]
     }
 
-    /// Returns the particle at a place relative to other cells.
+    /// Returns the particle at `place`, with coordinates relative to the cells of a range.
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
         // SAFETY: `place` is one of `places`, and every lane has a number for each.
@@ -346,7 +345,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         } else {
             0.0
         };
-        // x is relative to the origin of the grid.
+        // x is relative to the origin of the grid and needs no shift.
         let mut all = [at(0); D];
         for k in 1..D {
             all[k] = w.sub(at(k), shift[k]);
@@ -357,7 +356,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     /// Returns the next sixteen particles of range `r`, and a mask of those inside the range.
     #[inline(always)]
     fn range(&self, (at, len): (u32, u32), r: usize) -> (Run16<'a, D>, u32) {
-        // SAFETY: a range begins at the slab's `len` or before, and the arrays are a vector longer.
+        // SAFETY: a range begins at most at the slab's `len`, and the arrays are a vector longer.
         (unsafe { Run16::new(self.other(r), at as usize) }, !(!0 << len))
     }
 
@@ -400,8 +399,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
-        // SAFETY: at most `ENOUGH` ids and the lanes of nine vectors are before `found.at`, and
-        // there is space for one vector more.
+        // SAFETY: before `found.at` are at most `ENOUGH` ids and those of nine vectors; there is
+        // space for one vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
         let count = near.count_ones();
         found.at += count as usize;
@@ -415,8 +414,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 }
 
-/// Handles a particle with ranges of any length and with pairs that only the contact test can
-/// decide. It is a separate function so that its calls do not cost the sweep its registers.
+/// Handles one particle with ranges of any length, and pairs that only the contact test can decide.
+/// It is a separate function so that its calls do not use registers in the sweep.
 pub(super) struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
     pub &'s mut Sweep<'a, F, D, EACH>,
     pub usize,
@@ -438,8 +437,8 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
                 let valid = !(!0 << (len - k).min(LANES as u32));
-                // SAFETY: `at` is in a range, so below the slab's `len`, and the arrays are a
-                // vector longer.
+                // SAFETY: `at` is in a range and so below the slab's `len`; the arrays are a vector
+                // longer.
                 let run = unsafe { Run16::new(slab, at) };
                 let (near, sure) =
                     test::<_, D, EACH>(w, run, valid, &query, limits, sweep.bounds.grow, F::TURN);

@@ -1,8 +1,8 @@
-//! The particles of each bundle of layers, in a list of blocks.
+//! Lists of particles: for each bundle of layers, a chain of blocks of records.
 //!
 //! One pass over the scene, in stored order, appends a compact record of each particle to the list
-//! of its bundle. A list is a chain of blocks of records. No histogram is needed beforehand, and
-//! memory is accessed in pieces that the hardware prefetches.
+//! of its bundle. No histogram is needed beforehand, and memory is accessed in pieces that the
+//! hardware prefetches.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::radix::prefetch_to_write;
 use crate::scene::Real;
 use crate::wide::{Kernel, Level, Wide};
 
-/// Radius in a record; empty if all radii are equal.
+/// Type of the radius in a record; it is empty if all radii are equal.
 pub(super) trait Size: Copy + Default + Send + Sync + 'static {
     const EACH: bool;
     fn room<const D: usize>(room: &mut Room<D>) -> &mut Vec<Record<D, Self>>;
@@ -47,7 +47,7 @@ impl Size for f32 {
     }
 }
 
-/// A particle: the lowest 32 bits of its coordinates in steps, its radius and its number.
+/// Record of a particle: the lowest 32 bits of its coordinates in steps, its radius and its number.
 #[derive(Clone, Copy)]
 pub(super) struct Record<const D: usize, R> {
     pub at: [u32; D],
@@ -78,12 +78,12 @@ const NONE: u32 = u32::MAX;
 
 pub(super) struct Lists<const D: usize, R> {
     records: Vec<Record<D, R>>,
-    /// The block before each block in its list.
+    /// For each block, the block before it in the same list.
     before: Vec<u32>,
-    /// Place of the next record for each list. It always exists, because a full block is followed
-    /// by a new one at once.
+    /// For each list, the place of its next record. The place always exists: when a block is full,
+    /// the list gets a new one at once.
     next: Vec<u32>,
-    /// Log2 of the records per block.
+    /// Base-2 logarithm of the number of records per block.
     block: u32,
 }
 
@@ -94,7 +94,7 @@ impl<const D: usize, R> Default for Lists<D, R> {
 }
 
 struct Blocks {
-    /// Log2 of the records per block.
+    /// Base-2 logarithm of the number of records per block.
     block: u32,
     blocks: usize,
     records: usize,
@@ -103,7 +103,7 @@ struct Blocks {
 impl Blocks {
     fn new(n: usize, lists: usize) -> Blocks {
         if lists == 1 {
-            // One block that is never full.
+            // A single list has one block that is never full.
             return Blocks { block: u32::BITS - 1, blocks: 1, records: n + 1 };
         }
         // Eight blocks per list on average waste a sixteenth of the space.
@@ -199,7 +199,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
             let begin = block << self.block;
             let records = &self.records[begin as usize..end as usize];
             block = self.before[block as usize];
-            // Not used after the first block; no block number is this large.
+            // After the first block `end` is not used; no block number is this large.
             end = block.wrapping_add(1) << self.block;
             Some(records)
         })
@@ -273,7 +273,7 @@ where
     }
 }
 
-/// State of lists while they are filled, kept apart so that it fits in registers.
+/// State of the lists while they are filled; it is separate so that it fits in registers.
 #[derive(Clone, Copy)]
 pub(super) struct Filling<const D: usize> {
     block: u32,
@@ -283,10 +283,10 @@ pub(super) struct Filling<const D: usize> {
 }
 
 impl<const D: usize> Filling<D> {
-    /// Must be called after the last particle.
+    /// Checks that all coordinates were inside the grid; must be called after the last particle.
     pub fn end(self, grid: &Grid<D>) {
-        // The kernel relies on this without further checks. An implementation of `Bodies` whose
-        // positions changed since the grid was made panics here.
+        // The kernel relies on coordinates inside the grid without further checks. They may be
+        // outside if positions in `Bodies` have changed since the grid was made.
         assert!(
             (0..D).all(|k| self.most[k] >> grid.bits < grid.count[k]),
             "positions changed during a detection"
@@ -295,7 +295,7 @@ impl<const D: usize> Filling<D> {
 }
 
 /// Makes an array at least `count` long. If it must grow, its contents are dropped first, so that
-/// old and new array do not coexist.
+/// the old and the new array do not coexist.
 pub(super) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
     if count > array.len() {
         if count > array.capacity() {

@@ -1,4 +1,4 @@
-//! `streamed-nbs`: the idea of Munjiza-NBS for today's hardware.
+//! `streamed-nbs`: Munjiza-NBS adapted to today's hardware.
 //!
 //! NBS processes a scene layer by layer, visits only occupied cells, and keeps two layers at a time
 //! (Munjiza 2004, sections 3.8 to 3.11). In 1998 that saved memory. Today two layers stay in the
@@ -6,39 +6,40 @@
 //!
 //! 1. One pass over the scene finds its bounding box. A second one appends a record of each
 //!    particle (coordinates in integer steps of a millionth of a cell, number: 16 bytes in 3D) to
-//!    the list of its bundle of layers. Both access memory in order.
+//!    the list of its bundle of layers. Both passes access memory in order.
 //! 2. Each bundle is sorted by cell, by counting, into one array per coordinate.
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
-//!    in the next row, and the nine in the next layer. These are five contiguous ranges (two in
-//!    2D), tested sixteen particles at a time in f32, or one by one on narrow registers
-//!    (`single.rs`).
+//!    in the next row, and the nine in the next layer. The particles of these cells form five
+//!    contiguous ranges (two in 2D). They are tested sixteen at a time in f32, or one by one on
+//!    narrow registers (`single.rs`).
 //! 4. The contact test decides what f32 cannot, a few pairs in ten thousand contacts; `kernel.rs`
 //!    derives the bounds.
 //!
 //! Loose scenes get larger cells, about three cells per particle. Scenes whose particles crowd in
-//! few of those use the sparse form (`sparse.rs`). A few thousand particles that are far apart get
-//! columns instead of cells: one axis is not divided, which leaves two ranges, or one in 2D.
+//! few of these cells use the sparse form (`sparse.rs`). Scenes of a few thousand particles that
+//! are far apart get columns instead of cells: one axis is not divided, which leaves two ranges per
+//! particle, or one in 2D.
 //!
 //! If no single cell width suits all sizes, particles are divided into size classes (`classes.rs`),
 //! each with its own grid and sweep (`levels`). While a bundle is in cache, larger particles visit
 //! it (`visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`] detects the
 //! whole scene.
 //!
-//! * Cost: proportional to N, independent of the packing density. The sparse form multiplies this
-//!   by the digits of its cell numbers; classes add N for each class of larger particles that
-//!   visits.
+//! * Cost: proportional to N, independent of the packing density. In the sparse form N is
+//!   multiplied by the number of digits of cell numbers; size classes add N for each class of
+//!   larger particles that visits.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, with
 //!   12 instead of 16 in 2D, and 4 more with a radius per particle; a single list has space for one
 //!   record more than N. Two bundles of n particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`,
 //!   and the records of one. A bundle has 2,000 to 4,000 particles, or one layer if that is more.
 //!   Classes need the lists of each and two bundles that hold the largest of any. The sparse form
 //!   needs 24N, or 32N with radii, and two layers. Each thread has about 9 KiB of working space.
-//!   Several threads have bundles each and collect contacts, 8 bytes each, in lists of at most
-//!   twice the length; a repeated call then allocates what distributes the work.
+//!   Several threads have two bundles each and collect contacts, 8 bytes each, in lists of at most
+//!   twice the length needed; a repeated call allocates only what distributes the work.
 //! * Refuses extents that overflow, more than 2^31 - 1 particles, and in the sparse form 2^31 or
 //!   more cells along an axis.
-//! * Threads: in the dense form, from 30,000 particles on; only one with size classes.
-//! * In `textbook` arithmetic its filters are as safe as in f64, except in scenes left to
+//! * Threads are used in the dense form, from 30,000 particles on, and not with size classes.
+//! * In `textbook` arithmetic the filters are as safe as in f64, except in scenes left to
 //!   [`HGrid`]: the book prints no filters for this detector.
 
 mod classes;
@@ -76,16 +77,16 @@ use crate::sink::Sink;
 use crate::wide::Level;
 
 const NAME: &str = "streamed-nbs";
-/// Scenes with fewer particles use one thread.
+/// Minimum number of particles for more than one thread.
 pub const FEWEST_FOR_THREADS: usize = 30_000;
 
-/// The modern NBS, in `D` dimensions.
+/// The `streamed-nbs` detector, in `D` dimensions.
 pub struct Streamed<const D: usize> {
     options: Options,
     level: Level,
     form: Option<Form>,
     workers: Vec<Worker<D>>,
-    /// Buffers for scenes with one radius and for scenes with one radius per particle.
+    /// Buffers for scenes in which all radii are equal.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
     /// Detector for scenes with a crowded size class.
@@ -115,7 +116,7 @@ impl<const D: usize, R> Default for Buffers<D, R> {
 }
 
 impl<const D: usize> Streamed<D> {
-    /// Creates a detector that uses these vector instructions.
+    /// Creates a detector that uses the vector instructions of `level`.
     pub fn on(level: Level, options: Options) -> Streamed<D> {
         Streamed {
             options,
@@ -129,8 +130,8 @@ impl<const D: usize> Streamed<D> {
         }
     }
 
-    /// Sets the form for all scenes. Cells or columns are still not used if there are too many of
-    /// them. If there are size classes, columns become cells.
+    /// Sets the form for all scenes. If there are too many columns, cells are used; if there are
+    /// too many cells, the sparse form. If there are size classes, columns become cells.
     pub fn in_form(self, form: Form) -> Streamed<D> {
         Streamed { form: Some(form), ..self }
     }
@@ -219,8 +220,8 @@ impl<const D: usize> Streamed<D> {
     }
 }
 
-/// One detection. It uses the particles through references that are called once per thread, or for
-/// pairs that the kernel cannot decide, so the code is compiled once for all kinds of particles.
+/// State of one detection. It calls the contact test by reference, and only for pairs that the
+/// kernel cannot decide, so the code is compiled once for all kinds of particles.
 struct Run<'a, P, const D: usize> {
     options: &'a Options,
     threads: usize,
@@ -231,6 +232,6 @@ struct Run<'a, P, const D: usize> {
     grid: Grid<D>,
     bounds: Bounds,
     touch: Touch<'a, P>,
-    /// For other threads, which cannot share a probe.
+    /// Contact test for other threads, which cannot share a probe.
     touch_silent: Touch<'a, Silent>,
 }

@@ -1,20 +1,20 @@
-//! One particle against sixteen: which may touch, and which certainly do.
+//! Tests of one particle against sixteen: which may touch it, and which certainly do.
 
 use super::unchecked::Source;
 use crate::wide::Wide;
 
 /// 1.5·2^23: adding and subtracting it rounds a small number to the nearest integer.
 const WHOLE: f32 = 12_582_912.0;
-/// Margin of half a step: an inner limit of zero accepts no pair as touching.
+/// Margin in squared steps: with it, an inner limit of zero accepts no pair as certain.
 const SPARE: f32 = 0.5;
 
 pub(super) struct Query<W: Wide, const D: usize> {
     pub at: [W::Floats; D],
-    /// Includes [`Bounds::grow`](super::kernel::Bounds) if particles have individual radii.
+    /// Radius, if radii differ, plus [`Bounds::grow`](super::kernel::Bounds).
     pub radius: W::Floats,
 }
 
-/// Squared distances up to which particles may touch, and certainly touch.
+/// Squared distances up to which particles may touch (`near`) and certainly touch (`sure`).
 #[derive(Clone, Copy)]
 pub(super) struct Limits<W: Wide> {
     near: W::Floats,
@@ -22,7 +22,7 @@ pub(super) struct Limits<W: Wide> {
 }
 
 impl<W: Wide> Limits<W> {
-    /// Computes the limits for this outer distance and [`Bounds::grow`](super::kernel::Bounds).
+    /// Computes the limits from the outer distance and [`Bounds::grow`](super::kernel::Bounds).
     #[inline(always)]
     pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
         let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
@@ -30,8 +30,8 @@ impl<W: Wide> Limits<W> {
     }
 }
 
-/// Returns masks of the `valid` ones among sixteen particles that may touch, and that certainly
-/// touch. For individual radii, `limits` are replaced by those for each pair.
+/// Returns masks of the `valid` ones of sixteen particles: which may touch, and which certainly do.
+/// For individual radii the limits of each pair replace `limits`.
 #[inline(always)]
 pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     w: W,
@@ -61,15 +61,15 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     (near, w.at_most(square, limits.sure) & near)
 }
 
-/// Computes the scalar [`Limits`] for one pair.
+/// Computes the limits of one pair like [`Limits::new`].
 #[inline(always)]
 pub(super) fn limits(outer: f32, grow: f32) -> (f32, f32) {
     let inner = (outer - 2.0 * grow).max(0.0);
     (outer * outer, inner * inner - SPARE)
 }
 
-/// Returns the difference along x nearest to zero if coordinates wrap around after `turn`, as in
-/// [`test`].
+/// Returns the difference along x that is nearest to zero if coordinates wrap around after `turn`,
+/// like [`test`].
 #[inline(always)]
 pub(super) fn nearest(d: f32, turn: f32) -> f32 {
     d - (d * (1.0 / turn) + WHOLE - WHOLE) * turn
@@ -80,8 +80,7 @@ mod tests {
     use super::*;
     use crate::wide::{Kernel, Level};
 
-    /// Scalar limits equal the vector limits: a distance at the limit is within, the next number is
-    /// not.
+    /// Scalar and vector limits agree up to rounding.
     #[test]
     fn one_and_sixteen_have_the_same_limits() {
         struct Same(f32, f32);
@@ -94,7 +93,7 @@ mod tests {
                 let all = Limits::new(w, w.all(outer), grow);
                 for (one, all) in [(near, all.near), (sure, all.sure)] {
                     let within = |x: f32| w.at_most(w.all(x), all);
-                    // A fused operation may round differently.
+                    // A fused multiply-add may round differently.
                     let (below, above) = (one - 1e-6 * one.abs(), one + 1e-6 * one.abs());
                     assert_eq!(
                         [within(below), within(above.next_up())],

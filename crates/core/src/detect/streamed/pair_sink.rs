@@ -9,16 +9,16 @@ pub(super) trait PairSink {
     /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
     fn counts(&self) -> bool;
-    /// Counts `n` operations; contact tests of uncertain pairs are counted before they are made.
+    /// Counts `n` operations, including the contact tests of uncertain pairs, made later.
     fn count(&mut self, op: Op, n: u64);
 }
 
-/// Passes pairs to a sink and counts to a probe.
+/// Passes pairs to a sink and operations to a probe.
 pub(super) struct Deliver<'a, P, S> {
     touch: Touch<'a, P>,
     probe: &'a mut P,
     sink: &'a mut S,
-    /// Contact tests counted by the kernel, and those among them that `touch` counts again.
+    /// Contact tests counted by the kernel; `unsure` counts those that `touch` counts again.
     tests: u64,
     unsure: u64,
 }
@@ -28,7 +28,7 @@ impl<'a, P: Probe, S: Sink> Deliver<'a, P, S> {
         Deliver { touch, probe, sink, tests: 0, unsure: 0 }
     }
 
-    /// Reports the contact tests, each once.
+    /// Counts the kernel's contact tests, without those that `touch` has counted.
     pub fn finish(self) {
         self.probe.add(Op::ContactTest, self.tests.saturating_sub(self.unsure));
     }

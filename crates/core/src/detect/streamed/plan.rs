@@ -2,8 +2,8 @@
 
 use super::grid::Grid;
 
-/// Cell numbers in a slab: the cells of a row are adjacent, then the rows of a layer, then the
-/// layers.
+/// Numbering of the cells in a slab: the cells of a row are adjacent, then the rows of a layer,
+/// then the layers.
 ///
 /// ```text
 ///   3D, a layer of 3 x 2 cells:    b b b b      b: borders, always empty;
@@ -13,24 +13,24 @@ use super::grid::Grid;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
-    /// Fraction bits of a coordinate.
+    /// Number of fraction bits of a coordinate.
     pub bits: u32,
-    /// Offset from a cell to the one in the next row; 0 if a layer is one row.
+    /// Offset from a cell to the cell in the next row; 0 if a layer is one row.
     pub row: usize,
-    /// Offset from a cell to the one in the next layer.
+    /// Offset from a cell to the cell in the next layer.
     pub layer: usize,
-    /// Log2 of the layers in a slab.
+    /// Base-2 logarithm of the number of layers in a slab.
     pub layers: u32,
     pub slabs: usize,
-    /// See [`Grid::flat`].
+    /// Whether cells along the second axis are merged ([`Grid::flat`]).
     pub flat: bool,
 }
 
-/// Particles per slab for which the arrays fit the caches.
+/// Number of particles per slab for which the slab's arrays fit in the caches.
 const PARTICLES: usize = 4096;
 
 impl Plan {
-    /// Returns the cells of a slab, borders included.
+    /// Returns the number of cells of a slab, borders included.
     pub fn cells(&self) -> usize {
         (self.layer << self.layers) + 1
     }
@@ -52,7 +52,7 @@ impl Plan {
     /// Returns the cell number of a particle, from the lowest 32 bits of its coordinates.
     #[inline(always)]
     pub fn cell<const D: usize>(&self, at: [u32; D]) -> u32 {
-        // u32 like the coordinates, so that vectors of both have the same length.
+        // The type is u32, like the coordinates, so that vectors of both have the same length.
         let (per_row, per_layer) = (self.row as u32, self.layer as u32);
         let x = (at[0] >> self.bits) + 1;
         let layer = (at[D - 1] >> self.bits) & ((1 << self.layers) - 1);

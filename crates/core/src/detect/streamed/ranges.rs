@@ -9,15 +9,15 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the particle itself. A flat grid does not divide the second axis: its
-//! ranges are as in 2D, or in 2D the first one only.
+//! Range 0 begins after the particle itself. A flat grid does not divide the second axis, so its
+//! ranges in 3D are those shown for 2D; in 2D it has range 0 only.
 
 use super::plan::Plan;
 use super::slab::Slab;
 use super::unchecked::element;
 
-/// Begin and length of each range of candidates for a particle. The first one or two are in the
-/// particle's slab, the others in the next.
+/// Begin and length of each range of candidates for a particle. The first one or two ranges are in
+/// the particle's layer, the others in the next layer.
 pub(super) type Ranges = [(u32, u32); 5];
 
 /// Number of axes that are divided into cells.
@@ -25,7 +25,7 @@ const fn axes<F: Find, const D: usize>() -> usize {
     if F::FLAT { D - 1 } else { D }
 }
 
-/// Number of ranges in use.
+/// Number of ranges that are used of the five.
 pub(super) const fn ranges_used<F: Find, const D: usize>() -> usize {
     [0, 1, 2, 5][axes::<F, D>()]
 }
@@ -49,12 +49,12 @@ pub(super) struct ByCells<'a, const FLAT: bool> {
     begin: &'a [u32],
     next: &'a [u32],
     row: usize,
-    /// Offset from a cell to the one in the next layer.
+    /// Offset from a cell to the cell in the next layer.
     to_next: isize,
 }
 
 impl<'a, const FLAT: bool> ByCells<'a, FLAT> {
-    /// Creates a finder for `slab`; its next layer is in `next`, `to_next` cells away.
+    /// Creates a finder for `slab`; the next layer is in `next`, at an offset of `to_next` cells.
     pub fn new<const D: usize>(
         plan: &Plan,
         slab: &'a Slab<D>,
@@ -77,14 +77,14 @@ impl<const FLAT: bool> Find for ByCells<'_, FLAT> {
 
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
-        // SAFETY: `at` is the place of a particle, and `cells` has an entry for each.
+        // SAFETY: `at` is the place of a particle, and `cells` has an entry for each particle.
         let cell = unsafe { element(self.cells, at) } as usize;
-        // Returns three adjacent cells, with this one in the middle.
+        // Returns begin and length of a range of three cells, `cell` in the middle.
         let three = |begin: &[u32], cell: usize| {
-            // SAFETY: `cell` is the cell of a particle or next to it in another row, at the same x
-            // >= 1. These rows exist, because borders surround all cells with particles.
+            // SAFETY: `cell` is the cell of a particle or a neighbour in another row, at the same x
+            // >= 1. Its row exists, because borders surround all cells with particles.
             let first = unsafe { element(begin, cell - 1) };
-            // SAFETY: as above; `begin` has one more entry after the last border.
+            // SAFETY: as for `first`; `begin` has one more entry after the last border.
             (first, unsafe { element(begin, cell + 2) } - first)
         };
         let next = cell.wrapping_add_signed(self.to_next);

@@ -1,5 +1,5 @@
-//! The sweep on narrow registers: candidates are tested one by one, none of them beyond its range.
-//! Bounds and results are those of [`super::kernel`].
+//! The sweep on narrow registers: candidates are tested one by one, and no vector reads past the
+//! end of a range. Bounds and results are the same as in [`super::kernel`].
 
 use super::kernel::{Careful, ROOM, Sweep};
 use super::near::{limits, nearest};
@@ -8,8 +8,8 @@ use super::unchecked::{element, element_mut};
 use crate::wide::Wide;
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
-    /// Sweeps all particles. A particle with a pair that only the contact test can decide, or with
-    /// too many candidates, is left to the careful form.
+    /// Sweeps all particles. The careful form handles a particle with too many candidates, or with
+    /// a pair that only the contact test can decide.
     #[inline(always)]
     pub(super) fn one_by_one<W: Wide>(mut self, w: W) {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
@@ -26,7 +26,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
             let mut odd = candidates > ROOM;
             if !odd {
                 // SAFETY: `place` is one of `places`, which are below the slab's `len`, and every
-                // array over particles has an entry for each.
+                // array over particles has an entry for each place.
                 let (id, from) = unsafe {
                     let at = |k: usize| element(&self.slab.lanes[k], place);
                     (element(&self.slab.ids, place), std::array::from_fn::<_, D, _>(at))
@@ -41,7 +41,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                     let slab = self.other(r);
                     let at: [f32; D] = std::array::from_fn(|k| from[k] - shifts[r][k]);
                     for other in begin as usize..(begin + len) as usize {
-                        // SAFETY: ranges end at the slab's `len` or before.
+                        // SAFETY: a range ends at most at the slab's `len`.
                         let of = |lane: &[f32]| unsafe { element(lane, other) };
                         let mut square = 0.0;
                         for (k, &at) in at.iter().enumerate() {
@@ -53,7 +53,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                         }
                         let (near, sure) =
                             if EACH { limits(radius + of(&slab.radii), grow) } else { same };
-                        // SAFETY: as above, and there is space for all candidates.
+                        // SAFETY: `other` is below `len`, and there is space for all candidates.
                         unsafe {
                             let partner = element(&slab.ids, other);
                             *element_mut(&mut self.scratch.pairs, kept) = [id, partner];
@@ -64,7 +64,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 }
             }
             if odd {
-                // The careful form uses the space for pairs itself.
+                // The careful form uses the space for pairs, so earlier pairs are passed on first.
                 kept = before;
                 self.scratch.hand_on(&mut kept, self.sink);
                 w.run(Careful(&mut self, place, &ranges[..used]));

@@ -7,8 +7,8 @@ use crate::probe::Op;
 use crate::wide::{Kernel, LANES, Level, Wide};
 
 pub(super) struct Slab<const D: usize> {
-    /// Coordinates in steps: from the grid's origin along x and along the second axis of a flat
-    /// grid, from the cell's origin along the other axes.
+    /// Coordinates in steps. They count from the grid's origin along x and along the second axis of
+    /// a flat grid, from the origin of the cell along other axes.
     pub lanes: [Vec<f32>; D],
     /// Radii in steps, if particles have individual radii.
     pub radii: Vec<f32>,
@@ -38,8 +38,8 @@ impl<const D: usize> Slab<D> {
         (4 * (D + 2 + usize::from(each)) * (particles + LANES) + 4 * (cells + 2)) as u64
     }
 
-    /// Makes space for this many particles and cells, and for a vector load from the place of the
-    /// last particle.
+    /// Makes space for this many particles and cells; a vector can be loaded from any particle's
+    /// place.
     pub fn prepare(&mut self, particles: usize, cells: usize, each: bool) {
         self.lanes.iter_mut().for_each(|lane| at_least(lane, particles + LANES, 0.0));
         at_least(&mut self.ids, particles + LANES, 0);
@@ -64,8 +64,8 @@ impl<const D: usize> Slab<D> {
     }
 }
 
-/// Sorts a list into a slab by counting. Whole records are moved first, so that each is written to
-/// one place in memory instead of one per array.
+/// Sorts a list into a slab by counting. Whole records are moved first: each move writes to one
+/// place in memory instead of one per array.
 struct Fill<'a, R, const D: usize> {
     slab: &'a mut Slab<D>,
     lists: &'a [Lists<D, R>],
@@ -90,7 +90,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         begin.fill(0);
         *len = 0;
         for block in blocks() {
-            // Cells in the order of the list; sorted below.
+            // Cells in the order of the list; they are sorted below.
             let cells = &mut cells[*len..][..block.len()];
             for (cell, record) in cells.iter_mut().zip(block) {
                 *cell = plan.cell(record.at);
@@ -117,7 +117,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
             }
             first += block.len();
         }
-        // One array at a time: the compiler vectorises each of these loops.
+        // Arrays are filled one at a time, so that the compiler vectorises each loop.
         let sorted = &room[..*len];
         let fraction = (1 << plan.bits) - 1;
         for (k, lane) in lanes.iter_mut().enumerate() {

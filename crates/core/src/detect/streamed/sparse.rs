@@ -3,9 +3,9 @@
 //!
 //! Particles are sorted once. Each layer is then swept against itself and the next one as in the
 //! dense form, but cursors that advance through the sorted layers find the ranges of each occupied
-//! cell. The ranges of a later cell never begin earlier, so all cursors together pass over a layer
-//! a few times. One thread does all work. Cost: N for each digit of the sort and N for the rest,
-//! whatever the number of cells.
+//! cell. Cursors never move back, so together they pass over a layer a few times. The form uses one
+//! thread. Its cost is N for each digit of the sort and N for the rest, whatever the number of
+//! cells.
 
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
@@ -22,23 +22,23 @@ use crate::scene::Real;
 use crate::sink::Sink;
 use crate::wide::Level;
 
-/// Number of steps after which x wraps around in a slab: 256 cells; smaller x are exact in f32.
+/// Number of steps after which x wraps around in a slab: 256 cells. All smaller x are exact in f32.
 const STEPS: u64 = 1 << 24;
-/// The same number for the kernel.
+/// The value of `STEPS` for the kernel.
 pub(super) const TURN: Option<f32> = Some(STEPS as f32);
 
 #[derive(Clone, Copy)]
 struct Place<R> {
-    /// Number of the layer in the upper 32 bits, of the row in the lower.
+    /// Number of the layer in the upper 32 bits, number of the row in the lower 32 bits.
     row: u64,
     x: u64,
-    /// Fractions of the coordinates across rows and layers.
+    /// Fraction bits of the coordinates across rows and across layers.
     fractions: [u16; 2],
     id: u32,
     radius: R,
 }
 
-/// A layer: its particles as in any slab, and the cell key of each.
+/// A layer of particles as a slab, and the cell key of each particle.
 struct Layer<const D: usize> {
     slab: Slab<D>,
     keys: Vec<u64>,
@@ -63,7 +63,7 @@ impl<const D: usize, R> Default for Sparse<D, R> {
     }
 }
 
-/// The ranges of each occupied cell, with the cell of each particle.
+/// The ranges of each occupied cell, and the cell of each particle.
 #[derive(Clone, Copy)]
 struct Listed<'a> {
     cells: &'a [u32],
@@ -77,7 +77,7 @@ impl Find for Listed<'_> {
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
         let mut ranges = self.ranges[self.cells[at] as usize];
-        // The first range begins after the particle and ends where that of its cell does.
+        // The first range begins after the particle and ends with the first range of its cell.
         let own = at as u32 + 1;
         ranges[0] = (own, ranges[0].1 - own);
         ranges
@@ -148,7 +148,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         let bits = |k: usize| u64::BITS - grid.count[k].leading_zeros();
         let (rows, xs) = (if D == 2 { 0 } else { bits(1) }, bits(0));
         let all = bits(D - 1) + rows + xs;
-        // Cell numbers of more than 64 bits are compared, not partitioned by digits.
+        // Cell numbers of more than 64 bits are sorted by comparison, not digit by digit.
         let all = if all <= u64::BITS { all } else { 0 };
         let cell = |place: &Place<R>| {
             let (layer, row) = (place.row >> 32, place.row & u64::from(u32::MAX));
@@ -202,8 +202,8 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 }
 
-/// Sorts places by their cells. Cell numbers differ in the last `bits` bits at most, or in any bits
-/// if `bits` is 0.
+/// Sorts places by their cells. Cell numbers differ at most in the lowest `bits` bits; if `bits` is
+/// 0, they may differ in any bit.
 fn sort<R>(
     places: &mut [Place<R>],
     bits: u32,
@@ -218,7 +218,7 @@ fn sort<R>(
             (a.row, a.x).cmp(&(b.row, b.x))
         });
     }
-    // A few particles per part, on average.
+    // Each part holds a few particles on average.
     let digit = (places.len() / 4).ilog2().min(bits).min(DIGIT);
     let (shift, last) = (bits - digit, (1 << digit) - 1);
     probe.add(Op::Move, places.len() as u64);
@@ -250,7 +250,7 @@ fn fill<const D: usize, R: Size>(
     layer.slab.len = places.len();
     let (mut cell, mut last) = (0, None);
     for (at, place) in places.iter().enumerate() {
-        // Cells count from 1, so that key - 1 does not underflow.
+        // Cells count from 1, so that a key minus 1 does not underflow.
         let key = ((place.row & u64::from(u32::MAX)) + 1) << 32 | ((place.x >> FRACTION) + 1);
         cell += u32::from(last.is_some_and(|last| last != key));
         last = Some(key);

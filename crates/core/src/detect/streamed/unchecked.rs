@@ -1,14 +1,14 @@
 //! Unchecked access to the arrays of slabs and of the kernel's scratch.
 //!
-//! Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions, such as
-//! tests, have them. The code relies on three facts:
+//! Bounds checks cost 7% of the time on 10^6 packed spheres. Only builds with debug assertions,
+//! such as tests, have them. The code relies on three facts:
 //!
 //! * Places are at most the slab's `len`, and its arrays over particles are [`LANES`] longer
 //!   ([`Slab::prepare`]). So a vector may begin at any place of a range.
-//! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So the cells
-//!   around a particle's own cell, in its layer and the next, have numbers.
+//! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So all cells
+//!   around a particle's cell, in its layer and the next, have numbers.
 //! * A block of particles ends while there is still space for all candidates of one more, at most
-//!   ten vectors. The sweep of single candidates leaves a particle with too many of them to the
+//!   ten vectors. The sweep of single candidates leaves a particle with too many candidates to the
 //!   careful form.
 
 use super::slab::Slab;
@@ -20,7 +20,7 @@ pub(super) trait Source<const D: usize>: Copy {
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
 }
 
-/// Consecutive particles of a slab.
+/// Sixteen consecutive particles of a slab.
 #[derive(Clone, Copy)]
 pub(super) struct Run16<'a, const D: usize> {
     slab: &'a Slab<D>,
@@ -28,7 +28,7 @@ pub(super) struct Run16<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Run16<'a, D> {
-    /// Starts at place `at`.
+    /// Creates a run of particles that starts at place `at`.
     ///
     /// # Safety
     /// The slab's arrays over particles must extend [`LANES`] beyond `at`.
@@ -53,7 +53,7 @@ impl<const D: usize> Source<D> for Run16<'_, D> {
     }
 }
 
-/// The first eight particles of one run, then the first eight of another.
+/// Sixteen particles: the first eight of one run, then the first eight of another.
 #[derive(Clone, Copy)]
 pub(super) struct TwoRuns8<'a, const D: usize>(pub [Run16<'a, D>; 2]);
 
@@ -61,21 +61,21 @@ impl<const D: usize> Source<D> for TwoRuns8<'_, D> {
     #[inline(always)]
     fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
         let [low, high] = self.0;
-        // SAFETY: sixteen numbers from either place on are in the arrays ([`Run16::new`]).
+        // SAFETY: both places are followed by sixteen numbers in the arrays ([`Run16::new`]).
         unsafe { w.load_two(chunk(lane(low.slab), low.at), chunk(lane(high.slab), high.at)) }
     }
 
     #[inline(always)]
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
         let [low, high] = self.0;
-        // SAFETY: sixteen ids from either place on are in the arrays ([`Run16::new`]).
+        // SAFETY: both places are followed by sixteen ids in the arrays ([`Run16::new`]).
         unsafe {
             w.pack_two(chunk(&low.slab.ids, low.at), chunk(&high.slab.ids, high.at), mask, to)
         }
     }
 }
 
-/// Returns `N` values from place `at` on.
+/// Returns a reference to `N` values of an array, from place `at` on.
 ///
 /// # Safety
 /// `at + N` must be at most the length of the array.
@@ -94,11 +94,11 @@ pub(super) unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N]
 #[inline(always)]
 pub(super) unsafe fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
     debug_assert!(at + N <= array.len());
-    // SAFETY: as in `chunk`, and `array` is borrowed mutably for the lifetime of the result.
+    // SAFETY: as for `chunk`; `array` is borrowed mutably for the lifetime of the result.
     unsafe { &mut *array.as_mut_ptr().add(at).cast() }
 }
 
-/// Returns the value at place `at`.
+/// Returns the value of an array at place `at`.
 ///
 /// # Safety
 /// `at` must be below the length of the array.

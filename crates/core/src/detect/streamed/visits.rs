@@ -1,8 +1,8 @@
-//! Larger particles in the grid of a finer size class.
+//! Visits: tests of larger particles against the particles in the grid of a finer size class.
 //!
-//! While a bundle of layers of a class is in cache ([`super::dense`]), the larger particles that
-//! reach into it visit it: a ball that crosses rows of cells. The cells of a row within reach are
-//! adjacent in memory.
+//! Larger particles visit a bundle of layers of a finer class while the bundle is in cache
+//! ([`super::dense`]). A visitor reaches the cells of a ball. Those of one row are adjacent in
+//! memory.
 //!
 //! ```text
 //!      . . o o o . .
@@ -11,25 +11,26 @@
 //!      . o o o o o .
 //! ```
 //!
-//! No further data are stored. The larger particles are on the lists of their own classes, bundle
+//! Visits store no further data. The larger particles are on the lists of their own classes, bundle
 //! by bundle. All grids cut layers across the same axis, so the particles that may reach a bundle
 //! are in few bundles of each larger class.
 //!
 //! **Which cells.** Let Q be the true coordinates of a particle in steps of the visited grid and q
 //! the integers that determine its cell: |q - Q| < 1.01 ([`super::grid`]). A visitor has integers p
-//! of its own grid, also within 1.01 of the true ones. From them v = m·p + c is computed, with
-//! relative errors of m and c below 2^-49, so v is within 1.01m + (m·p + |c|)2^-47 of the truth. A
-//! pair that touches has |Qj - Qi| <= ρ, the reach in steps, computed with a relative error below
-//! 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p + |c|)2^-46, with the largest m·p + |c| over all
-//! axes. R has room for the rounding of distances of v from cell borders. Classes with m >= 2^40 or
-//! an infinite c do not visit each other ([`super::levels`]); so squares are at most 2^124 and fit
-//! in f32. A visitor so far away that its margin overflows is beyond the grid.
+//! of its own grid, also within 1.01 of the true ones. The code computes v = m·p + c in steps of
+//! the visited grid, with relative errors of m and c below 2^-49. So v is within 1.01m + (m·p +
+//! |c|)2^-47 of the true coordinate. A pair that touches has |Qj - Qi| <= ρ, the reach in steps,
+//! computed with a relative error below 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p +
+//! |c|)2^-46, where m·p + |c| is the largest over all axes. R also covers the rounding of the
+//! distances of v from cell borders. Classes with m >= 2^40 or an infinite c do not visit each
+//! other ([`super::levels`]); so squares are at most 2^124 and fit in f32. A visitor so far away
+//! that its margin overflows is beyond the grid.
 //!
-//! **Distances** are decided as in [`super::kernel`]. Coordinates are off by at most 1.01 + 1.01m
-//! and by (m·p + |c|)2^-47 along each axis. Along x both have 24 bits. Along the other axes, v
-//! minus the origin of the cell, at most R plus one cell, is rounded to 24 bits, and so is the
-//! difference, where the kernel's are exact: below 2^-22 R per axis. For this the relative part of
-//! the bound is 2^-18 instead of 2^-19.
+//! **Distances** are decided as in [`super::kernel`]. Differences of coordinates are off by at most
+//! 1.01 + 1.01m + (m·p + |c|)2^-47 along each axis. Along x both coordinates are rounded to 24
+//! bits. Along the other axes the kernel is exact, but here two numbers are rounded to 24 bits: v
+//! minus the origin of the cell, which is at most R plus one cell, and the difference. This adds
+//! less than 2^-22 R per axis, so the relative part of the bound is 2^-18 instead of 2^-19.
 
 use super::grid::Grid;
 use super::kernel::Scratch;
@@ -43,12 +44,12 @@ use crate::contact::Slack;
 use crate::probe::Op;
 use crate::wide::{HALF, Kernel, LANES, Wide};
 
-/// Rows at most this many cells from the middle of a ball are not shortened to chords.
+/// Rows of a ball are shortened to chords if its radius exceeds this many cells.
 const CLIP: f64 = 4.0;
-/// Larger than the sum of all relative roundings of a reach, including those of radii in f32.
+/// Bound on the sum of all relative roundings of a reach, including those of radii in f32.
 const EPSILON: f64 = 1.0 / (1u64 << 21) as f64;
 
-/// A size class, as a host of visitors or as their origin.
+/// A size class: the class that is visited, or the class of the visitors.
 #[derive(Clone, Copy)]
 pub(super) struct Host<'a, const D: usize> {
     pub grid: &'a Grid<D>,
@@ -61,16 +62,16 @@ pub(super) struct Host<'a, const D: usize> {
 struct Visitor<const D: usize> {
     /// Coordinates in steps of the bundle's grid.
     at: [f64; D],
-    /// Largest distance at which a particle can touch the visitor.
+    /// Largest distance at which a particle of the bundle can touch the visitor.
     reach: f64,
-    /// Bound on the errors of distances, as in the kernel.
+    /// Bound on the errors of distances, like [`Bounds::grow`](super::kernel::Bounds).
     grow: f32,
     radius: f32,
     id: u32,
 }
 
 pub(super) struct Visit<'a, const D: usize> {
-    /// All larger classes, the largest particles first.
+    /// All classes of larger particles, the largest first.
     pub larger: &'a [Option<Host<'a, D>>],
     pub host: Host<'a, D>,
     pub slack: Slack,
@@ -85,7 +86,7 @@ pub(super) struct Visit<'a, const D: usize> {
 fn cells(count: u64, bits: u32, x: f64, distance: f64) -> (u64, u64) {
     let top = ((count << bits) - 1) as f64;
     let high = x + distance;
-    // NaN selects the end of the axis.
+    // If x is NaN, the result is the end of the axis.
     let cell = |x: f64| x.max(0.0).min(top) as u64 >> bits;
     (cell(x - distance), cell(if high.is_nan() { top } else { high }))
 }
@@ -119,8 +120,8 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             if high < 0.0 {
                 continue;
             }
-            // Convert to integers before looking at particles. Casts saturate; NaN becomes the
-            // least lower and the greatest upper limit.
+            // Convert to integers before reading particles. Casts saturate; NaN becomes 0 in the
+            // lower limit and the largest integer in the upper limit.
             let (low, high) = (low as u64, if high.is_nan() { u64::MAX } else { high as u64 });
             let bundle = from.grid.bits + from.plan.layers;
             let end = from.plan.slabs as u64 - 1;
@@ -184,8 +185,8 @@ impl<const D: usize> Visit<'_, D> {
         let (begin, end) =
             ((self.number << plan.layers) as u64, ((self.number + 1) << plan.layers) as u64 - 1);
         let square = reach * reach * (1.0 + 1.0 / (1u64 << 48) as f64);
-        // Returns the squared distance of a coordinate from a cell, and its offset from the cell's
-        // origin.
+        // Returns the squared distance of the visitor from a cell along an axis, and its offset
+        // from the cell's origin.
         let from_cell = |axis: usize, cell: u64| {
             let origin = at[axis] - cell as f64 * one;
             let gap = (-origin).max(origin - one).max(0.0);
@@ -205,10 +206,10 @@ impl<const D: usize> Visit<'_, D> {
             if left < 0.0 {
                 continue;
             }
-            // Returns the particles of a row that are near enough, and the visitor's offset from
-            // the row.
+            // Returns where the particles of a row within reach begin, how many they are, and the
+            // visitor's offset from the row.
             let places = |row: u64| {
-                // In 2D a layer is one row.
+                // In 2D each layer is a single row.
                 let (of_row, y) = if D == 2 { (0.0, 0.0) } else { from_cell(1, row) };
                 let (from, to) =
                     if wide { cells(0, (left - of_row).max(0.0).sqrt()) } else { whole };
@@ -216,7 +217,7 @@ impl<const D: usize> Visit<'_, D> {
                 // SAFETY: the cells belong to the grid, in a layer of the slab, and `begin` has an
                 // entry for each cell of a slab.
                 let begin = unsafe { element(&self.slab.begin, cell + from as usize) };
-                // SAFETY: as above, and `begin` has an entry for the border after the row.
+                // SAFETY: as for `begin`; there is an entry for the border after the row.
                 let end = unsafe { element(&self.slab.begin, cell + to as usize + 1) };
                 (begin, end - begin, y)
             };
@@ -228,8 +229,8 @@ impl<const D: usize> Visit<'_, D> {
                 counts[0] += 1 + u64::from(row < last);
                 counts[1] += u64::from(len + len_next);
                 row += 2;
-                // SAFETY: a range of places ends at the slab's `len` or before, and the arrays are
-                // a vector longer.
+                // SAFETY: a range of places ends at most at the slab's `len`, and the arrays are a
+                // vector longer.
                 let run = |at: u32| unsafe { Run16::new(self.slab, at as usize) };
                 if D == 3 && len | len_next < HALF as u32 {
                     query.at[1] = w.sub(w.all(y), second);

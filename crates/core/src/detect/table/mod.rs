@@ -1,4 +1,4 @@
-//! The table of all detectors. Each entry is available on the command line and takes part in every
+//! The table of all detectors. Each entry is available on the command line and is part of every
 //! experiment and test.
 
 use super::any::{AnyDetector, Both, Refuses};
@@ -33,7 +33,7 @@ const PLAIN: Entry = Entry {
     speed: Speed::Usual,
     judge: Judge::NOT,
     parameters: &[],
-    // An entry without a constructor finds no contacts, which every test notices.
+    // The default constructor finds no contacts, which every test notices.
     constructor: Both::<control::Nothing, control::Nothing>::boxed,
 };
 
@@ -291,7 +291,7 @@ pub static TABLE: &[Entry] = &[
     peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
 ];
 
-/// Name of the detector to use without a reason for another.
+/// Name of the default detector.
 pub const DEFAULT: &str = "streamed-nbs";
 
 /// Creates the detector named [`DEFAULT`].
@@ -299,12 +299,12 @@ pub fn fast(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
 }
 
-/// Creates a detector that handles all size distributions and positions: `bvh`.
+/// Creates the `bvh` detector, which handles all size distributions and positions.
 pub fn robust(options: Options) -> Box<dyn AnyDetector> {
     Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed(&Params::new(), options)
 }
 
-/// Returns the detectors that may establish the truth, sorted by the given rank.
+/// Returns the detectors that may establish the truth, sorted by the rank that `place` selects.
 pub fn judges(place: fn(&Judge) -> u8) -> Vec<&'static Entry> {
     let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| place(&it.judge) > 0).collect();
     judges.sort_by_key(|entry| place(&entry.judge));
@@ -346,13 +346,13 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
 fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let ratio = match params.get("ratio").map(|text| text.parse()) {
         None => Some(2.0),
-        // Not a number: one level.
+        // A ratio that is not a number puts all sizes in one level.
         Some(number) => number.ok(),
     };
     let parting = match params.get("levels").map(String::as_str) {
         None => hgrid::Parting::Ratio(ratio),
         Some("optimal") => hgrid::Parting::Optimal,
-        // Parsing accepts no other values.
+        // The parser of specifications accepts no other values.
         Some(text) => match hgrid::Borders::parse(text) {
             Some(borders) => hgrid::Parting::Borders(borders),
             None => hgrid::Parting::Ratio(ratio),

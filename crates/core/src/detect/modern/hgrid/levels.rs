@@ -21,7 +21,7 @@ pub const MOST_LEVELS: usize = CLASSES;
 /// Size classes, largest first.
 #[derive(Clone)]
 pub(super) struct Levels<const D: usize> {
-    /// Largest possible radius of each class.
+    /// Upper limit of the radii in each class.
     borders: [f64; MOST_LEVELS],
     levels: [Level<D>; MOST_LEVELS],
     count: usize,
@@ -31,7 +31,7 @@ pub(super) struct Levels<const D: usize> {
 pub(super) struct Level<const D: usize> {
     pub class: Class<D>,
     pub cells: Option<Cells<D>>,
-    /// Range of its slots, a power of two.
+    /// Range of the level's slots; its length is a power of two.
     pub slots: Range<usize>,
     pub strips: Range<usize>,
     pub records: Range<usize>,
@@ -64,7 +64,8 @@ impl<const D: usize> Level<D> {
         cell
     }
 
-    /// Returns the slot, within the level's part, where the search for a strip begins.
+    /// Returns the slot of the level, from 0, where the search for a strip with this first cell
+    /// begins.
     #[inline(always)]
     pub fn slot(&self, first: [u32; D]) -> usize {
         (mixed(first) >> 32) as usize & (self.slots.len() - 1)
@@ -153,8 +154,8 @@ impl<const D: usize> Levels<D> {
         }
     }
 
-    /// Returns which levels have many particles per cell, estimated from a sample. Small levels may
-    /// crowd, because all their pairs are few.
+    /// Returns for each level whether it has many particles per cell, estimated from a sample. A
+    /// level with few pairs is not reported: it costs little.
     fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
         let place = |id| {
             let class = self.class(bodies.radius(id));

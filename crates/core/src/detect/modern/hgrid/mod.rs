@@ -4,22 +4,22 @@
 //! Collision Detection", section 7.2).
 //!
 //! ```text
-//!   coarse |       A       |               A is tested against those beside it here,
-//!   middle |   b   |       |               and against all in the cells of the finer
-//!   fine   | c | c |   | c |               levels that are within reach of it; b likewise;
-//!                                          c against those beside it only
+//!   coarse |       A       |               A is tested against its neighbours on this level,
+//!   middle |   b   |       |               and against all particles in the cells of finer
+//!   fine   | c | c |   | c |               levels that are within reach of A; b likewise;
+//!                                          c is tested against its neighbours only
 //! ```
 //!
 //! 1. Radii are divided into levels in one of three ways: the largest radius divided by a ratio,
 //!    again and again; at given radii (`levels=0.1/0.3`: up to 0.1, up to 0.3, and the rest); or
 //!    such that a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius at a
-//!    border belongs to the smaller level. The cells of a level are as wide as the reach of its
-//!    largest radius ([`crate::contact::Bodies::class_reach`]), over the box of its particles. In a
-//!    sparse level they are as wide as the spacing of particles, unless a sample shows that these
-//!    crowd.
+//!    border belongs to the smaller level. The grid of a level covers the box of its particles. Its
+//!    cells are as wide as the reach of its largest radius
+//!    ([`crate::contact::Bodies::class_reach`]). In a sparse level cells are as wide as the spacing
+//!    of particles, unless a sample shows that particles crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with particles are found by a hash
-//!    (open addressing, one table per level) and sorted by row and position. They store where the
-//!    particles of each of their cells begin. Every particle is copied to its place. So adjacent
+//!    (open addressing, one table per level) and sorted by row and position. A strip stores where
+//!    the particles of each of its cells begin. Every particle is copied to its place. So adjacent
 //!    cells of a row are adjacent in memory, and empty cells take no space.
 //! 3. Within a level every particle is tested against the rest of its cell, the cell to the right,
 //!    and three cells in each of half of the neighbouring rows.
@@ -29,7 +29,7 @@
 //!    once, from the larger particle.
 //!
 //! * Cost: proportional to N particles for each level in which they are searched, whatever the
-//!   ratio of sizes and the domain; quadratic if a crowd is smaller than 2^-30 of the domain.
+//!   ratio of sizes and the domain; quadratic if a crowd is narrower than 2^-30 of the domain.
 //! * Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for S strips with particles
 //!   (at most N). C sums, over levels, the smallest power of two of at least twice the level's
 //!   particles.
@@ -56,7 +56,7 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Cells per strip.
+/// Number of cells in a strip.
 const STRIP: u32 = 8;
 /// Marks a slot without a strip; not a valid particle number.
 const FREE: u32 = u32::MAX;
@@ -66,16 +66,17 @@ pub struct HGrid<const D: usize> {
     options: Options,
     parting: Parting,
     levels: Levels<D>,
-    /// Hash tables of all levels: first the particle that came first in a strip, then the strip.
+    /// Hash tables of all levels: in each slot the first particle of a strip, later the strip's
+    /// number.
     slots: Vec<u32>,
-    /// For each particle: first the slot of its strip within its level, then the strip.
+    /// For each particle: the slot of its strip within its level, later the strip's number.
     places: Vec<u32>,
     strips: Vec<Strip<D>>,
     records: Vec<Record<D>>,
 }
 
 impl<const D: usize> HGrid<D> {
-    /// Creates a detector that divides radii into levels in this way.
+    /// Creates a detector that divides radii into levels by `parting`.
     pub fn with_levels(parting: Parting, options: Options) -> HGrid<D> {
         HGrid {
             options,
@@ -133,7 +134,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
 struct Strip<const D: usize> {
     /// The first cell.
     first: [u32; D],
-    /// Starts of the records of each cell, and the end of the last one.
+    /// Index of the first record of each cell, then the end of the last cell's records.
     starts: [u32; STRIP as usize + 1],
 }
 
@@ -141,7 +142,7 @@ impl<const D: usize> Strip<D> {
     const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
 }
 
-/// Borders of the records of a strip's cells, of the cell before them and the cell after them.
+/// Begins and ends of the records in a strip's cells and in the cells before and after the strip.
 type Edges = [u32; STRIP as usize + 3];
 
 impl<const D: usize> HGrid<D> {
@@ -176,7 +177,7 @@ impl<const D: usize> HGrid<D> {
                 slot = (slot + 1) & (slots.len() - 1);
             };
             self.places[id as usize] = slot as u32;
-            // Only counted now; the begin is known later.
+            // Strips are only counted here; `sort_strips` sets the begin of the range.
             self.levels.all_mut()[class].strips.end += usize::from(is_new);
         }
     }
@@ -199,7 +200,7 @@ impl<const D: usize> HGrid<D> {
             let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
             for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
                 strip.first = Level::strip(cells, bodies.position(id), probe);
-                // Holds the slot until the strips are sorted, because records come later.
+                // Holds the strip's slot until strips are sorted; starts of records come later.
                 strip.starts[0] = slot;
             }
             strips.sort_unstable_by(|a, b| {
@@ -236,7 +237,7 @@ impl<const D: usize> HGrid<D> {
             }
             level.records = first as usize..end as usize;
         }
-        // From the end of each cell backwards, so that particles of a cell stay in order.
+        // Each cell is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
             let (_, cells) = self.levels.of(bodies.radius(id));
             let record = Record::new(bodies, id);
@@ -310,8 +311,8 @@ impl<const D: usize> HGrid<D> {
         }
     }
 
-    /// Returns the records of a strip's cells, of the cell before it and the one after. Records of
-    /// a row are in order, so missing strips leave no gap between the others.
+    /// Returns where records begin and end: of the cell before a strip, of its own cells, and of
+    /// the cell after it. Records of a row are in order, so a missing strip leaves no gap.
     #[inline(always)]
     fn edges(
         &self,
@@ -397,9 +398,9 @@ impl<const D: usize> HGrid<D> {
         let reach = judge.nearness.reach(a.radius, level.class.largest);
         let (mut first, mut last) = ([0; D], [0; D]);
         for k in 0..D {
-            // Comparisons and cells are monotone, so no margin is needed: in a pair within reach
-            // the other particle is not below the rounded x - reach, and its cell not below the
-            // cell of that.
+            // Comparisons and cell numbers are monotone, so no margin is needed: a particle within
+            // reach is not below the rounded x - reach, and its cell is not below the cell of this
+            // number.
             let low = (a.position[k] - reach).max(level.class.low[k]);
             let high = (a.position[k] + reach).min(level.class.high[k]);
             if low > high {
@@ -428,7 +429,7 @@ impl<const D: usize> HGrid<D> {
                 let others = starts[from as usize] as usize..starts[to as usize + 1] as usize;
                 judge.against(a, &self.records[others], found, probe, sink);
             }
-            // Advance to the next row, like a number with the digits y and z.
+            // Advance to the next row: y and z count like the digits of a number.
             let Some(k) = (1..D).find(|&k| row[k] < last[k]) else { return };
             row[k] += 1;
             row[1..k].copy_from_slice(&first[1..k]);

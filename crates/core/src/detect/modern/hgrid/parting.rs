@@ -7,22 +7,22 @@ use super::levels::MOST_LEVELS;
 /// Position of the borders between levels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
-    /// Borders at the largest radius divided by a ratio, again and again; `None` puts all sizes in
-    /// one level.
+    /// Borders at the largest radius divided by powers of a ratio; `None` puts all sizes in one
+    /// level.
     Ratio(Option<f64>),
     /// Borders at the given radii.
     Borders(Borders),
-    /// Borders at the radii that minimise the work in a model.
+    /// Borders at the radii for which a model of the work is least.
     Optimal,
 }
 
-/// The largest radii of all levels except the coarsest, in ascending order.
+/// Largest radii of all levels except the coarsest, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Borders(Vec<f64>);
 
 impl Borders {
-    /// Parses radii as in `0.1/0.3/1`. Returns `None` unless they are finite, positive, ascending
-    /// and few enough.
+    /// Parses at most 31 radii such as `0.1/0.3/1`. Returns `None` unless they are finite, positive
+    /// and ascending.
     pub fn parse(text: &str) -> Option<Borders> {
         let mut radii = Vec::new();
         let mut last = 0.0;

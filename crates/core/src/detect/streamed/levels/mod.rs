@@ -1,5 +1,5 @@
-//! Scenes of very different sizes: each size class is swept in its own grid, and larger particles
-//! visit it.
+//! Detection in scenes of very different sizes: each size class is swept in its own grid, and
+//! larger particles visit the grids of smaller ones.
 
 use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
@@ -18,8 +18,8 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Grids whose steps differ by this factor or more are not compared: squares of distances, up to
-/// 2^124 at this limit, must fit in f32.
+/// Two grids must differ by less than this factor in their steps: squares of distances, up to 2^124
+/// at this limit, must fit in f32.
 const FINEST: f64 = (1u64 << 40) as f64;
 
 #[derive(Clone, Copy)]
@@ -107,8 +107,8 @@ impl<const D: usize> Streamed<D> {
         Ok(())
     }
 
-    /// Returns the grid of each class, or `None` if its cells cannot be numbered, its particles
-    /// crowd, or two grids are too different for common distances.
+    /// Returns the grid of each class. Returns `None` if the cells of a class cannot be numbered,
+    /// if its particles crowd, or if two grids differ too much to compare distances.
     fn levels<T: Real>(
         &self,
         classes: &Classes<D>,
@@ -134,7 +134,7 @@ impl<const D: usize> Streamed<D> {
             all().take(k).any(|larger| {
                 let shift = host.grid.origin_of(&larger.grid);
                 let finite = shift.iter().all(|x| x.is_finite());
-                // Also true if the quotient is NaN.
+                // The negation makes NaN count as too far.
                 !(finite && host.grid.finer_than(&larger.grid) < FINEST)
             })
         };

@@ -12,7 +12,7 @@ fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
     Scene::new((0..radii.len()).map(centre).collect::<Vec<_>>(), Radii::Each(radii.into())).unwrap()
 }
 
-/// Returns radii of 2,000 dust particles with giants among them.
+/// Returns the radii of 2,000 small particles (dust), with those of giants inserted at random.
 fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(giants.len() as u64);
     let mut radii: Vec<f64> = (0..2000).map(dust).collect();
@@ -41,7 +41,7 @@ fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
 
 #[test]
 fn classes_are_those_that_save_work() {
-    // About one size, or too few particles: no classes.
+    // Particles of similar size, or too few of them, are not divided into classes.
     assert_eq!(classes(vec![0.5; 2000], 12.0), []);
     assert_eq!(classes((0..2000).map(|k| 0.3 + 0.1 * f64::from(k % 3)).collect(), 12.0), []);
     assert_eq!(classes(dusty(&[9.0], |_| 0.5)[..60].to_vec(), 12.0), []);
@@ -50,7 +50,7 @@ fn classes_are_those_that_save_work() {
     assert_eq!(classes((0..2000).map(|k| 1.0 - 0.8 * f64::from(k % 2)).collect(), 1e6), []);
     assert_eq!(classes(dusty(&[5.0, 7.0, 6.0], |_| 0.25), 20.0), [3, 2000]);
     assert_eq!(classes(dusty(&[3.0; 30], |_| 0.0), 20.0), [30, 2000]);
-    // One giant does not justify a class beside twenty large particles.
+    // One giant does not justify a class of its own if there are twenty large particles.
     let three = |k| if k % 100 == 0 { 1.0 } else { 0.1 };
     assert_eq!(classes(dusty(&[8.0], three), 20.0), [21, 1980]);
 }

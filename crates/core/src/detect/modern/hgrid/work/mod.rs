@@ -1,20 +1,20 @@
-//! A model of the work that levels cause, and the levels for which it is least.
+//! A model of the work for a division into levels, and the levels for which it is least.
 //!
 //! The model is that of Krijgsman, Ogarko and Luding 2014 (doi:10.1007/s40571-014-0020-9; in
-//! MercuryDPM `HGridOptimiser`): particles are uniform and independent in a box. A particle is
-//! tested against half of the others in the 3^D cells around it. A particle of radius r that is
-//! searched in a finer level with cells of edge h visits (2r/h + 2)^D of them on average, and is
-//! tested against their particles. Work is tests + K lookups.
+//! MercuryDPM `HGridOptimiser`): particles are uniform and independent in a box. Within its level a
+//! particle is tested against half of the others in the 3^D cells around it. In a finer level with
+//! cells of edge h, a particle of radius r visits (2r/h + 2)^D cells on average, and is tested
+//! against their particles. The work is the number of tests plus K times that of lookups.
 //!
-//! Deviations: a lookup finds a strip of 8 cells, not one cell; a level for which that would be
-//! more strips than half of its particles is scanned completely; cells of a sparse level are wider;
-//! and the box is finite. The finite box is treated exactly along each axis, and matters most if
-//! large particles are few.
+//! Deviations: a lookup finds a strip of 8 cells, not one cell; a level is scanned completely if a
+//! visit needs more lookups than half of its particles; cells of a sparse level are wider; and the
+//! box is finite, which is modelled exactly along each axis and matters most if large particles are
+//! few.
 //!
-//! The published optimum is for cells of any size and a given number of levels. This one covers all
-//! partitions of the radii, in four steps per octave, and all numbers of levels. Larger particles
-//! search each level separately, so the work in a level and of its visitors depends only on where
-//! it begins and ends, and the best partition is found radius by radius.
+//! The published optimum is for cells of any size and a given number of levels. This module covers
+//! all partitions of the radii, in four steps per octave, and all numbers of levels. Larger
+//! particles search each level separately, so the work in a level, visits included, depends only on
+//! where the level begins and ends. So the best partition is found radius by radius.
 
 use std::array::from_fn;
 
@@ -24,15 +24,15 @@ use crate::contact::Bodies;
 use crate::filter::cells::spacing;
 use crate::scene::Real;
 
-/// K, the cost of a lookup in contact tests, from a least-squares fit of relative errors to times
-/// and counts of `hgrid` in results/reference-sizes (311 cells): a test takes 3.1 ns, a lookup 39
-/// ns, a particle 88 ns, so 12.6; 11.9 in 2D, 15.3 in 3D. MercuryDPM, with lookups of single cells
-/// and slower tests, uses 0.77.
+/// K, the cost of a lookup in contact tests. A least-squares fit of relative errors to times and
+/// counts of `hgrid` in results/reference-sizes (311 cells) gives 3.1 ns for a test, 39 ns for a
+/// lookup and 88 ns for a particle. So K is 12.6 (11.9 in 2D, 15.3 in 3D). MercuryDPM, with lookups
+/// of single cells and slower tests, uses 0.77.
 pub const LOOK: f64 = 13.0;
-/// Number of distinguished radii: four per octave.
+/// Number of parts into which radii are divided: four per octave.
 const RADII: usize = 128;
 
-/// The particles of a level, or of a part of one.
+/// The particles of a level, or of a part of a level.
 #[derive(Clone, Copy, Debug)]
 pub struct Class<const D: usize> {
     pub low: [f64; D],
@@ -42,7 +42,7 @@ pub struct Class<const D: usize> {
     sum: f64,
 }
 
-/// Contact tests, and lookups of strips in another level.
+/// Number of contact tests, and of lookups of strips in finer levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     pub tests: f64,
@@ -96,13 +96,13 @@ impl<const D: usize> Class<D> {
         Work { tests: 0.5 * n * (n - 1.0) * near, looks: 0.0 }
     }
 
-    /// Returns the work of searching `bodies` particles of `larger`, with this radius, in this
-    /// class.
+    /// Returns the work of searching this level for `bodies` particles of the coarser level
+    /// `larger`, each with this radius.
     pub fn visits(&self, larger: &Class<D>, bodies: f64, radius: f64) -> Work {
         let (n, edge, reach) = (self.bodies as f64, self.edge(), radius + self.largest);
         let (mut within, mut tests, mut looks) = (1.0, n, 1.0);
-        // On average, the domain of random particles is longer by this fraction than their bounding
-        // box, on each side.
+        // The domain of random particles extends beyond their bounding box: by this fraction of the
+        // box on each side, on average.
         let beyond = 1.0 / (larger.bodies as f64 - 1.0).max(1.0);
         for k in 0..D {
             let length = larger.high[k] - larger.low[k];
@@ -124,7 +124,7 @@ impl<const D: usize> Class<D> {
 struct Axis {
     length: f64,
     edge: f64,
-    /// Number of cells without the last one, which may extend beyond the box.
+    /// Number of cells along the axis without the last one, which may extend beyond the box.
     full: f64,
 }
 
@@ -145,20 +145,20 @@ impl Axis {
     }
 }
 
-/// Points uniform on a segment of an axis, and how many of its cells are within their reach on
-/// average. Cells count from the beginning of the axis.
+/// Points spread evenly over a segment of an axis. [`Near::steps`] averages how many cells of the
+/// axis are within their reach. Cells count from the beginning of the axis.
 struct Near {
     axis: Axis,
     reach: f64,
     length: f64,
-    /// The part of the segment from which any cell is within reach.
+    /// Begin of the part of the segment from which at least one cell is within reach.
     from: f64,
     to: f64,
 }
 
 impl Near {
-    /// Creates the value for a segment of this length that begins at `low`; a segment shorter than
-    /// a cell is extended to one cell.
+    /// Creates points on a segment of this length that begins at `low`; a segment shorter than a
+    /// cell is extended to one cell.
     fn new(axis: Axis, low: f64, length: f64, reach: f64) -> Near {
         let more = (axis.edge - length).max(0.0);
         let (low, length) = (low - 0.5 * more, length + more);
@@ -171,10 +171,10 @@ impl Near {
         (self.to - self.from) / self.length
     }
 
-    /// Returns the mean number of steps of this width, the first one shorter by `offset`.
+    /// Returns the mean number of steps of this width within reach, the first shorter by `offset`.
     fn steps(&self, width: f64, offset: f64) -> f64 {
         let (end, reach) = (self.axis.length, self.reach);
-        // The integral of the step number from 0.
+        // Integral of the step number from 0 to x.
         let sum = |x: f64| {
             let x = x + offset;
             let k = (x / width).floor();
@@ -187,7 +187,7 @@ impl Near {
         (self.to - self.from + high - low) / self.length
     }
 
-    /// Returns the part of the axis covered by this many cells within reach.
+    /// Returns the fraction of the axis that this many cells within reach cover.
     fn covered(&self, cells: f64) -> f64 {
         let Axis { length, edge, full } = self.axis;
         if full == 0.0 {
@@ -199,8 +199,8 @@ impl Near {
     }
 }
 
-/// Returns the largest radius of each level, largest level first, for which the work is least, and
-/// the number of levels. `largest` is the largest radius of all, and positive.
+/// Returns the largest radius of each level, largest level first, and the number of levels, for
+/// which the work is least. `largest` is the largest radius of the scene and must be positive.
 pub fn optimal<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     largest: f64,
@@ -240,7 +240,7 @@ pub fn optimal<T: Real, const D: usize>(
     let mut end = count;
     while end > 0 {
         end = least[end - 1].1;
-        // If there are too many levels, the smallest share one; drop the largest of them so far.
+        // If there are too many levels, drop the lowest border so far, to merge the smallest.
         if levels == MOST_LEVELS {
             borders.copy_within(1.., 0);
             levels -= 1;
@@ -252,8 +252,8 @@ pub fn optimal<T: Real, const D: usize>(
     (borders, levels)
 }
 
-/// Returns the part of a radius: the exponent of the quotient and two more bits. Rounding is
-/// monotone, so a smaller radius never has a lower part.
+/// Returns the number of the part that holds a radius: the exponent of largest / radius and two
+/// more bits. Rounding is monotone, so a smaller radius never has a lower number.
 #[inline(always)]
 fn part(largest: f64, radius: f64) -> usize {
     let bits = (largest / radius).to_bits() >> 50 & 0x1fff;

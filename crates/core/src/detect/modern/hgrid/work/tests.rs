@@ -1,4 +1,4 @@
-//! The model against the published one, and against counts.
+//! Compares the model of the work with the published model and with counts.
 
 use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
@@ -13,7 +13,7 @@ use crate::probe::{Op, Tally};
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
-/// Radii up to 1 with a power-law number density such as r^-3, as its quantiles.
+/// Returns `n` radii up to 1 as quantiles of a power law: number density r^exponent, such as r^-3.
 fn power(n: u32, ratio: f64, exponent: f64) -> Vec<f64> {
     let power = exponent + 1.0;
     let least = ratio.powf(-power);
@@ -37,7 +37,7 @@ where
     Scene::new(centres, Radii::Each(radii.into())).unwrap()
 }
 
-/// Returns the counts of `hgrid` and the model's values for its levels.
+/// Returns the counted work of `hgrid`, and the modelled work for its levels.
 fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: &Parting) -> [Work; 2] {
     let (mut tally, mut digest) = (Tally::default(), Digest::default());
     let mut hgrid = HGrid::<D>::with_levels(parting.clone(), Options::default());
@@ -63,8 +63,8 @@ fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: &Parting) -> [Work; 
     [counted, modelled]
 }
 
-/// Far from the walls the model is the published one (doi:10.1007/s40571-014-0020-9, appendix 1):
-/// half of 3^D cells within a level, (2r/h + 2)^D cells of a finer one.
+/// Far from the walls the model equals the published one (doi:10.1007/s40571-014-0020-9, appendix
+/// 1): tests in half of 3^D cells within a level, and in (2r/h + 2)^D cells of a finer one.
 #[test]
 fn in_a_wide_box_the_model_is_the_published_one() {
     fn check<const D: usize>() {
@@ -96,7 +96,7 @@ fn in_a_wide_box_the_model_is_the_published_one() {
     check::<3>();
 }
 
-/// Within 5% for every ratio of sizes, packing, exponent and division into levels.
+/// Counted and modelled work agree within 5% for all size ratios, packings, exponents and levels.
 #[test]
 fn counted_work_is_as_modelled() {
     fn check<const D: usize>() -> f64
@@ -118,7 +118,7 @@ fn counted_work_is_as_modelled() {
             for (fraction, exponent) in
                 [0.1, 0.8].into_iter().flat_map(|f| [-2.0, -4.0].map(|e| (f, e)))
             {
-                // If there are few large particles, much depends on their positions.
+                // Four scenes are averaged: much depends on the positions of a few large particles.
                 let scene = |seed| filled::<D>(power(3000, size, exponent), fraction, seed);
                 let scenes = [1, 2, 3, 4].map(scene);
                 for parting in &partings {
