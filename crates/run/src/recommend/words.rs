@@ -56,7 +56,8 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     }
     text += &match (&race.twin, verdict.floor) {
         (Some(twin), Some(floor)) => format!(
-            "\n  a second copy of it took {} times as long:\n  factors below {floor:.2} decide nothing",
+            "\n  a second copy of it took {} times as long:\n  factors below {floor:.2} decide \
+             nothing",
             with_interval(twin)
         ),
         _ if race.blocks < 2 => "\n  one block decides nothing; give more --seconds".into(),

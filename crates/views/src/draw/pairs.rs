@@ -91,7 +91,8 @@ fn reported(
     } else if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
         let [i, j] = list.pairs[k];
         bail!(
-            "the pair {i},{j} names an image in a periodic box, and boundaries are open here; give --box LX,LY,LZ"
+            "the pair {i},{j} names an image in a periodic box, and boundaries are open here; give \
+             --box LX,LY,LZ"
         );
     }
     let mut pairs = Vec::new();
