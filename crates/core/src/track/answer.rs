@@ -11,10 +11,10 @@ pub(super) trait Answer {
     /// Whether pairs are numbered by places or by the scene's particle numbers.
     const BY_PLACE: bool;
 
-    /// Receives pairs that touch.
+    /// Receives pairs that certainly touch.
     fn take(&mut self, pairs: &[[u32; 2]]);
 
-    /// Tests this pair and keeps it if it touches.
+    /// Tests a pair that the filter leaves open, and keeps the pair if it touches.
     fn decide(&mut self, pair: [u32; 2]);
 }
 
@@ -62,7 +62,7 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
         self.exact
     }
 
-    /// Tests a pair that is listed with this image and keeps it if it touches.
+    /// Tests a pair of a particle and an image, and keeps the pair if it touches.
     pub fn decide_image(&mut self, ImagePair { i: a, j: b, image }: ImagePair) {
         let image = self.around.image(a, b, image);
         let (i, j) = (self.particle(a), self.particle(b));

@@ -21,16 +21,16 @@ use crate::scene::{Lattice, Scene, array};
 pub(super) struct Around<const D: usize> {
     /// The box when the list was built, or `None` in open space.
     then: Option<Lattice>,
-    /// Largest sum of a centre's absolute coordinates when the list was built.
+    /// Largest sum of the absolute coordinates of a centre when the list was built.
     far: f64,
     now: Vectors<D>,
     /// Change of the box since the list was built, if any.
     strain: Option<Strain<D>>,
-    /// Listed triples with S other than 0, numbered by places.
+    /// Listed triples (i, j, S) with S other than 0, numbered by places.
     pub through: Vec<ImagePair>,
-    /// Places of particles with W other than 0 in this frame, in ascending order, and their W.
+    /// Place and W of each particle with W other than 0 in this frame, in ascending order.
     brought: Vec<(u32, [i32; 3])>,
-    /// One bit per place: whether the place is in `brought`.
+    /// One bit per place: set if the particle has a W other than 0 (is in `brought`).
     marks: Vec<u64>,
     /// Bound for the rounding error of a displacement, caused by W and by the motion of the box.
     off: f64,
@@ -55,7 +55,8 @@ impl<const D: usize> Default for Around<D> {
 struct Vectors<const D: usize> {
     /// Vectors of the box; zeros along open axes.
     vectors: [[f64; D]; 3],
-    /// Duals of the shortest vectors of the lattice; `numbers` combines those from the box vectors.
+    /// Duals of the shortest vectors of the lattice; `numbers` gives those vectors as integer
+    /// combinations of the box vectors.
     duals: [[f64; D]; 3],
     numbers: Numbers,
     /// Longest plausible displacement in one frame. A particle that moves farther was probably
@@ -73,7 +74,7 @@ impl<const D: usize> Vectors<D> {
 
     fn new(lattice: &Lattice) -> Vectors<D> {
         let mut all = Vectors::NONE;
-        // Duals and heights are those of the reduced lattice, so that the tilt does not matter.
+        // The duals and heights of the reduced lattice do not depend on the tilt.
         let (short, numbers) = lattice.reduced();
         all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {
@@ -85,8 +86,8 @@ impl<const D: usize> Vectors<D> {
         all
     }
 
-    /// Returns the shift that brings a particle near its earlier position. Numbers are below 2^28,
-    /// so that S + Wj - Wi fits in 32 bits (S is below 2^30).
+    /// Returns the shift that brings a particle near its earlier position. Its numbers are below
+    /// 2^28, so that S + Wj - Wi fits in 32 bits (S is below 2^30).
     fn nearest(&self, at: &[f64; D], then: &[f64; D]) -> [i32; 3] {
         const MOST: f64 = (1u32 << 28) as f64;
         let short =
@@ -104,32 +105,32 @@ impl<const D: usize> Vectors<D> {
         std::array::from_fn(|k| (0..3).map(|v| f64::from(by[v]) * self.vectors[v][k]).sum())
     }
 
-    /// Returns the sum of the magnitudes of all terms of S·H.
+    /// Returns the sum of the magnitudes of all terms of the shift S·H.
     fn size(&self, by: [i32; 3]) -> f64 {
         let sum = |v: usize| self.vectors[v].iter().map(|x| x.abs()).sum::<f64>();
         (0..3).map(|v| f64::from(by[v]).abs() * sum(v)).sum()
     }
 }
 
-/// Rounding error of sums of a dozen terms.
+/// Bound for the relative rounding error of a sum of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
 /// The linear map F = 1 + A from the box vectors when the list was built to those of this frame.
 struct Strain<const D: usize> {
-    /// The matrix A.
+    /// The matrix A of the map F = 1 + A.
     by: [[f64; D]; D],
-    /// Corner of the box when the list was built; `to` is the corner in this frame.
+    /// Corner of the box when the list was built; `to` is its corner in this frame.
     from: [f64; D],
     to: [f64; D],
-    /// Lower bound for |F v| / |v|.
+    /// Lower bound for |F v| / |v| over all vectors v.
     least: f64,
     /// Bound for the error of a centre mapped by F.
     off: f64,
 }
 
 impl<const D: usize> Strain<D> {
-    /// Computes the map, or returns `None` if the list must be rebuilt. No centre was farther than
-    /// `far` from the origin.
+    /// Computes the map F, or returns `None` if the list must be rebuilt. No centre may have been
+    /// farther than `far` from the origin.
     fn new(then: &Lattice, now: &Lattice, far: f64) -> Option<Strain<D>> {
         let mut by = [[0.0; D]; D];
         // Bound for the error of A as a map.
@@ -145,8 +146,7 @@ impl<const D: usize> Strain<D> {
             for (k, row) in by.iter_mut().enumerate() {
                 (0..D).for_each(|l| row[l] += change[k] * dual[l]);
             }
-            // Product of the dual with a vector; its deviation from 1 or 0 is the error of the
-            // dual.
+            // Product of a dual with a vector; its deviation from 1 or 0 is the error of the dual.
             let product = |of: &[f64; 3]| (0..D).map(|k| dual[k] * of[k]).sum::<f64>();
             let beside = repeats().map(|b| {
                 let vector = &then.vectors()[b];
@@ -154,7 +154,7 @@ impl<const D: usize> Strain<D> {
                 2.0 * (rest + ROUNDING * size(&dual) * size(vector)) / then.height(b)
             });
             error += size(&change) * (beside.sum::<f64>() + ROUNDING * size(&dual));
-            // Along open axes the corner does not move particles.
+            // A corner that moves along an open axis does not move particles.
             let along = product(&moved);
             (0..D).for_each(|k| to[k] += along * old[k]);
         }
@@ -170,11 +170,11 @@ impl<const D: usize> Strain<D> {
         let far = far + sum(&from);
         let entries: f64 = by.iter().map(sum).sum();
         let off = error * far + ROUNDING * ((1.0 + entries) * far + sum(&to));
-        // Fails if the box is compressed to nothing or numbers overflow.
+        // There is no map if the box is compressed to nothing or numbers overflow.
         (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
     }
 
-    /// Returns where a particle would be if it had moved with the box.
+    /// Returns where a particle would be if it had only moved with the box.
     fn carried(&self, at: &Point<f64, D>) -> Point<f64, D> {
         let off: [f64; D] = std::array::from_fn(|k| at[k] - self.from[k]);
         Point::from(std::array::from_fn(|k| {
@@ -185,8 +185,8 @@ impl<const D: usize> Strain<D> {
 }
 
 impl<const D: usize> Around<D> {
-    /// Prepares for a list in this box, or in open space. Returns the margin that the list's
-    /// distances must add for later shifts of particles.
+    /// Prepares for a list in this box, or in open space. Returns the margin that must be added to
+    /// the distances of the list, because particles may be shifted later.
     pub fn begin(
         &mut self,
         lattice: Option<&Lattice>,
@@ -205,12 +205,11 @@ impl<const D: usize> Around<D> {
         self.marks.clear();
         reserve(&mut self.marks, marks)?;
         self.marks.resize(marks, 0);
-        // Covers images a few dozen boxes away.
+        // The margin covers images a few dozen boxes away.
         Ok(64.0 * ROUNDING * (self.far + self.now.size([1; 3])))
     }
 
-    /// Returns whether the list is valid for frames in such a box, and if so prepares to shift
-    /// particles.
+    /// Returns whether the list remains valid in this box, and if so prepares to shift particles.
     pub fn serves(&mut self, lattice: Option<&Lattice>) -> bool {
         let repeats = |lattice: Option<&Lattice>| lattice.map(Lattice::periodic);
         if repeats(lattice) != repeats(self.then.as_ref()) {
@@ -231,9 +230,9 @@ impl<const D: usize> Around<D> {
         true
     }
 
-    /// Shifts particles at places from `first` on to where they would be without jumps through
-    /// faces. Returns the positions from which displacements are measured: the earlier ones, moved
-    /// with the box.
+    /// Shifts the particles at places from `first` on back to where they would be if they had not
+    /// jumped through faces. Returns the positions from which displacements are measured: the
+    /// earlier ones, moved with the box.
     pub fn bring<'a>(
         &mut self,
         at: &mut [Point<f64, D>],
@@ -268,14 +267,14 @@ impl<const D: usize> Around<D> {
         let by = self.now.nearest(array(at), array(from));
         let shift = self.now.shift(by);
         let way = |by: &[f64; D]| (0..D).map(|k| (at[k] + by[k] - from[k]).powi(2)).sum::<f64>();
-        // Keep the position if the shift would move it farther away.
+        // The particle is not shifted if that would move it farther away.
         if by == [0; 3] || way(&shift) >= way(&[0.0; D]) {
             return;
         }
         let far: f64 = array(at).iter().map(|x| x.abs()).sum();
         let carried = self.strain.as_ref().map_or(0.0, |strain| strain.off);
         let off = carried + ROUNDING * (far + self.now.size(by));
-        // Without memory to record the shift the list becomes invalid.
+        // If memory does not suffice to record the shift, the list becomes invalid.
         let room = self.brought.try_reserve(1).is_ok();
         self.off = self.off.max(if room { off } else { f64::INFINITY });
         if !room {
@@ -286,8 +285,8 @@ impl<const D: usize> Around<D> {
         self.marks[place / 64] |= 1 << (place % 64);
     }
 
-    /// Returns the bound for the rounding error of particles, or of the positions from which
-    /// displacements are measured.
+    /// Returns the bound for the rounding error of the shifted particles, and of the positions from
+    /// which displacements are measured.
     pub fn off(&self) -> f64 {
         self.off
     }
@@ -301,12 +300,12 @@ impl<const D: usize> Around<D> {
         }
     }
 
-    /// Returns the uncertainty of distances that shifted particles cause.
+    /// Returns how much shifted particles widen the uncertainty of distances.
     pub fn slack(&self) -> Slack {
         Slack { relative: 0.0, absolute: 2.0 * self.off }
     }
 
-    /// Returns W of a place.
+    /// Returns the shift W of the particle at this place.
     fn by(&self, place: u32) -> [i32; 3] {
         if !self.is_brought(place) {
             return [0; 3];
@@ -320,7 +319,7 @@ impl<const D: usize> Around<D> {
         self.marks[place as usize / 64] >> (place % 64) & 1 == 1
     }
 
-    /// Returns S for the given positions of two places that are listed with `image`.
+    /// Returns the image by which two listed places touch at their given positions: S + Wj - Wi.
     #[inline]
     pub fn image(&self, a: u32, b: u32, image: [i32; 3]) -> [i32; 3] {
         if self.brought.is_empty() || !(self.is_brought(a) | self.is_brought(b)) {
@@ -330,8 +329,8 @@ impl<const D: usize> Around<D> {
         std::array::from_fn(|v| image[v].wrapping_add(of_b[v]).wrapping_sub(of_a[v]))
     }
 
-    /// Returns whether a particle touches an image of another, exactly for the given numbers, and
-    /// whether that used exact arithmetic.
+    /// Returns whether a particle touches an image of another, decided exactly for the given
+    /// numbers, and whether exact arithmetic was needed.
     pub fn touch(
         &self,
         scene: &Scene<'_, f64, D>,

@@ -1,18 +1,18 @@
-//! Sorts particles by cells in rows, for locality; no result depends on the order.
+//! Sorts particles by the cells of a grid, in rows, for locality; no result depends on the order.
 
 use crate::contact::Corners;
 use crate::refusal::{Refusal, reserve};
 
-/// Scratch space for the sort: the i-th pair holds the cell of particle i, and the place of the
-/// next particle of cell i.
+/// Scratch space for the sort. Its i-th pair holds the cell of particle i, and the place of the
+/// next particle that goes into cell i.
 pub(super) type Room = Vec<[u32; 2]>;
 
 pub(super) fn room(particles: usize) -> usize {
     if particles == 0 { 0 } else { particles + 1 }
 }
 
-/// Calls `put` with each particle's place, such that particles of a cell are adjacent. There are at
-/// most as many cells as particles. Fails if memory runs out.
+/// Calls `put` with each particle and its place, such that the particles of a cell are adjacent.
+/// There are at most as many cells as particles. Fails if memory runs out.
 pub(super) fn places<const D: usize>(
     points: impl ExactSizeIterator<Item = [f64; D]>,
     (low, high): Corners<D>,
@@ -34,8 +34,8 @@ pub(super) fn places<const D: usize>(
         true => count(edge).map(|count| count as usize),
         false => [1; D],
     };
-    // Layers across the longest axis, as in `streamed-nbs`, so that its pairs, and passes over
-    // them, stay within a few layers for long.
+    // Cells are in layers across the longest axis, as in `streamed-nbs`: its pairs, and passes over
+    // them, then stay within a few layers for a long time.
     let mut axes: [usize; D] = std::array::from_fn(|k| k);
     axes.sort_by(|&a, &b| extent[b].total_cmp(&extent[a]));
     taken.clear();

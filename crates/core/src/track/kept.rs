@@ -21,25 +21,25 @@ use crate::wide::{Kernel, Level, Spot, Wide};
 
 const BLOCK: usize = 128;
 
-/// Particles are stored in places, with neighbours in space adjacent in memory; listed pairs are
-/// numbered by places.
+/// Particles and their neighbour list between frames. Particles that are near each other in space
+/// have adjacent places in memory; listed pairs are numbered by places.
 #[derive(Default)]
 pub(super) struct Kept<const D: usize> {
-    /// Position of each particle in the last frame and its number, by place.
+    /// Number of the particle at each place, and its position in the last frame in f32.
     spots: Vec<Spot>,
     unit: Unit<D>,
     then: Vec<Point<f64, D>>,
-    /// Positions in the last frame in f64, for rules that need displacements since then.
+    /// Positions in the last frame, in f64, for rules that need displacements from frame to frame.
     last: Vec<Point<f64, D>>,
     radii: KeptRadii,
     listed: Room,
-    /// Half of the skin of the list.
+    /// Half of the list's skin, as a length.
     half: f64,
-    /// Largest amount that rounding adds to the reach of the contact test; the list allows for it.
+    /// Largest rounding that the contact test may add to its reach without making the list invalid.
     rounding: f64,
-    /// Frames since the list was built, or `None` without a list.
+    /// Frames since the list was built, or `None` if there is no list.
     age: Option<u32>,
-    /// Sum of the largest displacements in each frame.
+    /// Sum over the frames since the list was built of each frame's largest displacement.
     summed: f64,
     around: Around<D>,
 }
@@ -60,7 +60,7 @@ impl<const D: usize> Kept<D> {
         self.age = None;
     }
 
-    /// Returns the bytes of the arrays, without spare capacity of the list.
+    /// Returns the bytes of all arrays; spare capacity of the list is not included.
     pub fn bytes(&self) -> u64 {
         let n = self.spots.len();
         let radii = match self.radii {
@@ -76,8 +76,8 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Updates the particles to this frame. Returns the age of the list in frames and the
-    /// displacements, or `None` if the list is missing, or belongs to other particles, to another
-    /// kind of box, or to a test that rounds less.
+    /// displacements, or `None` if there is no list, or if it was built for other particles, for
+    /// another kind of box, or for a contact test that rounds less.
     pub fn follow<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -96,16 +96,16 @@ impl<const D: usize> Kept<D> {
             return None;
         }
         let (first, second) = (at_most(top.first), at_most(top.second));
-        // Not less than the largest displacement, as in real numbers, even if a box moves
+        // The sum is at least the largest displacement, as in real numbers, even if a box moves
         // particles.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
     }
 
-    /// Lists all pairs that are at most twice `half`, plus the rounding of the contact test, apart
-    /// in this frame. The centres are within `corners`. Returns false if the rounding of a very
-    /// long box makes a list useless.
+    /// Lists all pairs whose surfaces are at most twice `half` plus the rounding of the contact
+    /// test apart in this frame. All centres are within `corners`. Returns false if the box is so
+    /// long that rounding makes a list useless.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -132,7 +132,8 @@ impl<const D: usize> Kept<D> {
         }
         let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
         let each = match scene.radii() {
-            // Three radii: by particle, by place, and enlarged during the build.
+            // Bytes per particle of three radii: in the scene's order, by place, and enlarged (only
+            // in a build).
             Radii::Each(_) => 24,
             Radii::Uniform(_) => 0,
         };
@@ -210,19 +211,19 @@ impl<const D: usize> Kept<D> {
         2.0 * self.half
     }
 
-    /// Returns the number of listed pairs, images included.
+    /// Returns the number of listed pairs, including pairs with images.
     pub fn listed(&self) -> u64 {
         self.listed.len() as u64 + self.around.through.len() as u64
     }
 
-    /// Returns how much the change of the box may have reduced distances of unlisted pairs that
-    /// touch within `reach`: see [`Around::nearer`].
+    /// Returns how much the change of the box may have reduced the distance of an unlisted pair
+    /// that is now within `reach`: see [`Around::nearer`].
     pub fn nearer(&self, reach: f64) -> f64 {
         self.around.nearer(reach + self.skin() + self.rounding)
     }
 
-    /// Appends the listed pairs that touch in this frame to `pairs`. Returns how many tests used
-    /// exact arithmetic.
+    /// Appends the listed pairs that touch in this frame to `pairs`. Returns the number of tests
+    /// that used exact arithmetic.
     pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
         let mut tally = Tally::default();
         let touch = |i, j| bodies.touch(i, j, &mut tally);
@@ -263,7 +264,7 @@ struct Follow<'a, T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
-    /// Largest displacements since the list was built, and since the last frame.
+    /// Largest two displacements since the list was built, and since the last frame.
     type Output = (TopTwo, TopTwo);
 
     #[inline(always)]
@@ -274,7 +275,7 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
         let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
         let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
         for (k, (spots, then)) in blocks.enumerate() {
-            // Only loads here, so that many of them wait for memory at the same time.
+            // This loop only loads, so that many loads wait for memory at the same time.
             for (at, spot) in block.iter_mut().zip(&*spots) {
                 *at = wide(&centres[spot.id as usize]);
             }
@@ -301,10 +302,10 @@ const POINT: u64 = size_of::<f64>() as u64;
 
 const SPOT: u64 = size_of::<Spot>() as u64;
 
-/// A list that is to be built.
+/// Properties of a list that is to be built.
 pub(super) struct Wanted<'a> {
     pub half: f64,
-    /// Largest amount that rounding adds to the reach of the contact test.
+    /// Largest amount that rounding adds to the reach of the contact test, as a length.
     pub rounding: f64,
     pub rule: Rule,
     pub lattice: Option<&'a Lattice>,

@@ -2,11 +2,12 @@
 //!
 //! In a simulation particles move a little between detections. Codes therefore keep a list of all
 //! nearly touching pairs, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98), and test
-//! only those until some particle has moved too far. A [`Rule`] determines how long the list
-//! serves. [`crate::filter`] proves what is safe, in section 7 and for periodic boxes in section 8.
+//! only those pairs until some particle has moved too far. A [`Rule`] determines how long a list is
+//! used. [`crate::filter`] proves which rules are safe, in section 7 and for periodic boxes in
+//! section 8.
 //!
 //! A tracker uses any detector of the table. For each frame it returns what the detector would: the
-//! pairs that the contact test accepts. The result is complete if the rule is safe, so it can be
+//! pairs that the contact test accepts. The result is complete if the rule is safe. It can be
 //! compared with the truth in each frame.
 //!
 //! ```
@@ -79,7 +80,7 @@ pub trait Tracker: Send {
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal>;
 
-    /// Works as [`Tracker::find`] on a frame in open space.
+    /// Appends the contacts of a frame in open space; otherwise works as [`Tracker::find`].
     fn step(
         &mut self,
         frame: &AnyScene<'_>,
@@ -93,25 +94,25 @@ pub trait Tracker: Send {
         step
     }
 
-    /// Makes the next frame count as the first; buffers are kept.
+    /// Makes the next frame count as the first. Buffers are kept.
     fn forget(&mut self);
 
-    /// Returns the bytes that the tracker and its detector need between frames, by formula, without
-    /// the caller's list of contacts.
+    /// Returns the bytes that the tracker and its detector need between frames, computed by a
+    /// formula. The caller's list of contacts is not included.
     fn formula_bytes(&self) -> u64;
 }
 
-/// Actions of a tracker in one frame.
+/// What a tracker did in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// Whether the tracker called its detector.
+    /// Whether the tracker called its detector in this frame.
     pub built: bool,
-    /// Number of pairs examined, touching or not.
+    /// Number of pairs tested in this frame, touching or not.
     pub listed: u64,
-    /// A dangerous build in the sense of LAMMPS: the rule was already broken at the first frame in
-    /// which it was checked, so contacts may have been missed before.
+    /// Whether the build was dangerous in the sense of LAMMPS: the first check since the last build
+    /// already required a rebuild, so contacts may have been missed before.
     pub dangerous: bool,
-    /// Time spent on building, included in the time of the step.
+    /// Time spent on building the list, included in the time of the step.
     pub building: Duration,
 }
 

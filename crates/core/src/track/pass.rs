@@ -1,7 +1,7 @@
 //! The pass over a list: finds the listed pairs that touch in this frame.
 //!
-//! Sixteen pairs are tested at a time, without branches, which would be unpredictable. The answer
-//! decides pairs that f32 copies leave open.
+//! Sixteen pairs are tested at a time, without branches, because branches would be unpredictable.
+//! The `answer` decides the pairs that positions in f32 leave open.
 
 use super::answer::Answer;
 use crate::filter::Near;
@@ -9,22 +9,22 @@ use crate::wide::{Kernel, LANES, Spot, Wide};
 
 const BLOCK: usize = 128;
 
-/// Tests listed pairs and passes those that touch to an answer.
+/// Tests listed pairs and passes the pairs that touch to `answer`.
 pub(super) struct Pass<'a, R, A> {
     pub spots: &'a [Spot],
-    /// Pairs of places.
+    /// Listed pairs, numbered by places.
     pub listed: &'a [[u32; 2]],
     pub reach: R,
     pub answer: &'a mut A,
 }
 
 pub(super) trait Reach {
-    /// Returns limits for the squared distances of sixteen pairs of places: see [`within`] and
+    /// Returns two limits for the squared distance of each of sixteen pairs: see [`within`] and
     /// [`beyond`].
     fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2];
 }
 
-/// Equal radii: one limit for all pairs.
+/// For equal radii: one pair of limits serves all pairs.
 pub(super) struct Same(pub Near);
 
 impl Reach for Same {
@@ -34,10 +34,10 @@ impl Reach for Same {
     }
 }
 
-/// Individual radii: one limit per pair.
+/// For individual radii: limits for each pair.
 pub(super) struct Each<'a, F> {
     pub placed: &'a [f64],
-    /// Returns limits for a given sum of radii.
+    /// Returns the limits for a given sum of radii.
     pub near: F,
 }
 
@@ -53,15 +53,15 @@ impl<F: Fn(f64) -> Near> Reach for Each<'_, F> {
     }
 }
 
-/// Returns a limit x such that an f32 is at most x exactly if it is at most `inner`.
+/// Returns x such that exactly the f32 numbers up to `inner` are at most x.
 #[inline(always)]
 fn within(inner: f64) -> f32 {
     let near = inner as f32;
     if f64::from(near) > inner { near.next_down() } else { near }
 }
 
-/// Returns a limit x such that an f32 is at least x exactly if it is more than `outer`; NaN if
-/// `outer` is infinite, so that no number is.
+/// Returns x such that exactly the f32 numbers above `outer` are at least x; NaN if `outer` is
+/// infinite, because no number is above it.
 #[inline(always)]
 fn beyond(outer: f64) -> f32 {
     if outer < f64::INFINITY { within(outer).next_up() } else { f32::NAN }
@@ -94,8 +94,8 @@ impl<R: Reach, A: Answer> Kernel for Pass<'_, R, A> {
 
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Packs the masked pairs that certainly touch to the front of `to` and returns their number. The
-/// answer decides pairs that copies leave open.
+/// Writes the pairs of `mask` that certainly touch to the front of `to` and returns their number.
+/// The `answer` decides pairs that positions in f32 leave open.
 #[inline(always)]
 fn look<W: Wide, R: Reach, A: Answer>(
     w: W,
@@ -110,7 +110,7 @@ fn look<W: Wide, R: Reach, A: Answer>(
     let pairs = if A::BY_PLACE { w.load_pairs(couples) } else { numbers };
     let [inner, outer] = reach.bounds(w, couples);
     let (touch, apart) = (w.at_most(squares, inner) & mask, w.at_most(outer, squares));
-    // A block is followed by space for a vector.
+    // The buffer is longer than a block by one vector, so this never fails.
     let Some(to) = to.first_chunk_mut() else { unreachable!() };
     w.pack_pairs(pairs, touch, to);
     let open = mask & !(touch | apart);
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::wide::Level;
 
-    /// Squares at, next to and far from limits of all sizes.
+    /// Tests squares at, next to and far from limits of all sizes.
     #[test]
     fn limits_in_f32_agree_with_limits_in_f64() {
         let scales = [
@@ -188,7 +188,7 @@ mod tests {
         all
     }
 
-    /// Lists of all lengths, including infinite coordinates with NaN distances.
+    /// Tests lists of all lengths, some with infinite coordinates, whose distances are NaN.
     #[test]
     fn every_level_agrees_with_single_pairs() {
         let spots: Vec<Spot> = (0..97u32)

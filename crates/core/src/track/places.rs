@@ -1,10 +1,10 @@
-//! Particles stored such that neighbours in space are adjacent in memory.
+//! Stores particles such that neighbours in space are adjacent in memory.
 //!
 //! Positions are stored in f32, which halves the memory: a pass over a list of near pairs mostly
 //! waits for memory. Lengths are in a unit u, the power of two with u <= diameter < 2u, from an
-//! origin amid the particles. (For diameters below 2^-1000 or beyond 2^1000 the unit is that of the
-//! bound, so that no diameter is more than 2^24 u.) Let x' be a stored coordinate, M the largest
-//! |x'| and v = 2^-24.
+//! origin amid the particles. (Diameters below 2^-1000 or beyond 2^1000 get the unit of that bound,
+//! so no diameter is more than 2^24 u.) Let x' be a stored coordinate, M the largest |x'| and v =
+//! 2^-24.
 //!
 //! * x' is off by at most M(v + 4v²) + 2^-150, because of the difference in f64 and its rounding to
 //!   f32. So a distance of two stored centres is off by at most √D · 2 · M · 1.01v < 2^-22 M, plus
@@ -14,11 +14,11 @@
 //!
 //! So the result of the contact test for the distance d holds for the root of the computed square
 //! with a larger [`Slack`]: by 2^-20 relative, by 2^-22 M + 2^-60 absolute in the unit u, and the
-//! whole absolute part by a factor of 1 + 2^-20. The test decides what lies between. Squares that
-//! overflow are infinite; they belong to distances of at least 2^63 u, beyond any reach while the
-//! absolute slack is below 2^60 u. If it is not, or if M is infinite, the test decides all pairs. A
-//! particle far away therefore costs time: with M = 10^4 diameters the test decides all pairs
-//! within 0.0024 diameters of touching.
+//! whole absolute part by a factor of 1 + 2^-20. The test decides pairs within this slack. Squares
+//! that overflow are infinite; they belong to distances of at least 2^63 u, beyond any reach while
+//! the absolute slack is below 2^60 u. If it is not, or if M is infinite, the test decides all
+//! pairs. A particle far away therefore costs time: with M = 10^4 diameters the test decides all
+//! pairs within 0.0024 diameters of touching.
 
 use nalgebra::Point;
 
@@ -31,9 +31,9 @@ use crate::wide::Spot;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit<const D: usize> {
     origin: [f64; D],
-    /// Units per length.
+    /// Units u per unit of length of the scene.
     scale: f64,
-    /// Largest magnitude of a coordinate along each axis.
+    /// Largest magnitude of a stored coordinate along each axis.
     most: [f32; D],
 }
 
@@ -44,7 +44,7 @@ impl<const D: usize> Default for Unit<D> {
 }
 
 impl<const D: usize> Unit<D> {
-    /// Creates the unit of stored positions for particles of up to this diameter within this box.
+    /// Creates the unit for particles of up to this diameter within these corners.
     pub fn new((low, high): Corners<D>, diameter: f64) -> Unit<D> {
         // Keeps the unit a normal double for any diameter.
         const FEWEST: u64 = 1023 - 1000;
@@ -53,7 +53,7 @@ impl<const D: usize> Unit<D> {
         Unit { origin, scale: f64::from_bits((2 * 1023 - exponent) << 52), most: [0.0; D] }
     }
 
-    /// Returns the same unit for another frame, before any particle is stored.
+    /// Returns the same unit before any particle of a new frame is stored.
     pub fn begun(&self) -> Unit<D> {
         Unit { most: [0.0; D], ..*self }
     }
@@ -67,7 +67,8 @@ impl<const D: usize> Unit<D> {
         }
     }
 
-    /// Returns, for a sum of radii, the limits for computed squares under a test with this slack.
+    /// Returns a function that computes the limits for computed squares from a sum of radii, under
+    /// a contact test with this slack.
     pub fn near(&self, slack: Slack) -> impl Fn(f64) -> Near {
         const RELATIVE: f64 = 1.0 / (1u64 << 20) as f64;
         const ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
@@ -86,8 +87,8 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
-    /// Decides two particles from copies, with other particles that enlarge the box, and checks the
-    /// result.
+    /// Decides a pair from its stored copies and checks the decision. The other particles enlarge
+    /// the box.
     fn verdict(points: [[f64; 2]; 2], radii: [f64; 2], others: &[[f64; 2]]) -> Option<bool> {
         let all = || points.iter().chain(others);
         let corner = |of: fn(f64, f64) -> f64| -> [f64; 2] {
@@ -106,8 +107,8 @@ mod tests {
         said
     }
 
-    /// Pairs at all scales, with other particles near and far, and sums of radii nearly or exactly
-    /// equal to the distance: every decision from copies is true.
+    /// Every decision from copies is true: for pairs at all scales, with other particles near and
+    /// far, and for sums of radii nearly or exactly equal to the distance.
     #[test]
     fn decisions_from_copies_are_true() {
         let mut state = 7u64;

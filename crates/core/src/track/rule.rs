@@ -1,50 +1,48 @@
-//! Rules for rebuilding a list of near pairs.
+//! Rules that decide when a list of near pairs is rebuilt.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Determines when a list is rebuilt: by displacements since it was built, or by the number of
-/// frames.
+/// Decides when a list is rebuilt: by displacements since it was built, or by the number of frames.
 ///
-/// For the same list and any motion, the rules discard it in this order: [`Rule::Summed`] first,
-/// then [`Rule::HalfSkin`], then [`Rule::TopTwo`], and all of them before or in the frame in which
-/// an unlisted pair touches.
+/// For the same list and any motion, three rules discard the list in this order: [`Rule::Summed`]
+/// first, then [`Rule::HalfSkin`], then [`Rule::TopTwo`]. All three discard it no later than in the
+/// frame in which an unlisted pair touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// Rebuilds if twice the largest displacement exceeds the skin. Safe.
     HalfSkin,
     /// Rebuilds if the sum of the two largest displacements exceeds the skin. Safe.
     TopTwo,
-    /// Rebuilds if twice the sum over frames of each frame's largest displacement exceeds the skin.
-    /// Codes after Munjiza's book use this rule, which adds up the steps of the fastest particle.
-    /// Safe.
+    /// Adds up each frame's largest displacement, and rebuilds if twice the sum exceeds the skin.
+    /// Codes after Munjiza's book use this rule. Safe.
     Summed,
-    /// Rebuilds every k-th frame, whatever moves. Unsafe except for k = 1.
+    /// Rebuilds every k-th frame, for any motion. Unsafe unless k = 1.
     Every(u32),
-    /// Works as `neigh_modify` of LAMMPS: rebuilds no earlier than after `delay` frames, at
-    /// multiples of `every`. It then rebuilds always or, with `check`, if a displacement exceeds
-    /// half the skin in LAMMPS's rounded comparison. Safe only for a delay of at most 1, every
-    /// frame and a check, up to rounding.
+    /// Works as `neigh_modify` of LAMMPS: may rebuild only if the list is at least `delay` frames
+    /// old and its age is a multiple of `every`. It then always rebuilds or, with `check`, only if
+    /// a displacement exceeds half the skin in LAMMPS's rounded comparison. Safe, up to rounding,
+    /// only for a delay of at most 1, every frame and a check.
     Lammps {
-        /// Least number of frames for which a list serves.
+        /// Least age in frames at which a list may be rebuilt.
         delay: u32,
-        /// Frames between two checks.
+        /// Number of frames from one possible rebuild to the next.
         every: u32,
-        /// Whether displacements are checked.
+        /// Whether the list is rebuilt only if a displacement requires it.
         check: bool,
     },
 }
 
-/// Displacements of particles. All but the squares are upper bounds of the true displacements.
+/// Displacements of particles: upper bounds of the true ones, except for the square.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Ways {
-    /// Square of the largest displacement since the list was built, as computed.
+    /// Computed square of the largest displacement since the list was built.
     pub square: f64,
     /// Largest displacement since the list was built.
     pub first: f64,
     /// Second largest displacement since the list was built.
     pub second: f64,
-    /// Sum of the largest displacements in each frame.
+    /// Sum over frames of each frame's largest displacement.
     pub summed: f64,
 }
 
@@ -66,12 +64,12 @@ pub(super) struct Due {
 }
 
 impl Rule {
-    /// Returns whether no contact is missed, whatever moves.
+    /// Returns whether the rule misses no contact, for any motion.
     pub fn is_safe(self) -> bool {
         matches!(self, Rule::HalfSkin | Rule::TopTwo | Rule::Summed | Rule::Every(1))
     }
 
-    /// Returns which displacements the rule needs in the frame with this age of the list.
+    /// Returns which displacements the rule needs when the list has this age in frames.
     pub(super) fn looks(self, age: u32) -> Looks {
         match self {
             Rule::HalfSkin | Rule::TopTwo => Looks::SinceBuilt,
@@ -81,7 +79,7 @@ impl Rule {
         }
     }
 
-    /// Returns whether LAMMPS checks in this frame.
+    /// Returns whether the rule may rebuild a list of this age.
     fn may_build(self, age: u32) -> bool {
         match self {
             Rule::Lammps { delay, every, .. } => age >= delay && age.is_multiple_of(every),
@@ -89,19 +87,19 @@ impl Rule {
         }
     }
 
-    /// Returns how much nearer two particles may have come, by this rule. The list is discarded if
-    /// this exceeds the skin.
+    /// Returns by how much two particles may have come nearer according to this rule. The list is
+    /// discarded if this exceeds the skin.
     pub(super) fn gone(self, ways: &Ways) -> f64 {
         match self {
-            // Rounded up, but at most twice the largest.
+            // The sum is rounded up, but is at most twice the largest displacement.
             Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first),
             Rule::Summed => 2.0 * ways.summed,
             Rule::HalfSkin | Rule::Every(_) | Rule::Lammps { .. } => 2.0 * ways.first,
         }
     }
 
-    /// Returns whether a list with this skin and age must be rebuilt in this frame. A negative skin
-    /// forces a rebuild.
+    /// Returns whether a list with this skin and age must be rebuilt. A negative skin forces a
+    /// rebuild.
     pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
             Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
@@ -166,7 +164,7 @@ mod tests {
         }
     }
 
-    /// LAMMPS checks if `ago >= delay && ago % every == 0`; a build at the first check is
+    /// LAMMPS checks if `ago >= delay && ago % every == 0`. A build at the first check is
     /// dangerous.
     #[test]
     fn the_rule_of_lammps_looks_when_lammps_looks() {
@@ -202,7 +200,7 @@ mod tests {
         assert!(!due(Rule::Summed, ways(9.0, 9.0, 0.5)));
         assert!(due(Rule::Summed, ways(0.0, 0.0, 0.5f64.next_up())));
         assert!(due(Rule::Every(1), Ways::default()) && !due(Rule::Every(2), Ways::default()));
-        // Two particles that moved by half the skin each: no rule discards the list too early.
+        // If two particles moved by half the skin each, no rule discards the list yet.
         assert!(
             !due(Rule::TopTwo, ways(0.5, 0.5, 0.5)) && !due(Rule::HalfSkin, ways(0.5, 0.5, 0.5))
         );

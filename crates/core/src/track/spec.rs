@@ -12,8 +12,8 @@ use crate::detect::spec::{self, DetectorSpec, SpecError};
 use crate::searcher::Searcher;
 use contactbench_terms::grammar::{self, Spec};
 
-/// A tracker over a detector of the table. [`fmt::Display`] writes its normal form, and [`parse`]
-/// reads it back.
+/// Specification of a tracker over a detector of the table. [`fmt::Display`] writes its normal
+/// form, and [`parse`] reads that back.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrackerSpec {
     /// Calls the detector in every frame.
@@ -22,20 +22,20 @@ pub enum TrackerSpec {
     Verlet {
         /// Detector that builds the list.
         detector: DetectorSpec,
-        /// Largest distance of listed particles, from surface to surface.
+        /// Largest distance of listed particles from surface to surface.
         skin: Skin,
-        /// Rule that ends the list.
+        /// Rule that decides when the list is rebuilt.
         rule: Rule,
     },
 }
 
-/// Thickness of a skin.
+/// Thickness of the skin of a list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Skin {
-    /// In diameters of the largest particle.
+    /// Thickness in diameters of the largest particle.
     Diameters(f64),
-    /// Chosen during the run to minimise the cost of steps; the same frames always yield the same
-    /// skins.
+    /// The tracker chooses the skin during the run to minimise the cost of steps. The same frames
+    /// always yield the same skins.
     Auto,
 }
 
@@ -49,8 +49,8 @@ impl fmt::Display for Skin {
 }
 
 impl TrackerSpec {
-    /// Creates a tracker without a list. Its lists may take the memory limit of `options`, and so
-    /// may its detector.
+    /// Creates a tracker that has no list yet. Its lists may take the memory limit of `options`,
+    /// and its detector may take as much again.
     pub fn make(&self, options: Options) -> Box<dyn Tracker> {
         let search = EveryStep(Searcher::new(self.detector(), options));
         match self {
@@ -61,8 +61,8 @@ impl TrackerSpec {
         }
     }
 
-    /// Returns the name and the parameters in the order of the text. The first, `over`, is the
-    /// detector.
+    /// Returns the tracker's name, and its parameters in the order of the text. The first
+    /// parameter, `over`, is the detector.
     pub fn parts(&self) -> (&'static str, Vec<(&'static str, String)>) {
         let over = ("over", self.detector().to_string());
         match self {
@@ -73,7 +73,7 @@ impl TrackerSpec {
         }
     }
 
-    /// Returns the tracker without its detector, such as `top-two, 0.1`.
+    /// Returns the rule and the skin without the detector, such as `top-two, 0.1`.
     pub fn setting(&self) -> String {
         match self {
             TrackerSpec::EveryStep(_) => "every step".into(),
@@ -81,7 +81,7 @@ impl TrackerSpec {
         }
     }
 
-    /// Returns the detector.
+    /// Returns the detector that finds the contacts or builds the list.
     pub fn detector(&self) -> &DetectorSpec {
         match self {
             TrackerSpec::EveryStep(detector) | TrackerSpec::Verlet { detector, .. } => detector,
@@ -93,8 +93,8 @@ impl TrackerSpec {
         matches!(self, TrackerSpec::Verlet { rule, .. } if !rule.is_safe())
     }
 
-    /// Returns whether no contact is missed under this test, whatever moves. Textbook filters may
-    /// lose contacts in every frame; lists are built without these filters.
+    /// Returns whether the tracker misses no contact under this test, for any motion. Textbook
+    /// filters may lose contacts in every frame; lists are built without these filters.
     pub fn is_safe(&self, test: Test) -> bool {
         let safe = match self {
             TrackerSpec::EveryStep(_) => test.margin() != Some(Margin::Textbook),
@@ -115,7 +115,7 @@ impl fmt::Display for TrackerSpec {
     }
 }
 
-/// The forms of a tracker specification, and what each does.
+/// The forms of a tracker specification, each with its meaning.
 pub const FORMS: [(&str, &str); 8] = [
     ("every-step(DETECTOR)", "calls the detector in every frame; DETECTOR alone is the same"),
     (
@@ -142,18 +142,18 @@ pub const FORMS: [(&str, &str); 8] = [
 /// Why the text of a [`TrackerSpec`] is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackerError {
-    /// The text has another form.
+    /// The text is not one of the forms of a tracker.
     #[error(
         "'{0}' is not a tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)"
     )]
     Form(String),
-    /// `skin=auto` with a rule that does not use displacements.
+    /// `skin=auto` is combined with a rule that does not use displacements.
     #[error("'{0}': skin=auto needs rule=half-skin, top-two or summed, which track displacements")]
     Auto(String),
     /// A parameter is given twice or has an invalid value.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
-    /// The detector is invalid.
+    /// The detector's text is invalid.
     #[error(transparent)]
     Detector(#[from] SpecError),
 }
@@ -161,10 +161,9 @@ pub enum TrackerError {
 /// Default skin: a tenth of a diameter, as in the granular benchmark of LAMMPS (`bench/in.chute`).
 const SKIN: Skin = Skin::Diameters(0.1);
 
-/// Parses a tracker. A detector alone means `every-step` over it.
+/// Parses a tracker. The name of a detector alone means `every-step` over that detector.
 ///
-/// # Errors
-/// Fails on other forms and on an invalid detector.
+/// # Errors Fails if the text has another form or its detector is invalid.
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     let given = Spec::parse_tracker(text);
     match (given.name, &given.over) {

@@ -8,9 +8,9 @@ use crate::scene::array;
 /// fl(fl(x - y)²). The bound is never 0.
 ///
 /// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`crate::filter`],
-/// section 5). The code takes the root of (1 + 16u) times the computed one plus 2^-960, which is
-/// larger, because its two roundings take less than the other 8u. `sqrt` rounds correctly, so the
-/// next double is above the true root.
+/// section 5), where u = 2^-53. The code takes the root of (1 + 16u) times the computed square plus
+/// 2^-960. This is larger, because its two roundings take less than the other 8u. `sqrt` rounds
+/// correctly, so the next double is above the true root.
 pub(super) fn at_most(square: f64) -> f64 {
     const BAND: f64 = 16.0 / (1u64 << 53) as f64;
     const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
@@ -44,8 +44,9 @@ impl TopTwo {
         self.first = if square > self.first { square } else { self.first };
     }
 
-    /// Takes the squared distances between corresponding points. Usually none is among the two
-    /// largest, so the largest is found first, with accumulators that need not wait for each other.
+    /// Takes the squared distances between corresponding points of two lists. Usually no distance
+    /// is among the two largest so far. So the largest is found first, with accumulators that need
+    /// not wait for each other.
     #[inline(always)]
     pub fn take_all<const D: usize>(&mut self, now: &[Point<f64, D>], then: &[Point<f64, D>]) {
         const TURNS: usize = 4;
@@ -66,7 +67,7 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
-    /// Processing in blocks equals processing one by one, wherever the two largest are, even if
+    /// Taking squares in blocks gives the same as one by one, wherever the two largest are, even if
     /// equal.
     #[test]
     fn the_two_farthest_are_found_among_all_blocks() {
@@ -92,7 +93,7 @@ mod tests {
                 let (a, b) =
                     ([x * scale, scale / 3.0, -x * scale], [0.1 * scale, x * scale, scale]);
                 let bound = at_most(square(&a, &b));
-                // A particle of that radius and a point at this distance.
+                // A particle whose radius is the bound touches a point at this distance.
                 assert!(label(&a, &b, bound, 0.0) != Label::Apart, "{a:?} {b:?} {bound}");
                 tight += usize::from(label(&a, &b, bound * (1.0 - 4e-15), 0.0) == Label::Apart);
             }

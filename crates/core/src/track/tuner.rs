@@ -1,10 +1,10 @@
-//! Chooses the skin that minimises the cost of steps, during the run.
+//! Chooses the skin that minimises the cost of steps during the run.
 //!
-//! A thick skin makes a list long, a thin one makes it short-lived. Costs are per particle, in
-//! units of examining one listed pair. A step that builds a list costs about BUILD + MAKE · listed,
-//! a step that only uses it FOLLOW + listed, and the detector alone DETECT + MAKE · contacts. Let
-//! the two fastest particles move u diameters per step together. A list with skin s is then built
-//! in one of floor(s / u) + 1 steps, and
+//! A thick skin makes a list long, and a thin one makes it short-lived. Costs are per particle, in
+//! units of testing one listed pair. A step that builds a list costs about BUILD + MAKE · listed, a
+//! step that only uses it costs FOLLOW + listed, and a call of the detector alone costs DETECT +
+//! MAKE · contacts. Let u be the sum of the displacements of the two fastest particles in a step,
+//! in diameters. A list with skin s is then built in one of floor(s / u) + 1 steps, and
 //!
 //! ```text
 //! listed = contacts + e ((1 + s)^D - 1),
@@ -12,12 +12,12 @@
 //!
 //! with e measured on the current list. All quantities are counted, not timed, so the same frames
 //! get the same skins on every machine. Near its minimum the cost hardly depends on s: half or
-//! twice the best skin raises the excess by a quarter, and a factor of four in BUILD changes the
-//! best skin by a factor of two.
+//! twice the best skin raises the cost that depends on s by a quarter, and a factor of four in
+//! BUILD changes the best skin by a factor of two.
 
 use crate::detect::table::Speed;
 
-/// Costs of a detector, in units of examining a pair (1 to 1.3 ns).
+/// Costs of a detector, in units of testing one listed pair (1 to 1.3 ns).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Costs {
     build: f64,
@@ -26,10 +26,10 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    /// For `streamed-nbs` on 2,000 to a million packed spheres, where building takes 40 to 100
-    /// units and a whole detection 27 to 42.
+    /// Costs of `streamed-nbs` on 2,000 to a million packed spheres. There building a list takes 40
+    /// to 100 units per particle and a whole detection 27 to 42.
     const FAST: Costs = Costs { build: 55.0, make: 5.0, detect: 18.0 };
-    /// For `nbs` on 32,000 spheres.
+    /// Costs of `nbs` on 32,000 packed spheres.
     const SLOW: Costs = Costs { build: 100.0, make: 18.0, detect: 100.0 };
 
     pub fn of(speed: Speed) -> Costs {
@@ -37,25 +37,25 @@ impl Costs {
     }
 }
 
-/// Cost of updating a particle; measured values were 5 to 22.
+/// Cost of updating a particle, in units of testing one listed pair; measured values were 5 to 22.
 const FOLLOW: f64 = 10.0;
-/// Skins in diameters: the first one, and the least and the most.
+/// First skin of a run, in diameters; the next two constants are the least and the largest.
 const FIRST: f64 = 0.1;
 pub(super) const LEAST: f64 = 0.01;
 const MOST: f64 = 1.0;
-/// Number of frames without a list if lists do not pay; it doubles each time the next list does not
-/// pay either.
+/// Number of frames without a list after lists did not pay; it doubles each time the next list does
+/// not pay either.
 const DIRECT: u32 = 15;
 const MOST_DIRECT: u32 = 64 * DIRECT;
-/// Age at which a list is first compared with a thinner one; the age doubles after each comparison.
+/// Age in frames at which a list is first compared with a thinner one; each comparison doubles it.
 const ASKED: u32 = 64;
 
-/// Statistics of a list that is discarded or examined.
+/// Statistics of a list that is being discarded or compared with a thinner one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Served {
     /// Frames since the list was built.
     pub age: u32,
-    /// Sum of the two largest displacements, in diameters.
+    /// How much nearer two particles may have come since the list was built, in diameters.
     pub together: f64,
     pub skin: f64,
     /// Listed pairs per particle.
@@ -70,11 +70,11 @@ pub(super) struct Tuner {
     costs: Costs,
     /// Skin of the next list, in diameters.
     pub skin: f64,
-    /// Number of coming frames without a list.
+    /// Number of frames that follow without a list.
     pub direct: u32,
-    /// Number of frames without a list if the next list does not pay.
+    /// Number of frames without a list that follow if the next list does not pay.
     next: u32,
-    /// Largest skin whose list fits in memory.
+    /// Largest skin that may be chosen, in diameters; halved while lists do not fit in memory.
     most: f64,
 }
 
@@ -87,7 +87,7 @@ impl Tuner {
         *self = Tuner::new(self.costs);
     }
 
-    /// Updates the skin from a list that was discarded.
+    /// Chooses the next skin from the statistics of a list that is discarded.
     pub fn learn(&mut self, served: &Served) {
         match best(self.costs, served) {
             Some(skin) => {
@@ -102,26 +102,27 @@ impl Tuner {
         self.next = (2 * self.next).min(MOST_DIRECT);
     }
 
-    /// Returns whether it pays to replace a list that is still valid by a thinner one.
+    /// Returns whether it pays to replace a list that is still valid by one with a thinner skin.
     pub fn is_too_thick(&self, served: &Served) -> bool {
         let asked = served.age >= ASKED && served.age.is_power_of_two();
         asked && best(self.costs, served).is_some_and(|skin| skin < 0.5 * served.skin)
     }
 
-    /// Halves the skin because its list does not fit in memory.
+    /// Halves the skin because the list does not fit in memory.
     pub fn thinner(&mut self) {
         self.most = (0.5 * self.skin).max(LEAST);
         self.skin = self.most;
     }
 }
 
-/// Returns the skin of least cost in diameters, or `None` if building in every step costs less.
+/// Returns the skin of least cost in diameters, or `None` if calling the detector in every step
+/// costs less.
 fn best(costs: Costs, served: &Served) -> Option<f64> {
     let Costs { build, make, detect } = costs;
     let Served { age, together, skin, listed, touching, dim } = *served;
-    // Multiplied out, because powers are rounded differently on different machines.
+    // The power is multiplied out, because powers are rounded differently on different machines.
     let grown = |skin: f64| (0..dim).fold(1.0, |power, _| power * (1.0 + skin)) - 1.0;
-    // An empty list does not predict the next one, hence at least 1.
+    // The number is at least 1, because an empty list does not predict the length of the next one.
     let extra = ((listed - touching) / grown(skin).max(LEAST)).max(1.0);
     let step = together / f64::from(age.max(1));
     let cost = |steps: f64, skin: f64| {
@@ -135,7 +136,7 @@ fn best(costs: Costs, served: &Served) -> Option<f64> {
     let mut found: Option<(f64, f64)> = None;
     let mut steps = 1.0;
     while steps * step <= MOST {
-        // A margin of 1%, because speeds vary slightly.
+        // The skin has a margin of 1%, because speeds vary slightly.
         let skin = (1.01 * steps * step).max(LEAST);
         let cost = cost((skin / step).floor(), skin);
         if cost < alone && found.is_none_or(|(least, _)| cost < least) {
@@ -150,7 +151,8 @@ fn best(costs: Costs, served: &Served) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A dense packing in which the two fastest particles move this far together in a step.
+    /// Statistics of a dense packing in which the two fastest particles together move by `step` in
+    /// each frame.
     fn served(step: f64, skin: f64) -> Served {
         let age = (skin / step).floor().clamp(1.0, 1e6);
         let listed = 3.0 + 6.0 * ((1.0 + skin).powi(3) - 1.0);
@@ -158,8 +160,8 @@ mod tests {
         Served { age: age as u32, together, skin, listed, touching: 3.0, dim: 3 }
     }
 
-    /// Predicted by the model without integer steps, for thin skins: a step that builds a list does
-    /// not update it, and finds its contacts.
+    /// For thin skins the best skin agrees with the model without integer steps, in which a step
+    /// that builds a list does not update it but finds its contacts.
     #[test]
     fn the_skin_grows_with_the_root_of_the_speed() {
         for step in [1e-5, 1e-4, 1e-3, 1e-2] {
@@ -170,7 +172,7 @@ mod tests {
             let predicted = (excess * step / (3.0 * 6.0)).sqrt().max(LEAST);
             let ratio = tuner.skin / predicted;
             assert!((0.5..=1.5).contains(&ratio), "{step}: {} for {predicted}", tuner.skin);
-            // A skin that was found is stable.
+            // The best skin is stable: learning from it changes nothing.
             let before = tuner;
             tuner.learn(&served(step, tuner.skin));
             assert!((tuner.skin / before.skin - 1.0).abs() < 0.3, "{step}: {tuner:?}");
@@ -194,7 +196,8 @@ mod tests {
         assert_eq!(tuner.direct, DIRECT);
     }
 
-    /// Expensive detections favour lists: many contacts with any detector, and few with a slow one.
+    /// Lists pay if detection is expensive: for many contacts with any detector, and for few
+    /// contacts with a slow detector.
     #[test]
     fn slow_detections_favour_lists() {
         let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };

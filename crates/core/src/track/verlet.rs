@@ -17,14 +17,14 @@ use crate::scene::{AnyScene, Lattice, Real, Scene};
 use crate::searcher::Searcher;
 use crate::with_stored;
 
-/// Keeps all pairs at most a skin apart, found by a detector among enlarged particles, and tests
-/// only those until the rule requires a rebuild.
+/// Keeps a list of all pairs at most a skin apart and tests only those until the rule requires a
+/// rebuild. The detector finds the list as contacts of enlarged particles.
 ///
 /// For N particles in D dimensions and L listed pairs it needs (16 + 8·D) N bytes and 8 for each of
 /// max(L, N + 1), besides its detector. A radius per particle adds 16 N, and 8 N more while a list
 /// is built; [`Rule::Summed`] adds 8·D N. A box adds N / 8, 20 for each listed pair through a face,
-/// 16 for each particle given by another image than when the list was built, and images while it is
-/// built.
+/// 16 for each particle given by another image than when the list was built, and images during a
+/// build.
 pub(super) struct Verlet {
     search: EveryStep,
     skin: Skin,
@@ -48,7 +48,8 @@ impl Verlet {
         }
     }
 
-    /// Makes a step with a list, or returns `None` if the detector must be called without one.
+    /// Finds the contacts of a frame from the list, or returns `None` if the detector must be
+    /// called without a list.
     fn with_list(
         &mut self,
         frame: Frame<'_>,
@@ -126,7 +127,7 @@ impl Tracker for Verlet {
             self.space.forget();
             self.tuner.direct = self.tuner.direct.saturating_sub(1);
             let frame = match frame {
-                // Lists are safe, so the frame without a list uses safe filters, too.
+                // Lists are safe, so a frame without a list uses safe filters, too.
                 Frame::Open(scene, test) => Frame::Open(scene, test.safe()),
                 boxed @ Frame::Boxed(..) => boxed,
             };
@@ -167,8 +168,9 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Passes the listed pairs that touch to the lists by `pass`, which returns how many tests used
-    /// exact arithmetic. Returns `None` if the detector must be called without a list.
+    /// Finds the contacts of a frame: `pass` adds the listed pairs that touch to the lists and
+    /// returns how many tests used exact arithmetic. Returns `None` if the detector must be called
+    /// without a list.
     fn step<'a, T: Real, const D: usize>(
         mut self,
         kept: &mut Kept<D>,
@@ -191,7 +193,7 @@ impl Work<'_> {
         Ok(Some(step))
     }
 
-    /// Updates particles to this frame and builds a list if it is due. Returns `None` if the
+    /// Updates the particles to this frame and builds a list if one is due. Returns `None` if the
     /// detector must be called without a list.
     fn ready<T: Real, const D: usize>(
         &mut self,
@@ -243,7 +245,7 @@ impl Work<'_> {
                 match &mut self.skin {
                     Thick::Given(_) => return Err(refusal),
                     Thick::By(tuner) if too_long && tuner.skin > LEAST => tuner.thinner(),
-                    // Without a list memory may suffice.
+                    // The detector alone may need less memory than a list.
                     Thick::By(tuner) => {
                         tuner.give_up();
                         return Ok(None);
@@ -257,8 +259,7 @@ impl Work<'_> {
     }
 }
 
-/// Summarises for the tuner what a list has done, for this many particles with this largest
-/// diameter.
+/// Returns statistics of a list for the tuner, in diameters and per particle.
 fn served<const D: usize>(
     kept: &Kept<D>,
     (particles, diameter): (usize, f64),
@@ -266,7 +267,7 @@ fn served<const D: usize>(
     age: u32,
     gone: f64,
 ) -> Served {
-    // For points, every displacement would be infinitely many diameters.
+    // If all particles are points, every displacement would be infinitely many diameters.
     let in_diameters = |length: f64| if length > 0.0 { length / diameter } else { 0.0 };
     let per_particle = |count: u64| count as f64 / particles.max(1) as f64;
     Served {
