@@ -1,4 +1,4 @@
-//! Scenes that `streamed-nbs` parts into classes of sizes.
+//! Tests on scenes that `streamed-nbs` divides into size classes.
 
 use contactbench_core::contact::{Arithmetic, Test};
 use contactbench_core::detect::{Options, Refusal, table};
@@ -16,7 +16,7 @@ fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
     Scene::new((0..radii.len()).map(centre).collect::<Vec<_>>(), Radii::Each(radii.into())).unwrap()
 }
 
-/// Returns radii of 2,000 dust particles with giants among them.
+/// Returns the radii of 2,000 small particles (dust), with those of giants inserted at random.
 fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(giants.len() as u64);
     let mut radii: Vec<f64> = (0..2000).map(dust).collect();
@@ -69,8 +69,8 @@ fn giants_lose_nothing() {
     assert!(contacts > 100_000, "{contacts}");
 }
 
-/// Balls of every size up to this ratio, with dust on their surfaces, exact to the last bits:
-/// neither f32 nor f64 arithmetic can decide whether the dust touches.
+/// Returns balls of all sizes up to this ratio, with smaller particles (dust) on their surfaces.
+/// The gaps are so small that neither f32 nor f64 arithmetic can decide whether the dust touches.
 fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut centres, mut radii) = (Vec::new(), Vec::new());
@@ -87,7 +87,7 @@ fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64
                 way[k / 3 % D] = 1.0;
             }
             let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // Inside or outside by a few last bits.
+            // Overlaps or gaps of at most a few units in the last place.
             let far = (radius + dust) * (1.0 + f64::from(k as i32 % 7 - 3) * 1e-16) / length;
             centres.push(Point::from(std::array::from_fn(|k| centre[k] + way[k] * far)));
             radii.push(dust);
@@ -106,13 +106,13 @@ fn surfaces_are_met_to_the_last_bit() {
     assert!(contacts > 130_000, "{contacts}");
 }
 
-/// Particles of the finer class are tested in rows around the giant only.
+/// A giant is tested only against the finer class's particles in rows around it.
 #[test]
 fn a_giant_costs_only_its_neighbourhood() {
     let count = |giants: &[f64], op| {
         let scene: AnyScene<'_> = scene::<3>(dusty(giants, |_| 0.25), 10.0).into();
         let mut tally = Tally::default();
-        // Without giants the grid would have columns; classes have cells.
+        // Requests cells: without giants the grid would have columns, but classes have cells.
         table::parse("streamed-nbs:form=dense")
             .unwrap()
             .make(Options::default())
@@ -124,14 +124,14 @@ fn a_giant_costs_only_its_neighbourhood() {
     assert_eq!(count(&[], Op::LevelProbe), 0.0);
     for giant in [1.5, 2.5, 300.0] {
         let more = count(&[giant], Op::ContactTest) - without;
-        // The particles in the box around the giant, two cells wider on each side.
+        // Particles in the box around the giant, two cells wider on each side.
         let around = (2.0 * (giant + 4.0 * 0.25) / 10.0).min(1.0).powi(3) * 2000.0;
         assert!(more.abs() <= 1.3 * around + 0.1 * without, "{giant}: {more} of {around}");
         assert!(count(&[giant], Op::LevelProbe) > 0.0);
     }
 }
 
-/// Dust so much smaller than a ball, or numbers so large or small, that squares of distances
+/// Scenes with dust so small beside a ball, or numbers so large or small, that squares of distances
 /// overflow in f32 or f64.
 #[test]
 fn extreme_sizes_lose_and_add_nothing() {
@@ -189,8 +189,8 @@ fn dust_on_the_floor_of_a_tall_hall_takes_no_more_memory() {
     assert_eq!(digest, oracle::truth(&scene, Arithmetic::Exact).unwrap().digest);
 }
 
-/// A heap of dust among balls, which the model takes for evenly spread dust. It crowds and is left
-/// to another grid.
+/// The model takes a heap of dust among balls for evenly spread dust. The dust crowds in few cells,
+/// so `hgrid` detects the scene instead.
 #[test]
 fn a_heap_of_dust_is_not_tested_against_itself() {
     let mut random = ChaCha8Rng::seed_from_u64(4);

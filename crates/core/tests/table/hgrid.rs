@@ -13,8 +13,8 @@ fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
     tally
 }
 
-/// One size forms one level, with the cells of `cell-grid` and half of the neighbours. All sizes in
-/// one level have the same cells.
+/// Particles of one size form one level. Its contact tests are those of `cell-grid`; the same holds
+/// for mixed sizes in one level.
 #[test]
 fn one_level_makes_the_tests_of_the_cell_grid() {
     let equal = scene::<3>(vec![0.5; 3000], 12.0, 1);
@@ -46,13 +46,13 @@ fn a_giant_costs_only_its_neighbourhood() {
     let without = with(None);
     for giant in [1.5, 2.5, 10.0, 250.0] {
         let more = with(Some(giant)) - without;
-        // The particles in the box around the giant, a cell wider on each side.
+        // Particles in the box around the giant, a cell wider on each side.
         let around = (2.0 * (giant + 4.0 * 0.25) / edge).min(1.0).powi(3) * f64::from(dust);
         assert!(more as f64 <= 1.3 * around + 30.0, "{giant}: {more}, of {around}");
     }
 }
 
-/// Two halves of the dust very far apart: occupied strips take memory, the domain does not.
+/// Occupied strips take memory, the size of the domain does not.
 #[test]
 fn memory_depends_on_particles_not_on_cells() {
     let mut radii = vec![0.25; 1000];
@@ -64,7 +64,7 @@ fn memory_depends_on_particles_not_on_cells() {
         detector.visit(scene, Test::Exact, &mut Digest::default()).unwrap();
         detector.formula_bytes()
     };
-    // 2048 slots and 2 more, one place and one record per particle, at most one strip per particle.
+    // 2048 slots for dust, 2 for the giant; one place and record each; at most one strip each.
     let least = 4 * (2050 + 1001) + 32 * 1001;
     for scene in [near, far] {
         let found = bytes(&scene);

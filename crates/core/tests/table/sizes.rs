@@ -44,7 +44,7 @@ fn radii() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// Edges of the box: nearly every strip of cells has neighbours, some have, most have none.
+/// Edges of the box. Nearly all strips of cells have neighbours, or some strips, or few.
 const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 
 fn specs() -> Vec<String> {

@@ -2,7 +2,7 @@ use contactbench_core::detect::spec::{DetectorSpec, parse};
 use contactbench_core::detect::table;
 use contactbench_core::wide::Level;
 
-/// Every word appears once, and every form with every level; numbers are not enumerated.
+/// Choices contain each word once and each form with each level, but no numbers.
 #[test]
 fn choices_cover_every_form() {
     let of = |name| DetectorSpec::choices(table::find(name).unwrap());

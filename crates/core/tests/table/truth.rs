@@ -49,7 +49,7 @@ fn errors_are_counted_apart() {
     };
     normalise(&mut reported);
     assert_eq!(compare(&reported, &truth, &scene), errors);
-    // Tangent pairs are missed at depth 0.
+    // A missed tangent pair has depth 0.
     let without: Vec<[u32; 2]> =
         truth.iter().copied().filter(|&pair| pair != [0, 2] && pair != [2, 4]).collect();
     assert_eq!(compare(&without, &truth, &scene), Errors { missed: 2, ..Errors::default() });

@@ -1,4 +1,4 @@
-//! Every detector finds the truth in every arithmetic, whatever it searched before.
+//! Every detector finds the truth in every arithmetic, whatever scene it searched before.
 
 use contactbench_core::contact::{Bodies, any_bodies};
 use contactbench_core::periodic::frame::Frame;
@@ -82,8 +82,8 @@ fn detectors_find_the_truth_in_space() {
     assert!(seen.own_images > 100 && seen.far_images > 500, "{seen:?}");
 }
 
-/// The truth of a rounded arithmetic comes from the images that [`Images`] makes. The test makes
-/// many more images, and finds no further contacts.
+/// The truth in a rounded arithmetic comes from the images that [`Images`] makes. The test makes
+/// many more images and finds no further contacts.
 #[test]
 fn no_further_image_touches_in_a_rounded_arithmetic() {
     fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize
@@ -145,7 +145,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         }
     }
     assert!(contacts > 5000, "{contacts}");
-    // Pairs that only rounding decides, through a face, far from the origin.
+    // Pairs across a face that only rounding decides, near and far from the origin.
     let random = &mut ChaCha8Rng::seed_from_u64(9);
     let mut touching = 0;
     for turn in 0..3000 {
@@ -169,7 +169,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
     assert!((1500..4500).contains(&touching), "{touching}");
 }
 
-/// A layer of 1 around the box has a third of the box's volume; half of it is made.
+/// Images are made for half of the layer of width 1 around the box, a third of the box's volume.
 #[test]
 fn images_are_made_near_the_faces_only() {
     let random = &mut ChaCha8Rng::seed_from_u64(3);
@@ -185,7 +185,7 @@ fn images_are_made_near_the_faces_only() {
     assert!((120..220).contains(&ghosts), "{ghosts}");
 }
 
-/// In larger scenes the detectors are the truth, checked by a sample.
+/// In larger scenes detectors establish the truth, and a sample of pairs checks it.
 #[test]
 fn detectors_agree_on_the_truth_of_large_scenes() {
     let n = contactbench_core::oracle::BRUTE_FORCE + 1;

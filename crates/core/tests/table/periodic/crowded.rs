@@ -1,4 +1,4 @@
-//! Boxes smaller than the reach: work is linear in the number of contacts, and excess is predicted.
+//! Boxes smaller than the reach: work is linear in the number of contacts, excess is predicted.
 
 use contactbench_core::probe::Op;
 
@@ -61,7 +61,7 @@ fn small_boxes_have_the_true_contacts() {
     }
 }
 
-/// Radii in another unit than the box: the images fit in memory, the contacts do not.
+/// Radii in another unit than the box: the images fit in memory, the list of contacts does not.
 #[test]
 fn too_many_contacts_are_foreseen_in_a_box() {
     let random = &mut ChaCha8Rng::seed_from_u64(3);

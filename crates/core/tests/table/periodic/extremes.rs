@@ -28,7 +28,7 @@ fn impossible_boxes_are_refused() {
     assert!(said.to_string().contains("is the box in another unit than the radii?"), "{said}");
     let said = truth(&radii_in_another_unit.periodic(), Arithmetic::Exact, LIMIT).err();
     assert!(said.is_some_and(|said| said.to_string().contains("another unit")));
-    // More images than can be numbered.
+    // The radius gives more images than can be numbered.
     let said = refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX);
     assert!(
         matches!(said, Refusal::Images { images, .. } if (1e37..1e39).contains(&images)),
@@ -40,12 +40,12 @@ fn impossible_boxes_are_refused() {
     assert!(matches!(said, Refusal::Away { particle: 1, vector: 1, .. }), "{said}");
     assert!(said.to_string().contains("particle 1 is 1e12 boxes away"), "{said}");
     assert!(matches!(refusal(&of(&[[0.0; 3]], f64::MAX, cube(1.0)), LIMIT), Refusal::Range));
-    // Hardly a box, but its shortest vectors separate the images.
+    // The box is nearly flat, but its shortest vectors separate the images.
     let skewed = [[1.0, 0.0, 0.0], [1.0, 2e-9, 0.0], [1.0, 1e-9, 2e-18]];
     let flat = Lattice::new(skewed.map(|[x, y, z]| [x, y, 0.0 * z]), [true; 3], [0.0; 3]);
     assert!(matches!(flat, Err(LatticeError::Flat { .. })), "{flat:?}");
     all_find(&of(&[[0.0; 3]], 1e-19, skewed), &[]);
-    // The images fit, the list does not.
+    // The images fit in the memory limit, the list of contacts does not.
     let crowd = of(&[[0.5; 3]; 40], 0.5, cube(1.0));
     let found = truth(&crowd.periodic(), Arithmetic::Exact, LIMIT).unwrap().pairs.len() as u64;
     let enough = found * IMAGE_PAIR_BYTES;
@@ -71,7 +71,7 @@ fn invalid_periodic_scenes_are_errors() {
     assert_eq!(flat.into_parts().1.periodic(), [true, true, false]);
 }
 
-/// Points touch only where they coincide, also through images; grids accept them.
+/// Points touch only if they coincide, also through images; grids accept points.
 #[test]
 fn points_touch_where_they_coincide() {
     let points = of(&[[0.25; 3], [1.25, 0.25, -2.75], [0.25, 0.25, 0.5]], 0.0, cube(1.0));

@@ -1,4 +1,4 @@
-//! The finder with kept buffers: lists and counts, errors, memory, boxes tilted far.
+//! Tests of the finder with reused buffers: lists and counts, errors, memory, far-tilted boxes.
 
 use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::periodic::IMAGE_PAIR_BYTES;
@@ -12,7 +12,7 @@ fn thousand(vectors: [[f64; 3]; 3]) -> Bag<3> {
     let random = &mut ChaCha8Rng::seed_from_u64(8);
     let centres = (0..1000).map(|_| std::array::from_fn(|_| 16.0 * random.random::<f64>()));
     Bag {
-        // On a grid, so that vectors can be added without error.
+        // Coordinates are on a grid, so that vectors can be added without error.
         centres: centres.map(|x: [f64; 3]| x.map(|x| (x * 1024.0).round() / 1024.0)).collect(),
         radii: Radii::Uniform(0.5),
         vectors,
@@ -29,7 +29,7 @@ fn find(bag: &Bag<3>, finder: &mut Finder) -> Contacts {
     contacts
 }
 
-/// Contacts found before stay in any case; a refused call adds none.
+/// Contacts of earlier calls are always kept; a refused call adds none.
 #[test]
 fn contacts_are_appended_or_left_as_they_were() {
     let bag = thousand(CUBE);
@@ -52,7 +52,7 @@ fn contacts_are_appended_or_left_as_they_were() {
     assert!(twice.plain.starts_with(&found.plain) && twice.shifted.starts_with(&found.shifted));
     twice.clear();
     assert!(twice.is_empty());
-    // The images fit, one of the lists does not.
+    // The images fit in the memory limit, one of the lists of contacts does not.
     let images = finder.formula_bytes();
     for radius in [0.7, 2.5] {
         let crowd = Bag { radii: Radii::Uniform(radius), ..bag.clone() };
@@ -86,7 +86,7 @@ fn contacts_are_appended_or_left_as_they_were() {
     assert!(contacts.sorted(1000, u64::MAX).unwrap() == truth);
 }
 
-/// The bytes of the formula suffice, and one byte less does not, in every storage.
+/// A limit of the formula's bytes is enough in every storage, and one byte less is not.
 #[test]
 fn images_fit_in_the_formula_bytes() {
     let mut away = thousand(CUBE);
@@ -114,7 +114,7 @@ fn images_fit_in_the_formula_bytes() {
                 candidates % 32 == 0 && (100..350).contains(&(candidates / 32)),
                 "{candidates}"
             );
-            // Lists of contacts need more bytes than that.
+            // The lists of contacts may need more bytes than the images.
             let enough = Finder::new(bytes.max(30_000));
             assert_eq!(list(&mut { enough }), Ok(()));
             let refused = list(&mut Finder::new(bytes - 1));
@@ -131,7 +131,7 @@ fn boxes_tilted_far_have_as_many_images() {
     let straight = find(&thousand(CUBE), &mut finder).sorted(1000, u64::MAX).unwrap();
     let images = finder.images();
     assert!((150..250).contains(&images), "{images}");
-    // Other vectors in terms of the cube's, and the cube's in terms of them.
+    // Rows: other vectors of the lattice as multiples of the cube's, and the inverse matrix.
     let shears: [(Rows, Rows); 4] = [
         ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [-1, 1, 0], [0, 0, 1]]),
         ([[1, 0, 0], [-1000, 1, 0], [0, 0, 1]], [[1, 0, 0], [1000, 1, 0], [0, 0, 1]]),
@@ -164,8 +164,8 @@ fn boxes_tilted_far_have_as_many_images() {
     }
 }
 
-/// Returns the contacts found by testing all images in terms of the given vectors, one by one;
-/// `None` if a pair has more than about 3,000 images to test.
+/// Returns the contacts found by testing all images one by one, with the given vectors; `None` if a
+/// pair has more than about 3,000 images to test.
 fn by_vectors_as_given(bag: &Bag<3>) -> Option<Vec<ImagePair>> {
     let (lattice, scene, mut pairs) = (bag.lattice(), bag.scene(), Vec::new());
     for (i, a) in bag.centres.iter().enumerate() {
@@ -195,7 +195,7 @@ fn by_vectors_as_given(bag: &Bag<3>) -> Option<Vec<ImagePair>> {
     Some(pairs)
 }
 
-/// The truth, which reduces vectors, equals the contacts that are found with the given vectors.
+/// The truth, which uses reduced vectors, equals the contacts found with the given vectors.
 #[test]
 fn reduced_vectors_lose_nothing() {
     let (mut contacts, mut boxes) = (0, 0);
@@ -226,8 +226,8 @@ fn the_shortest_vector_is_where_a_particle_meets_itself() {
     }
 }
 
-/// Particles that left the box by less than a reach are not moved, distant ones are. Either way
-/// there are few images, wherever the box begins.
+/// Particles that left the box by less than a reach are not moved into it, distant ones are. In
+/// both cases there are few images, wherever the box begins.
 #[test]
 fn images_are_few_wherever_particles_are() {
     let mut finder = Finder::new(LIMIT);
@@ -251,7 +251,7 @@ fn images_are_few_wherever_particles_are() {
         let mut buffers = Images::default();
         let made = buffers.make(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
         assert!((made.ghosts() as f64 / images - 1.0).abs() < 0.2, "{by:?}: {}", made.ghosts());
-        // Few particles are examined, too, wherever the box begins.
+        // Few particles are examined, wherever the box begins.
         assert!(made.bytes() < 72 * 400 + if made.are_as_given() { 0 } else { 37_000 }, "{by:?}");
         copied += usize::from(!made.are_as_given());
         all_find_few(&moved);
@@ -264,7 +264,7 @@ fn all_find_few(bag: &Bag<3>) {
     assert!(found == bag.truth());
 }
 
-/// Enough particles for a second thread of any detector.
+/// The scene has enough particles for a second thread in every detector but `direct`.
 #[test]
 fn several_threads_find_the_contacts_of_one() {
     let random = &mut ChaCha8Rng::seed_from_u64(9);

@@ -17,7 +17,7 @@ fn along_axes(lengths: [f64; 3]) -> [[f64; 3]; 3] {
     [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]
 }
 
-/// Contacts of each particle, as all detectors find them; a contact with itself counts twice.
+/// Counts each particle's contacts, which all detectors must find; self-contacts count twice.
 fn neighbours<const D: usize>(bag: &Bag<D>) -> Vec<usize>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -32,7 +32,7 @@ where
     counts
 }
 
-/// From matscipy, tests/test_neighbours.py; the last two are tangent through images.
+/// Cases of matscipy (tests/test_neighbours.py); the last two are tangent through images.
 #[test]
 fn a_cube_has_the_neighbours_that_it_is_known_to_have() {
     let of = |cutoff: f64, periodic| {
@@ -49,7 +49,7 @@ fn a_cube_has_the_neighbours_that_it_is_known_to_have() {
     assert_eq!(of(1.1, [false; 3]), 0);
 }
 
-/// From ASE and matscipy: face-centred cubic by its primitive cell; graphite by 1 to 9 cells.
+/// Cases of ASE and matscipy: a face-centred cubic primitive cell; graphite with 1 to 9 cells.
 #[test]
 fn crystals() {
     let h = 4.05 / 2.0;
@@ -109,35 +109,35 @@ fn a_wild_cell_repeated_has_the_same_contacts() {
     assert!(all > 300, "{all}");
 }
 
-/// Bug reports of other codes.
+/// Scenes from bug reports of other codes.
 #[test]
 fn scenes_that_codes_were_wrong_about() {
     let pair = |i, j, image| ImagePair { i, j, image };
     let cube = |edge: f64| along_axes([edge; 3]);
-    // NeighbourLists#28, #38: wrapped and rounded, this particle is on the upper face, which equals
-    // the lower.
+    // NeighbourLists#28, #38: wrapped and rounded, this particle is on the upper face of the box,
+    // which is the same as the lower face.
     let scene = bag(&[[-5e-17, 0.5, 0.5], [0.9, 0.5, 0.5]], 0.05, cube(1.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
     all_find(&Bag { radii: Radii::Uniform(0.05 - 4e-17), ..scene }, &[]);
-    // NeighbourLists#6: outside the box on both sides.
+    // NeighbourLists#6: particles outside the box on both sides.
     let scene = bag(&[[-0.5, 1.0, 1.0], [8.5, 1.0, 1.0]], 0.5, cube(8.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
     // Two particles near opposite faces, a distance of 1 apart through the faces.
     let scene = bag(&[[0.5, 4.0, 4.0], [7.5, 4.0, 4.0]], 0.5, cube(8.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
     all_find(&Bag { radii: Radii::Uniform(0.5f64.next_down()), ..scene }, &[]);
-    // The box is twice as long as the distance, and the given particles are two images apart: two
+    // The box is twice as long as the reach, and the particles are two and a half boxes apart: two
     // contacts.
     let scene = bag(&[[-4.0, 1.0, 1.0], [6.0, 1.0, 1.0]], 1.0, cube(4.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-3, 0, 0]), pair(0, 1, [-2, 0, 0])]);
-    // FreeBird.jl#150: the box is twice as long as the distance, so two images touch.
+    // FreeBird.jl#150: the box is twice as long as the reach, so two images touch.
     let scene = bag(&[[0.0, 0.0], [2.0, 0.0]], 1.0, cube(4.0), [true, false, false]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0]), pair(0, 1, [0; 3])]);
     // GPUMD#190: a box slightly shorter than a whole number of cutoffs.
     let row: Vec<[f64; 3]> = (0..20).map(|k| [f64::from(k) * 0.149, 0.0, 0.0]).collect();
     let scene = bag(&row, 0.075, along_axes([2.9795, 9.0, 9.0]), [true; 3]);
     assert_eq!(neighbours(&scene), [2; 20]);
-    // ESPResSo#2051, #5267: sheared by nothing, by half of the box, by the whole box.
+    // ESPResSo#2051, #5267: a box sheared by 0, by half its edge and by its whole edge.
     for (tilt, x, image) in [(0.0, 1.0, [0, -1, 0]), (2.0, 3.0, [0, -1, 0]), (4.0, 1.0, [1, -1, 0])]
     {
         let vectors = [[4.0, 0.0, 0.0], [tilt, 4.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,4 +1,4 @@
-//! Detectors against the truth, the truth against known results, and both against themselves.
+//! Compares detectors with the truth, known results and their own results for changed scenes.
 
 mod agreement;
 mod crowded;
@@ -49,7 +49,7 @@ where
         Periodic::new(self.scene().into(), self.lattice()).unwrap()
     }
 
-    /// S·H in full precision; only used if exact.
+    /// Returns S·H in f64; used only if all products and sums are exact.
     fn shift(&self, image: [i32; 3]) -> [f64; D] {
         std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * self.vectors[v][k]).sum())
     }
@@ -113,7 +113,7 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     }
     match seed % 4 {
         0 => {}
-        // Tilted like the boxes of simulation codes, and more.
+        // Tilted like the boxes of simulation codes, or further.
         1 => {
             let most = [1.0, 1.0, 4.0][random.random_range(0..3)];
             let diagonal = vectors[0][0];
@@ -167,7 +167,7 @@ fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     Bag { centres, radii, vectors, periodic, origin }
 }
 
-/// Used if the vectors were coplanar by chance.
+/// Draws another scene if the vectors of the first were coplanar by chance.
 fn random_again<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
     random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1), numbers)
 }

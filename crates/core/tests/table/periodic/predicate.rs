@@ -1,5 +1,5 @@
-//! The exact test with images against integers of unlimited length, for pairs within one unit in
-//! the last place of tangency.
+//! Compares the exact contact test with integers of unlimited length, for pairs through images
+//! within one unit in the last place of tangency.
 
 use std::cmp::Ordering;
 
@@ -9,7 +9,7 @@ use num_bigint::BigInt;
 
 use super::*;
 
-/// A double in units of 2^-1074.
+/// Returns a double as an integer in units of 2^-1074.
 fn integer(x: f64) -> BigInt {
     let bits = x.to_bits();
     let (field, fraction) = (bits >> 52 & 0x7ff, bits & ((1 << 52) - 1));
@@ -40,7 +40,7 @@ fn truth_of<const D: usize>(
     distance.cmp(&(&sum * &sum))
 }
 
-/// A pair, and the box and image of the second particle.
+/// Two particles, the box, and the image of the second particle.
 #[derive(Clone, Copy, Debug)]
 struct Couple {
     a: [f64; 3],
@@ -50,12 +50,12 @@ struct Couple {
     vectors: [[f64; 3]; 3],
 }
 
-/// Vectors of integer length.
+/// Integer vectors and their lengths, which are integers, too.
 const WHOLE: [([i64; 3], i64); 5] =
     [([1, 2, 2], 3), ([2, 3, 6], 7), ([3, 4, 0], 5), ([0, 0, 1], 1), ([-4, 4, 7], 9)];
 
-/// Tangent through an image: integers that add up exactly, in units of a power of two. One number
-/// is then a step larger, a step smaller, or unchanged.
+/// Returns two particles that are tangent through an image, but for one number that may be off by
+/// one rounding step. The other numbers are integers times a power of two and add up exactly.
 fn couple(random: &mut ChaCha8Rng) -> Couple {
     let unit = [1.0, 2f64.powi(-20), 2f64.powi(-900), 2f64.powi(900)][random.random_range(0..4)];
     let bits = [3, 10, 20][random.random_range(0..3)];
@@ -106,12 +106,12 @@ fn pairs_one_step_from_tangency_through_an_image() {
         let truth = truth_of(&c.a, &c.b, c.radii[0], c.radii[1], shift);
         let [ra, rb] = c.radii;
         assert_eq!(compare(&c.a, &c.b, ra, rb, shift), truth, "{c:?}");
-        // From the other side, and with other signs.
+        // The same pair with the particles exchanged and the opposite image.
         let back = Shift { image: c.image.map(|s| -s), vectors: &c.vectors };
         assert_eq!(compare(&c.b, &c.a, rb, ra, back), truth, "{c:?}");
         let depth = depth_of_image(&c.a, &c.b, ra, rb, shift);
         assert_eq!(depth.partial_cmp(&0.0), Some(truth.reverse()), "{c:?}: {depth}");
-        // The same without z.
+        // The same pair without z, in 2D.
         let flat = |x: [f64; 3]| [x[0], x[1]];
         let vectors = c.vectors.map(flat);
         let shift = Shift { image: c.image, vectors: &vectors };
@@ -122,7 +122,7 @@ fn pairs_one_step_from_tangency_through_an_image() {
     assert!(seen.iter().all(|&count| count > 3000), "{seen:?}");
 }
 
-/// Arbitrary doubles, including subnormal and huge ones.
+/// Tests pairs of arbitrary doubles, including subnormal and huge ones.
 #[test]
 fn pairs_of_arbitrary_doubles() {
     let random = &mut ChaCha8Rng::seed_from_u64(12);
@@ -131,7 +131,7 @@ fn pairs_of_arbitrary_doubles() {
         let mut any = || loop {
             let x = f64::from_bits(random.random());
             if x.is_finite() {
-                // In every other turn all numbers have one order of magnitude.
+                // In every second turn all numbers have the same order of magnitude.
                 break if turn % 2 == 0 { x } else { x.signum() * (1.0 + x.abs().fract()) };
             }
         };

@@ -10,8 +10,8 @@ type Change<const D: usize> = Option<(Bag<D>, Becomes)>;
 
 type Relation<const D: usize> = fn(&Bag<D>, &mut ChaCha8Rng) -> Change<D>;
 
-/// Checks a relation for each detector on a few scenes in 2D and 3D, in every safe arithmetic:
-/// numbers have so few bits that none of them rounds.
+/// Checks a relation for each detector on a few scenes in 2D and 3D, in every safe arithmetic. All
+/// numbers have so few bits that none is rounded.
 fn hold(plane: Relation<2>, space: Relation<3>) {
     for arithmetic in Arithmetic::SAFE {
         let contacts = hold_in(plane, arithmetic) + hold_in(space, arithmetic);
@@ -33,7 +33,7 @@ where
             let detector = &mut *entry.make(OPTIONS);
             let mut find = |bag: &Bag<D>| {
                 match ask(detector, &bag.periodic(), arithmetic) {
-                    // Too far away along an open vector.
+                    // Refused: a particle is too far away along an open vector.
                     Err(Refusal::Memory { .. } | Refusal::Domain { .. }) => None,
                     found => Some(found.unwrap()),
                 }
@@ -49,7 +49,7 @@ where
     contacts
 }
 
-/// Each contact becomes one contact.
+/// Makes a change in which each contact becomes one contact.
 fn one<const D: usize>(
     after: Bag<D>,
     becomes: impl Fn(ImagePair) -> ImagePair + 'static,
@@ -57,7 +57,7 @@ fn one<const D: usize>(
     some(after, move |pair| vec![becomes(pair)])
 }
 
-/// Each contact becomes several or none.
+/// Makes a change in which each contact becomes any number of contacts.
 fn some<const D: usize>(
     after: Bag<D>,
     becomes: impl Fn(ImagePair) -> Vec<ImagePair> + 'static,
@@ -118,7 +118,7 @@ fn other_vectors_of_a_lattice_change_only_the_images() {
         Lattice::new(after.vectors, after.periodic, after.origin).ok()?;
         one(after, move |ImagePair { i, j, mut image }| {
             for &(a, b, times) in &steps {
-                // Ha = H'a - times Hb; for a = b it is -H'a.
+                // The old vector Ha is H'a - times Hb; for a = b it is -H'a.
                 if a == b { image[a] = -image[a] } else { image[b] -= times * image[a] }
             }
             ImagePair::new(i, j, image)

@@ -12,17 +12,17 @@ const LIMIT: u64 = 1 << 28;
 #[derive(Clone, Copy, Debug)]
 enum Change {
     Stays,
-    /// Sheared in each frame by this part of its first edge; flipped back by a whole edge beyond a
-    /// half.
+    /// Sheared in each frame by this fraction of its first edge. Beyond half an edge, it is flipped
+    /// back by a whole edge.
     Sheared(f64),
     /// Scaled in each frame by this factor.
     Pressed(f64),
 }
 
-/// Which image of a particle a file contains.
+/// Image of a particle that a file contains.
 #[derive(Clone, Copy, Debug)]
 enum Named {
-    /// Its continuous path, out of the box.
+    /// The image on the particle's continuous path, which may leave the box.
     Onwards,
     /// The image inside the box, in every frame.
     Wrapped,
@@ -62,7 +62,7 @@ impl Course {
         let mut points = |size: f64| -> Vec<[f64; 3]> {
             (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
         };
-        // Fractions of the box, and displacements.
+        // Positions as fractions of the box, displacements per frame, and random images.
         let (first, ways, names) = (points(0.5), points(0.04), points(3.0));
         let radii = match sizes {
             true => Radii::Each((0..n).map(|k| 0.1 + 0.4 * (k % 5) as f64 / 4.0).collect()),
@@ -80,7 +80,7 @@ impl Course {
             let vectors = |tilt: f64| [[x, 0.0, 0.0], [tilt * x, y, 0.0], [0.0, 0.0, z]];
             let given = [true, true, !open];
             let lattice = Lattice::new(vectors(flipped), given, [0.0; 3]).unwrap();
-            // Moved affinely with the box, without flips, plus individual paths.
+            // Particles move affinely with the box, without flips, and along individual paths.
             let place = |i: usize| -> [f64; 3] {
                 let of = vectors(sheared);
                 let sum = |axis: usize| (0..3).map(|v| first[i][v] * of[v][axis]).sum::<f64>();
@@ -125,7 +125,7 @@ where
     Periodic::new(scene.into(), Lattice::new(vectors, periodic, corner).unwrap()).unwrap()
 }
 
-/// Returns missed contacts, all contacts, and frames in which a list was built.
+/// Returns the numbers of missed contacts, all contacts, and frames in which a list was built.
 fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
     let (mut missed, mut all, mut built) = (0, 0, 0);
     let mut contacts = Contacts::default();
@@ -184,7 +184,7 @@ fn safe_rules_miss_nothing_in_boxes_that_stay_or_move() {
         }
     }
     assert!(all > 500_000, "{all}");
-    // Lists serve for many frames, whichever images are given.
+    // Each list serves for several frames, whichever images are given.
     assert!(2 * built < frames, "{built} of {frames}");
 }
 
@@ -213,7 +213,7 @@ fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
         &(0..10).map(pressed).collect::<Vec<_>>(),
     );
     assert!(lost == 0 && all == 2 && built < 6, "{all} {built}");
-    // Unsafe rules do not observe the box either.
+    // Unsafe rules ignore changes of the box.
     let careless = "verlet(direct,skin=0.25,rule=every-20)";
     let [lost, _, built] =
         missed(&mut *tracker(careless), &(0..10).map(pressed).collect::<Vec<_>>());
@@ -249,7 +249,7 @@ fn corners_that_move_do_not_end_a_list() {
 }
 
 /// In a box tilted by more than its length, the image nearest to a particle's earlier position does
-/// not have the nearest fractions.
+/// not have the nearest coordinates in fractions of the box.
 #[test]
 fn lists_serve_in_boxes_that_are_tilted_far() {
     let of = |tilt, named| Course { tilt, named, seed: 23, ..TILTED };
@@ -273,9 +273,8 @@ fn lists_serve_in_boxes_that_are_tilted_far() {
     assert!(lost == 0 && all > 20 && built == 1, "{all} {built}");
 }
 
-/// Pairs through a face at a distance of skin plus rounding margin, or slightly more or less, when
-/// the list is built. They then move just so far, on their own or with the box, that they touch or
-/// not.
+/// When the list is built, pairs through a face are apart by skin and rounding margin, or slightly
+/// more or less. Then the particles or the box move just far enough for a contact, or not quite.
 #[test]
 fn pairs_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
     let (mut draw, mut touching, mut unlisted) = (Draw(5), 0, 0);
@@ -296,12 +295,12 @@ fn pairs_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
         };
         // In some rounds the first particle is given by its image near the second.
         let named = if round % 3 == 0 { edge } else { 0.0 };
-        // The second is beyond the opposite face: its image is at minus reach and gap.
+        // The second particle is beyond the opposite face, so its image is at -(reach + gap).
         let places = [
             [offset, near(offset + edge - reach - gap)],
             [near(offset + named - share * gap), near(offset + edge - reach - share * gap)],
         ];
-        // In some rounds the box is shortened by the gap instead.
+        // In some rounds the box is shortened by the gap, and the particles stay.
         let by_box = round % 11 == 0;
         let edges = if by_box { [edge, near(edge - gap)] } else { [edge; 2] };
         let frames = [0, 1].map(|k| {

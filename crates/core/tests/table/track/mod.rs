@@ -30,7 +30,7 @@ enum Motion {
     Few,
 }
 
-/// Frames of discs or spheres in a box in which each touches a few others.
+/// Returns frames of discs or spheres, so dense that each touches a few others.
 fn frames<const D: usize>(
     n: usize,
     sizes: bool,
@@ -121,8 +121,8 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
     assert!(all > 250_000, "{all}");
 }
 
-/// A list contains what a rounded test accepts beyond the sum of the radii, from the first frame
-/// on, for any skin.
+/// A list contains pairs that a rounded test accepts beyond the sum of the radii, from the first
+/// frame on, for any skin.
 #[test]
 fn a_fresh_list_contains_pairs_that_rounding_accepts() {
     let couple = |x: [f64; 2], r: f64| -> AnyScene<'static> {
@@ -141,7 +141,7 @@ fn a_fresh_list_contains_pairs_that_rounding_accepts() {
             let found = missed(&mut *tracker(&text), &frames, arithmetic);
             assert_eq!(found, [0, 2], "{text} {x:?} {arithmetic:?}");
         }
-        // A list for a test that rounds less cannot be used.
+        // A list made for the exact test cannot be used for a test that rounds.
         let mut tracker = tracker("verlet(direct,skin=0)");
         let frame = couple(x, r).stored(arithmetic).unwrap();
         let step = |tracker: &mut dyn Tracker, test| {
@@ -270,7 +270,7 @@ fn a_refusal_starts_a_new_list() {
         assert_eq!(pairs, [[7, 8]]);
         step.map(|step| step.built)
     };
-    // Too many contacts; the same particles farther apart start a new list.
+    // Too many contacts are refused; then the particles farther apart start a new list.
     let (near, far) = (grid(0.5), grid(2.5));
     let mut of_few = make("verlet(direct,skin=0)", 3_000);
     assert_eq!(step(&mut *of_few, &far), Ok(true));
@@ -281,7 +281,7 @@ fn a_refusal_starts_a_new_list() {
     assert!(listed.to_string().contains("within a skin of"), "{listed}");
     let arrays = step(&mut *make("verlet(direct,skin=0)", 1_000), &far).unwrap_err();
     assert!(matches!(arrays, Refusal::Memory { detector: "verlet", .. }), "{arrays}");
-    // Too large a skin, and too many pairs.
+    // A skin that is too large is refused, as are too many pairs.
     let mut huge = tracker("verlet(nbs,skin=1e308)");
     for _ in 0..2 {
         let refused = step(&mut *huge, &far).unwrap_err();
@@ -304,8 +304,8 @@ fn formulas_give_the_bytes_of_the_arrays() {
             let mut tracker = tracker(&format!("verlet(direct,rule={rule},skin=0.6)"));
             assert_eq!(tracker.formula_bytes(), 0);
             let step = tracker.step(frame, Test::Exact, None, &mut Vec::new()).unwrap();
-            // Positions in f64 when the list was built, in f32 with the number in the last frame,
-            // two radii.
+            // Per particle: its position in f64 when the list was built, its position in f32 and
+            // its number in the last frame, and two radii.
             let each = 8 * dim * full + 16 + 16;
             assert!(step.listed > 501);
             assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);
@@ -313,7 +313,7 @@ fn formulas_give_the_bytes_of_the_arrays() {
     }
 }
 
-/// In a very long box rounding would list nearly every pair through every image across it.
+/// In a very long box, rounding would list nearly every pair through every image across the box.
 #[test]
 fn a_box_so_long_that_rounding_exceeds_the_radii_has_no_list() {
     let mut draw = Draw(9);
