@@ -180,18 +180,13 @@ pub fn work<R: Send>(
     Ok(py.detach(|| caught(work))?)
 }
 
-/// Runs work without the interpreter's lock. In the main thread, `long` work gets another thread,
-/// while this one checks for signals: Ctrl-C ends the call at once. The other thread then ends by
-/// itself and drops its result.
+/// Does long work in another thread while the main thread checks for signals: Ctrl-C ends the call
+/// at once. The other thread then goes on with what it owns, and drops its result.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
-    long: bool,
     work: impl FnOnce(&Stop) -> Result<R, Failure> + Send + 'static,
 ) -> PyResult<R> {
     let stop = Stop::default();
-    if !long || !is_main_thread() {
-        return Ok(py.detach(|| caught(|| work(&stop)))?);
-    }
     let (sender, receiver) = mpsc::sync_channel(1);
     let its = stop.clone();
     let begun = std::thread::Builder::new().name("contactbench".into()).spawn(move || {
@@ -220,13 +215,13 @@ pub fn patient<R: Send + 'static>(
 }
 
 #[cfg(target_os = "linux")]
-fn is_main_thread() -> bool {
+pub fn is_main_thread() -> bool {
     // SAFETY: both calls only return a number.
     unsafe { libc::getpid() == libc::gettid() }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn is_main_thread() -> bool {
+pub fn is_main_thread() -> bool {
     true
 }
 

@@ -8,8 +8,7 @@ use contactbench_core::refusal::reserve;
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, Storage, array, points};
 use contactbench_core::with_scene;
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
-    PyUntypedArrayMethods,
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
@@ -74,49 +73,42 @@ impl<'a> Arrays<'a> {
         Ok(self.scene()?.stored(Storage::F64)?)
     }
 
+    pub fn copied(&self) -> Result<Copied, Failure> {
+        let Arrays { x, dim, r, edges } = *self;
+        Ok(Copied { x: copied(x)?, dim, r: copied(r)?, edges })
+    }
+
+    /// Returns whether a detection may take so long that a user interrupts it. The slowest detector
+    /// takes some milliseconds for 2,000 particles in open space.
+    pub fn are_many(&self) -> bool {
+        self.edges.is_some() || self.len() > 2000
+    }
+
     pub fn lattice(&self) -> Result<Option<Lattice>, Failure> {
         let of = |(vectors, periodic, origin)| Lattice::new(vectors, periodic, origin);
         Ok(self.edges.map(of).transpose()?)
     }
 }
 
-/// Arrays with references that keep them alive, for work that may outlast its call.
-pub struct Held {
-    arrays: Arrays<'static>,
-    _kept: [Py<PyArrayDyn<f64>>; 2],
+/// A copy of arrays, for work that may outlast its call, after which the caller may write to them.
+pub struct Copied {
+    x: Vec<f64>,
+    dim: usize,
+    r: Vec<f64>,
+    edges: Option<Edges>,
 }
 
-impl Held {
-    pub fn new(
-        x: &PyReadonlyArrayDyn<'_, f64>,
-        r: &PyReadonlyArrayDyn<'_, f64>,
-        edges: Option<Edges>,
-    ) -> Result<Held, Failure> {
-        let Arrays { x: centres, dim, r: radii, edges } = Arrays::new(x, r, edges)?;
-        let kept = [x, r].map(|array| (**array).clone().unbind());
-        // SAFETY: the memory belongs to two arrays, and this value holds a reference to each. So
-        // they are not freed, and NumPy does not resize arrays with other references. The slices do
-        // not outlive this value.
-        let arrays = unsafe { Arrays { x: longer(centres), dim, r: longer(radii), edges } };
-        Ok(Held { arrays, _kept: kept })
-    }
-
-    /// Returns whether a detection may take so long that Ctrl-C should interrupt it. Few particles
-    /// in open space take some milliseconds with any detector.
-    pub fn are_many(&self) -> bool {
-        self.arrays.edges.is_some() || self.arrays.len() > 2000
-    }
-
+impl Copied {
     pub fn arrays(&self) -> Arrays<'_> {
-        self.arrays
+        Arrays { x: &self.x, dim: self.dim, r: &self.r, edges: self.edges }
     }
 }
 
-/// # Safety
-/// The memory must exist for as long as the slice is used.
-pub unsafe fn longer<T>(numbers: &[T]) -> &'static [T] {
-    // SAFETY: promised by the caller.
-    unsafe { std::slice::from_raw_parts(numbers.as_ptr(), numbers.len()) }
+pub fn copied<T: Copy>(numbers: &[T]) -> Result<Vec<T>, Failure> {
+    let mut copy = Vec::new();
+    reserve(&mut copy, numbers.len())?;
+    copy.extend_from_slice(numbers);
+    Ok(copy)
 }
 
 pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {

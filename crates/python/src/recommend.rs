@@ -13,8 +13,8 @@ use contactbench_scenes::Given;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::failure::{Failure, by_threads, patient, work};
-use crate::given::{Edges, Held, arithmetic};
+use crate::failure::{Failure, Stop, by_threads, is_main_thread, patient, work};
+use crate::given::{Arrays, Edges, arithmetic};
 
 /// Measures like `contactbench recommend`, and returns its `--json`. Detectors run in processes
 /// that `program` starts: interpreters that call [`serve`].
@@ -31,8 +31,7 @@ pub fn recommend(
     memory_limit: Option<u64>,
     program: Vec<String>,
 ) -> PyResult<String> {
-    let held = Held::new(&x, &r, edges)?;
-    let arrays = held.arrays();
+    let arrays = Arrays::new(&x, &r, edges)?;
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(0.1..1e6).contains(&seconds) {
         return Err(Failure::value(format!(
@@ -45,24 +44,25 @@ pub fn recommend(
             Failure::value("the scene has no particles; there is nothing to recommend").into()
         );
     }
-    patient(py, true, move |stop| {
-        let arrays = held.arrays();
-        let given = match arrays.lattice()? {
-            Some(lattice) => Given::in_box(arrays.owned()?, lattice)?,
-            None => arrays.owned()?.into(),
-        };
+    let given = match arrays.lattice()? {
+        Some(lattice) => Given::in_box(arrays.owned()?, lattice).map_err(Failure::from)?,
+        None => arrays.owned()?.into(),
+    };
+    let particles = arrays.len();
+    let race = move |stop: &Stop| {
         let question = Question {
             given: &given,
             history: &[],
             arithmetic,
             threads,
-            memory_limit: memory_limit.unwrap_or_else(|| limit_for(arrays.len())),
+            memory_limit: memory_limit.unwrap_or_else(|| limit_for(particles)),
             time: Duration::from_secs_f64(seconds),
             program,
         };
         let race = by_threads(threads, || Ok(race::run(&question, &mut |_| stop.look())?))?;
-        Ok(as_json(Verdict::new(&race).as_ref(), &race, arrays.len()).to_string())
-    })
+        Ok(as_json(Verdict::new(&race).as_ref(), &race, particles).to_string())
+    };
+    if is_main_thread() { patient(py, race) } else { work(py, || race(&Stop::default())) }
 }
 
 /// Serves as a runner until the end of its input, with the arguments of `contactbench runner`.

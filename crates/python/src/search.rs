@@ -16,8 +16,8 @@ use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::failure::{Failure, patient, pool};
-use crate::given::{Arrays, Edges, Held, answer, arithmetic};
+use crate::failure::{Failure, is_main_thread, patient, pool, work};
+use crate::given::{Arrays, Edges, answer, arithmetic};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
 
@@ -89,13 +89,14 @@ impl<T> Owned<T> {
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
-    /// Runs `work` with the value. After an interrupted call, `fresh` replaces it.
-    fn patient<R: Send + 'static>(
+    /// Searches the arrays, or a copy of them if Ctrl-C may end the call first. A call that ended so
+    /// leaves what `fresh` makes to the next one.
+    fn with<R: Send + 'static>(
         &self,
         py: Python<'_>,
-        long: bool,
+        arrays: Arrays<'_>,
         fresh: impl FnOnce() -> Result<T, Failure>,
-        work: impl FnOnce(&mut T) -> Result<R, Failure> + Send + 'static,
+        search: impl FnOnce(&mut T, &Arrays<'_>) -> Result<R, Failure> + Send + 'static,
     ) -> PyResult<R>
     where
         T: Send + 'static,
@@ -103,12 +104,18 @@ impl<T> Owned<T> {
         let lent = self.lend()?;
         let done = Arc::new(AtomicBool::new(false));
         let ended = done.clone();
-        let result = patient(py, long, move |_| {
+        let search = move |arrays: &Arrays<'_>| {
             let mut held = lent.lock().unwrap_or_else(PoisonError::into_inner);
-            let result = work(&mut held);
+            let result = search(&mut held, arrays);
             ended.store(true, Ordering::Relaxed);
             result
-        });
+        };
+        let result = if arrays.are_many() && is_main_thread() {
+            let copy = py.detach(|| arrays.copied())?;
+            patient(py, move |_| search(&copy.arrays()))
+        } else {
+            work(py, || search(&arrays))
+        };
         // A panic may leave the value half changed.
         if !done.load(Ordering::Relaxed) {
             let made = Arc::new(Mutex::new(fresh()?));
@@ -163,14 +170,14 @@ fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Fail
 }
 
 impl Search {
-    fn patient<R: Send + 'static>(
+    fn with<R: Send + 'static>(
         &self,
         py: Python<'_>,
-        long: bool,
-        work: impl FnOnce(&mut Working) -> Result<R, Failure> + Send + 'static,
+        arrays: Arrays<'_>,
+        search: impl FnOnce(&mut Working, &Arrays<'_>) -> Result<R, Failure> + Send + 'static,
     ) -> PyResult<R> {
         let fresh = || fresh(&self.spec, self.memory_limit, self.threads);
-        self.finder.patient(py, long, fresh, work)
+        self.finder.with(py, arrays, fresh, search)
     }
 
     fn done(&self) -> MutexGuard<'_, Done> {
@@ -223,12 +230,10 @@ impl Search {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
-        let held = Held::new(&x, &r, edges)?;
-        let (arithmetic, limit, long) = (self.arithmetic, self.memory_limit, held.are_many());
-        let search = move |(finder, crew): &mut Working| {
-            let arrays = held.arrays();
-            let scene = loaded(&arrays, arithmetic, limit)?;
-            let mut contacts = room(&arrays, limit);
+        let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
+        let search = move |(finder, crew): &mut Working, arrays: &Arrays<'_>| {
+            let scene = loaded(arrays, arithmetic, limit)?;
+            let mut contacts = room(arrays, limit);
             let mut find = || match finder {
                 Finder::Detector(searcher) => {
                     searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
@@ -249,7 +254,7 @@ impl Search {
             };
             Ok((contacts, boxed, step))
         };
-        let (found, boxed, step) = self.patient(py, long, search)?;
+        let (found, boxed, step) = self.with(py, Arrays::new(&x, &r, edges)?, search)?;
         if let Some(step) = step {
             let mut done = self.done();
             done.steps += 1;
@@ -268,13 +273,12 @@ impl Search {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<BTreeMap<&'static str, u64>> {
-        let held = Held::new(&x, &r, edges)?;
-        let (arithmetic, limit, long) = (self.arithmetic, self.memory_limit, held.are_many());
-        self.patient(py, long, move |(finder, _)| {
+        let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
+        self.with(py, Arrays::new(&x, &r, edges)?, move |(finder, _), arrays| {
             let Finder::Detector(searcher) = finder else {
                 return Err(Failure::value("a tracker counts no operations"));
             };
-            let scene = loaded(&held.arrays(), arithmetic, limit)?;
+            let scene = loaded(arrays, arithmetic, limit)?;
             let tally = searcher.count(&scene, arithmetic, &mut Contacts::default())?;
             let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
             Ok(counted.filter(|&(_, count)| count > 0).collect())
@@ -282,8 +286,10 @@ impl Search {
     }
 
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
-        self.patient(py, true, |(finder, _)| {
-            if let Finder::Tracker(tracker) = finder {
+        let lent = self.finder.lend()?;
+        work(py, || {
+            let mut held = lent.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Finder::Tracker(tracker) = &mut held.0 {
                 tracker.forget();
             }
             Ok(())

@@ -12,8 +12,8 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDy
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, by_threads, patient};
-use crate::given::{Arrays, Edges, Held, arithmetic, longer, rows};
+use crate::failure::{Failure, by_threads, is_main_thread, patient, work};
+use crate::given::{Arrays, Edges, arithmetic, copied, rows};
 
 /// Pairs, images in a box, and depths in mean radii.
 type Worst = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>, Py<PyArray1<f64>>);
@@ -37,8 +37,7 @@ pub fn verify<'py>(
     threads: usize,
     memory_limit: Option<u64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let given = Held::new(&x, &r, edges)?;
-    let arrays = given.arrays();
+    let arrays = Arrays::new(&x, &r, edges)?;
     let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
     let list = pairs.as_slice().map_err(apart)?.as_chunks::<2>().0;
     let width = images.as_ref().map(|images| images.as_array().ncols());
@@ -61,13 +60,16 @@ pub fn verify<'py>(
     };
     let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
     let count = list.len();
-    // SAFETY: `kept` is a reference to the array of the list.
-    let (list, kept) = unsafe { (longer(list), (*pairs).clone().unbind()) };
-    let (found, reading, causes) = patient(py, true, move |_| {
-        let (_kept, images) = (kept, images);
+    let compare = move |arrays: Arrays<'_>, list: &[[i64; 2]]| {
         let listed = Listed { pairs: list, images: images.as_deref() };
-        by_threads(threads, || held(&given.arrays(), listed, base, terms))
-    })?;
+        by_threads(threads, || held(&arrays, listed, base, terms))
+    };
+    let (found, reading, causes) = if is_main_thread() {
+        let (arrays, list) = py.detach(|| Ok::<_, Failure>((arrays.copied()?, copied(list)?)))?;
+        patient(py, move |_| compare(arrays.arrays(), &list))?
+    } else {
+        work(py, || compare(arrays, list))?
+    };
     let out = PyDict::new(py);
     out.set_item("same", found.is_same())?;
     out.set_item("contacts", found.truth.len())?;

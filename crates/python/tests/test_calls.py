@@ -139,6 +139,16 @@ def test_every_long_call_can_be_interrupted():
     assert len(lines) == 7 and all(" interrupted " in line for line in lines), done.stdout
 
 
+def test_a_long_call_in_the_main_thread_reads_a_copy():
+    x = np.random.default_rng(1).random((60_000, 3)) * 40.0
+    expected = len(contactbench.contacts(x, 0.5)[0])
+    timer = threading.Timer(0.1, x.fill, [1.0])
+    timer.start()
+    pairs, _ = contactbench.contacts(x, 0.5, detector="direct")
+    timer.join()
+    assert len(pairs) == expected
+
+
 LIMITED = """
 import resource, sys
 import numpy as np
