@@ -16,9 +16,14 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// The lower and the upper end; `None` for a single value, which has no interval.
+    pub fn ends(&self) -> Option<[f64; 2]> {
+        (self.count > 1).then_some([self.low, self.high])
+    }
+
     /// Whether `value` lies outside the interval. A single value excludes nothing.
     pub fn excludes(&self, value: f64) -> bool {
-        self.count > 1 && (value < self.low || value > self.high)
+        self.ends().is_some_and(|[low, high]| value < low || value > high)
     }
 
     /// Returns the interval of `by` times the value, for positive `by`.

@@ -115,10 +115,19 @@ pub fn times(ratio: f64) -> String {
     format!("{ratio:.*}", digits(ratio))
 }
 
-/// Formats a ratio with its interval, such as `1.25 (1.20 to 1.31)`.
+/// Formats a ratio, such as `1.25 (1.20 to 1.31)`, or `1.25 (no interval)` from a single value.
 pub fn with_interval(ratio: &Interval) -> String {
     let digits = digits(ratio.median);
-    format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
+    with_ends(ratio, |value| format!("{value:.digits$}"))
+}
+
+/// [`with_interval`], with each number formatted by `write`.
+pub fn with_ends(interval: &Interval, write: impl Fn(f64) -> String) -> String {
+    let ends = match interval.ends() {
+        Some([low, high]) => format!("{} to {}", write(low), write(high)),
+        None => "no interval".into(),
+    };
+    format!("{} ({ends})", write(interval.median))
 }
 
 /// Formats a count with its noun, such as `1 cell` or `2 cells`.
@@ -176,6 +185,8 @@ mod tests {
         assert_eq!([0.003, 0.5, 1e-7].map(percent), ["0.3%", "50%", "< 0.001%"]);
         let wide = Interval { median: 1.25, low: 1.2, high: 11.0, coverage: 0.96, count: 15 };
         assert_eq!(with_interval(&wide), "1.25 (1.20 to 11.00)");
+        let one = Interval { low: 4.41, median: 4.41, high: 4.41, coverage: 0.0, count: 1 };
+        assert_eq!(with_interval(&one), "4.41 (no interval)");
         assert_eq!([1.254, 12.54].map(times), ["1.25", "12.5"]);
     }
 

@@ -167,7 +167,8 @@ impl Sheet<'_> {
             Answer::Decided(_) | Answer::Alone => {
                 lines.push(front[0].to_string());
                 lines.extend(ratio);
-                lines.extend(factor.map(|it| format!("{} to {}", times(it.low), times(it.high))));
+                let ends = factor.and_then(|factor| factor.ends());
+                lines.extend(ends.map(|[low, high]| format!("{} to {}", times(low), times(high))));
                 lines.extend((answer == Answer::Alone).then(|| "alone".into()));
             }
         }

@@ -43,8 +43,8 @@ fn number(value: Option<f64>) -> Value {
 
 fn measure(cell: &Cell, name: &str) -> Option<f64> {
     match name {
-        "time_low" => Some(cell.time()?.low),
-        "time_high" => Some(cell.time()?.high),
+        "time_low" => Some(cell.time()?.ends()?[0]),
+        "time_high" => Some(cell.time()?.ends()?[1]),
         "blocks" => Some(cell.time()?.count as f64),
         "operations" => {
             Column::measured_by(Pass::Count).map(|column| cell.variable(&column.name, None)).sum()

@@ -6,7 +6,7 @@ use contactbench_record::findings::noise::{Noise, Twin};
 use contactbench_record::record::hardware::size_of;
 use contactbench_record::record::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};
-use contactbench_terms::number::{number, percent, plural};
+use contactbench_terms::number::{number, percent, plural, with_ends};
 
 /// `digest 0x01 -> 0x02`.
 pub fn change(Change { what, a, b }: &Change) -> String {
@@ -110,8 +110,7 @@ pub fn floor(experiment: &str, noise: &Noise) -> String {
 
 /// `1.012 (1.003 to 1.021)`: three decimals, since differences of interest are small.
 pub fn ratio(timing: &Timing) -> String {
-    let ratio = &timing.ratio;
-    format!("{:.3} ({:.3} to {:.3})", ratio.median, ratio.low, ratio.high)
+    with_ends(&timing.ratio, |ratio| format!("{ratio:.3}"))
 }
 
 /// Returns the verdict of a cell, with a mark if a difference within the band is certain.

@@ -7,7 +7,6 @@ use crate::table::{Cell, Table};
 use contactbench_record::cells::series::{Line, LineValues};
 use contactbench_record::findings::ratios::{Entry, Library, Missing, Ratios, SceneRatios};
 use contactbench_record::record::row::Outcome;
-use contactbench_record::stats::interval::Interval;
 use contactbench_terms::number::{number, plural, times, with_interval};
 
 /// Compares the reference with the fastest library of each scene.
@@ -154,7 +153,7 @@ fn rows(found: &Ratios) -> Table {
         true => "control",
         false => it.entry.outcome.name(),
     };
-    let ratio = |part: fn(&Interval) -> f64| move |it: Row<'_>| it.entry.ratio.as_ref().map(part);
+    let end = |k: usize| move |it: Row<'_>| Some(it.entry.ratio.as_ref()?.ends()?[k]);
     Table::of("", all)
         .left("experiment", |it| it.experiment)
         .left("scene", |it| it.scene)
@@ -164,9 +163,9 @@ fn rows(found: &Ratios) -> Table {
         .left("threads", |it| u64::from(it.line.threads))
         .left("outcome", outcome)
         .left("time_ns_median", |it| it.entry.time_ns)
-        .left("ratio", ratio(|it| it.median))
-        .left("low", ratio(|it| it.low))
-        .left("high", ratio(|it| it.high))
+        .left("ratio", |it| it.entry.ratio.map(|ratio| ratio.median))
+        .left("low", end(0))
+        .left("high", end(1))
         .left("blocks", |it| it.entry.ratio.map(|ratio| ratio.count as u64))
         .left("reference", |_| &*found.reference)
         .left("reference_arithmetic", |it| it.entry.base.as_deref())

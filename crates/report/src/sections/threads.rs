@@ -4,7 +4,7 @@ use crate::table::{Cell, Table};
 use contactbench_record::cells::Cell as Measured;
 use contactbench_record::findings::threads::{Gain, Threads, Typical};
 use contactbench_record::stats::interval::Interval;
-use contactbench_terms::number::{percent, plural};
+use contactbench_terms::number::{percent, plural, with_ends};
 
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = Threads::new(about.cells)?;
@@ -65,8 +65,7 @@ fn table(found: &Threads) -> Table {
 
 /// `93% (91% to 96%)`.
 fn percents(fraction: &Interval) -> Cell {
-    let [median, low, high] = [fraction.median, fraction.low, fraction.high].map(percent);
-    format!("{median} ({low} to {high})").into()
+    with_ends(fraction, percent).into()
 }
 
 fn rows(found: &Threads) -> Table {

@@ -19,9 +19,10 @@ pub fn csv(tables: &[Table]) -> String {
         for (cell, column) in row.iter().zip(&first.columns) {
             fields.push(field(cell));
             if column.interval {
-                fields.extend(match cell {
-                    Cell::Ratio(ratio) => [ratio.low, ratio.high].map(|end| end.to_string()),
-                    _ => [const { String::new() }; 2],
+                let ends = if let Cell::Ratio(ratio) = cell { ratio.ends() } else { None };
+                fields.extend(match ends {
+                    Some(ends) => ends.map(|end| end.to_string()),
+                    None => [const { String::new() }; 2],
                 });
             }
         }

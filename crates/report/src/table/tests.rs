@@ -81,3 +81,11 @@ fn plain_text_lines_up_and_fits_every_width() {
         assert!(width < 50 || text.contains("terminal") && text.contains("detector"), "{text}");
     }
 }
+
+#[test]
+fn a_single_block_has_no_interval() {
+    let one = Interval { coverage: 0.0, count: 1, ..interval(4.41, 4.41, 4.41) };
+    let table: Table = Table::of("", [one]).ratio("ratio", Cell::from).into();
+    assert!(table.markdown().ends_with("| 4.41 (no interval) |\n"), "{}", table.markdown());
+    assert_eq!(csv(&[table]), "ratio,ratio_low,ratio_high\n4.41,,\n");
+}
