@@ -188,6 +188,12 @@ impl Comparison<'_> {
         if let Some(two) = &how.machines {
             say("NOTE: ", &words::machines(two))?;
         }
+        if let [a, b] = parts
+            && !options.same_machine
+            && records::caches_of_one([a, b])
+        {
+            say("NOTE: ", "only one record states cache sizes; taken to be one machine")?;
+        }
         let names: &[&str] =
             if parts.len() == 1 { &["A: the base, B: this build, in"] } else { &["A:", "B:"] };
         for (name, part) in names.iter().zip(parts) {

@@ -53,7 +53,11 @@ pub(super) struct Labels(Vec<(Machine, String)>);
 
 impl Labels {
     pub fn label(&mut self, machine: Machine, name: &str) -> String {
-        if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| known.may_be(&machine)) {
+        // Processors of one name differ in their caches, and rows of one label share a median.
+        let is_same = |known: &Machine| {
+            known.may_be(&machine) && known.hardware.caches == machine.hardware.caches
+        };
+        if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| is_same(known)) {
             // Newly known fields help to distinguish later machines.
             known.hardware = std::mem::take(&mut known.hardware).or(machine.hardware);
             return label.clone();

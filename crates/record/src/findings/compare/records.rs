@@ -40,19 +40,27 @@ pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
 }
 
 pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
+    // A merged record may add a label to the machine's own name.
+    let named = |(name, machine): (String, Machine)| Machine { name, ..machine };
+    together(parts).into_iter().find(|[a, b]| !a.1.may_be(&b.1)).map(|both| both.map(named))
+}
+
+/// Returns whether both are taken for one machine although only one states the sizes of its caches.
+pub fn caches_of_one(parts: [&Part; 2]) -> bool {
+    let unknown = |machine: &Machine| machine.hardware.caches.is_empty();
+    together(parts).iter().any(|[a, b]| a.1.may_be(&b.1) && unknown(&a.1) != unknown(&b.1))
+}
+
+/// Machines that are compared: the only ones of both records, or those of one name. Each with the
+/// name that its rows have.
+fn together(parts: [&Part; 2]) -> Vec<[(String, Machine); 2]> {
     let names = parts.map(machines);
-    let apart = |a: &str, b: &str| {
-        let found = [parts[0].machine(a), parts[1].machine(b)];
-        let differ = !found[0].may_be(&found[1]);
-        let [first, second] = found;
-        // A merged record may add a label to the machine's own name.
-        let named = |name: &str, machine| Machine { name: name.into(), ..machine };
-        differ.then(|| [named(a, first), named(b, second)])
+    let both = |a: &String, b: &String| {
+        [(a.clone(), parts[0].machine(a)), (b.clone(), parts[1].machine(b))]
     };
-    if names.iter().all(|names| names.len() == 1) {
-        apart(names[0].first()?, names[1].first()?)
-    } else {
-        names[0].intersection(&names[1]).find_map(|name| apart(name, name))
+    match names.each_ref().map(|names| (names.len(), names.first())) {
+        [(1, Some(a)), (1, Some(b))] => vec![both(a, b)],
+        _ => names[0].intersection(&names[1]).map(|name| both(name, name)).collect(),
     }
 }
 
