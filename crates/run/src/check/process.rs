@@ -77,11 +77,7 @@ impl Foreign {
             Ok(()) => {}
             Err(failure) if failure.outcome == Outcome::Unavailable => bail!(failure.reason),
             Err(failure) if failure.outcome == Outcome::Timeout => {
-                let must = "a runner says hello before it reads anything, and flushes";
-                let seconds = GREETING.as_secs();
-                return Ok(Met::Wrong(Wrong::Breaks(format!(
-                    "no first line within {seconds} s: {must}"
-                ))));
+                return Ok(Met::Wrong(Wrong::Breaks(failure.reason)));
             }
             Err(failure) => return Ok(Met::Wrong(broken(&client, failure))),
         }

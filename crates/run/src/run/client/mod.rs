@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::run::client::output::Line;
+use crate::run::client::output::{Begun, Line};
 use crate::run::possible::{self, Asked};
 use crate::run::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
@@ -54,6 +54,7 @@ pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<Line>,
+    begun: Begun,
     errors: Arc<Mutex<String>>,
     pub time_limit: Duration,
     memory_limit: u64,
@@ -107,13 +108,14 @@ impl Client {
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
         family::limit_memory(&child, start.memory_limit);
         processors::keep(child.id(), start.processor);
-        let lines = output::lines(child.stdout.take());
+        let (lines, begun) = output::lines(child.stdout.take());
         let errors = output::errors(child.stderr.take());
         let input = child.stdin.take();
         Ok(Client {
             child,
             input,
             lines,
+            begun,
             errors,
             time_limit: start.time_limit,
             memory_limit: start.memory_limit,
@@ -129,7 +131,15 @@ impl Client {
     /// Reads the first line. Its failure is `wrong` unless it is a hello with the right version.
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
-        match self.receive(limit)? {
+        let line = self.receive(limit).map_err(|failure| match failure.outcome {
+            Outcome::Timeout => Failure { reason: self.no_hello(limit), ..failure },
+            Outcome::Crashed if !failure.reason.starts_with(NO_REPLY) => {
+                let reason = format!("no hello (docs/PROTOCOL.md): {}", failure.reason);
+                Failure { reason, ..failure }
+            }
+            _ => failure,
+        });
+        match line? {
             Reply::Hello(hello) if hello.protocol == VERSION => {
                 self.hello = *hello;
                 Ok(())
@@ -141,6 +151,30 @@ impl Client {
             ))),
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
         }
+    }
+
+    /// Why the first line did not arrive in time.
+    fn no_hello(&self, limit: Duration) -> String {
+        let begun = self.begun().unwrap_or_else(|| "it printed nothing on standard output".into());
+        let errors = self.errors();
+        let last = errors.lines().rfind(|line| !line.trim().is_empty());
+        let errors = last.map_or_else(String::new, |last| {
+            format!("; last line on standard error: {}", text::line(last))
+        });
+        format!(
+            "no hello within {} s: {begun}. A runner first prints one line, \
+             {{\"reply\":\"hello\",\"protocol\":{VERSION},...}}, and flushes it \
+             (docs/PROTOCOL.md){errors}",
+            limit.as_secs_f64()
+        )
+    }
+
+    /// The beginning of a line that has not ended, as a clause.
+    fn begun(&self) -> Option<String> {
+        let begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        let shown = output::shown(&begun);
+        let text = text::line(&shown);
+        (!begun.is_empty()).then(|| format!("it printed '{text}' without a line break"))
     }
 
     pub fn process(&self) -> u32 {
@@ -279,9 +313,10 @@ impl Client {
             Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
             Err(RecvTimeoutError::Timeout) => {
                 self.kill();
+                let begun = self.begun().map_or_else(String::new, |begun| format!("; {begun}"));
                 Err(Failure {
                     outcome: Outcome::Timeout,
-                    reason: format!("no answer within {} s", limit.as_secs_f64()),
+                    reason: format!("no answer within {} s{begun}", limit.as_secs_f64()),
                 })
             }
         }
