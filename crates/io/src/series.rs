@@ -23,6 +23,8 @@ struct Member {
 }
 
 pub struct Series {
+    /// The list of files, or the pattern.
+    path: PathBuf,
     members: Vec<Member>,
     next: usize,
     /// Whether the files are frames; otherwise they are pieces of one scene.
@@ -41,7 +43,14 @@ pub fn exists(path: &Path) -> bool {
 /// Returns the files that `path` stands for; `None` if it is a file of particles.
 pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
     let name = path.display();
-    let series = |members, framed, notice| Series { members, next: 0, framed, notice, options };
+    let series = |members, framed, notice| Series {
+        path: path.to_path_buf(),
+        members,
+        next: 0,
+        framed,
+        notice,
+        options,
+    };
     if path.exists() {
         let Some(framed) = lists(path)? else { return Ok(None) };
         let members = listed(path, framed).with_context(|| name.to_string())?;
@@ -241,7 +250,8 @@ impl Series {
     fn of_pieces(path: &Path, options: Options) -> anyhow::Result<Loaded> {
         let place = || path.display().to_string();
         let members = listed(path, false).with_context(place)?;
-        let series = Series { members, next: 0, framed: false, notice: None, options };
+        let path = path.to_path_buf();
+        let series = Series { path, members, next: 0, framed: false, notice: None, options };
         let member = series.members.first().context("it names no pieces").with_context(place)?;
         series.read(member)
     }
@@ -251,6 +261,12 @@ impl Series {
         let mut whole: Option<Loaded> = None;
         for file in &member.files {
             let name = file.display().to_string();
+            let what = if self.framed { "file" } else { "piece" };
+            ensure!(
+                file.exists(),
+                "{}: its {what} {name} is missing; put it there, or take its line out of the list",
+                self.path.display()
+            );
             let (particles, about) = match lists(file)? {
                 None => opened(file, options, |frames| frames.raw())?,
                 Some(false) if self.framed => Series::of_pieces(file, options)?,

@@ -134,6 +134,7 @@ fn pieces_in_files_are_one_scene() {
     let folder = folder(&[
         ("all.pvtu", pieces),
         ("none.pvtu", &pieces.replace("b.vtp", "sized.csv")),
+        ("lost.pvtu", &pieces.replace("b.vtp", "lost/b.vtp")),
         ("s.pvd", series),
         ("a.vtu", &vtp("UnstructuredGrid", &[2.0, 3.0])),
         ("e.vtu", &vtp("UnstructuredGrid", &[])),
@@ -145,6 +146,10 @@ fn pieces_in_files_are_one_scene() {
     assert_eq!(told("all.pvtu"), (vec![(x.clone(), 0, None)], String::new()));
     assert_eq!(told("s.pvd"), (vec![(x, 0, Some(4.0))], String::new()));
     assert!(told("none.pvtu").1.contains("some hold radii, and others none"));
+    let (_, lost) = told("lost.pvtu");
+    for words in ["lost.pvtu: its piece ", "lost/b.vtp is missing; ", "out of the list"] {
+        assert!(lost.contains(words), "{lost}");
+    }
     let (particles, about) = load(&folder.path().join("all.pvtu"), NONE).unwrap();
     assert_eq!((particles.len(), about.frames), (3, 1));
 }
