@@ -9,7 +9,8 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::crowd::Crowd;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::memory::limit_for;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
+use contactbench_core::periodic::{self, IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use contactbench_core::refusal::Refusal;
 use contactbench_core::scene::{Real, array};
 use contactbench_core::with_scene;
 use contactbench_io::{Notice, Place, RadiusSource};
@@ -31,6 +32,8 @@ pub(super) enum Contacts {
         /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
+    /// Exact number of contacts, which are too many to keep.
+    Counted(u64),
     /// Estimated contacts per particle; there are too many to search.
     TooMany(f64),
     /// The reason why no detector takes the scene.
@@ -38,16 +41,22 @@ pub(super) enum Contacts {
 }
 
 impl Contacts {
-    pub fn new(periodic: &Periodic<'_>) -> Contacts {
+    /// Finds the contacts; their list may take `limit` bytes.
+    pub fn new(periodic: &Periodic<'_>, limit: u64) -> Contacts {
         let n = periodic.scene().len();
         let each = Crowd::new(periodic.scene()).mean;
         if !periodic.lattice().repeats() && 0.5 * each * n as f64 > MOST {
             return Contacts::TooMany(each);
         }
-        let limit = limit_for(n);
         let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
-            Err(error) => return Contacts::Refused(format!("{error:#}")),
+            Err(error) => {
+                return match error.downcast_ref() {
+                    Some(&Refusal::Pairs { found, .. }) => Contacts::Counted(found),
+                    Some(&Refusal::Crowd { each, .. }) => Contacts::TooMany(each),
+                    _ => Contacts::Refused(format!("{error:#}")),
+                };
+            }
         };
         let depths = pairs.iter().map(|&pair| periodic::depth(periodic, pair));
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {
@@ -61,6 +70,7 @@ impl Contacts {
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),
+            Contacts::Counted(count) => Some(*count),
             _ => None,
         }
     }
@@ -93,6 +103,19 @@ pub(super) fn report(
         Contacts::Refused(reason) => {
             out.warnings.push(format!("contacts were not searched: {reason}"));
             None
+        }
+        Contacts::Counted(count) => {
+            let each = 2.0 * *count as f64 / n as f64;
+            let text = format!("{count} (exact), {} per particle", number(each));
+            out.line("contacts", text, json!({ "contacts": count, "coordination": each }));
+            out.warnings.push(format!(
+                "overlaps, near tangent pairs and the errors of f32 were not examined: {count} \
+                 contacts of {IMAGE_PAIR_BYTES} bytes exceed the {} MiB that inspect keeps for {}; \
+                 contactbench detect --with overlap lists overlaps",
+                limit_for(n) >> 20,
+                plural(n, "particle")
+            ));
+            Some(Touching::estimated(each))
         }
         Contacts::TooMany(each) => {
             let text = format!("about {each:.0} per particle, too many for a search");
@@ -187,4 +210,31 @@ fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let known: HashSet<&ImagePair> = pairs.iter().collect();
     let both = rounded.iter().filter(|pair| known.contains(pair)).count();
     Some([pairs.len() - both, rounded.len() - both])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_core::scene::{Lattice, Radii, Scene, points};
+
+    #[test]
+    fn contacts_that_exceed_the_limit_are_counted() {
+        let centres: Vec<[f64; 2]> = (0..100).map(|k| [1e-3 * f64::from(k), 0.0]).collect();
+        let scene = Scene::new(points::<2>(&centres), Radii::Uniform(1.0)).unwrap();
+        let open = Periodic::new(scene.clone().into(), Lattice::OPEN).unwrap();
+        let boxed = Lattice::new(
+            [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0; 3]],
+            [true, true, false],
+            [0.0; 3],
+        );
+        let boxed = Periodic::new(scene.into(), boxed.unwrap()).unwrap();
+        for periodic in [open, boxed] {
+            for limit in [1 << 20, 14 * 4950] {
+                let found = Contacts::new(&periodic, limit);
+                assert_eq!(found.exact(), Some(4950));
+                assert_eq!(matches!(found, Contacts::Counted(_)), limit < 1 << 20);
+            }
+            assert!(matches!(Contacts::new(&periodic, 4950), Contacts::TooMany(_)));
+        }
+    }
 }

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
+use contactbench_core::memory::limit_for;
 use contactbench_io as io;
 use contactbench_io::{About, Frame, Notice, Particles, Place, RadiusSource};
 use contactbench_scenes::doubts::is_scaled;
@@ -170,7 +171,8 @@ fn of_scene(
 ) -> anyhow::Result<()> {
     let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
     let periodic = in_any_box(&given)?;
-    let contacts = Contacts::new(&periodic);
+    // The limit of `detect`, which refuses a box much smaller than the particles at once.
+    let contacts = Contacts::new(&periodic, limit_for(given.scene.len()));
     contacts::report(&periodic, &about.radius, &contacts, out);
     let axes = periodic.lattice().periodic();
     if axes.contains(&true) {
