@@ -11,7 +11,7 @@ use contactbench_record::findings::conditions::Conditions;
 use contactbench_record::findings::map;
 use contactbench_record::record::merge::{self, Part};
 use contactbench_record::record::provenance;
-use contactbench_record::record::row::{self, Row};
+use contactbench_record::record::row::Row;
 use contactbench_report::figure::style::Styles;
 use contactbench_report::table::csv;
 use contactbench_report::{document, figure, sections};
@@ -79,12 +79,6 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     let mut warnings = Vec::new();
     let mut groups: Vec<Vec<Part>> = Vec::new();
     for folder in folders {
-        ensure!(
-            row::exists(&folder.join(row::FILE)),
-            "{} has no {}; name a result folder, as contactbench run writes them",
-            folder.display(),
-            row::FILE
-        );
         let part = Part::read(folder)?;
         let doubts = Conditions::new(&provenance::all(folder), &part.ledger, &part.rows);
         let said = part.warnings.iter().cloned().chain(sections::conditions::sentence(&doubts));

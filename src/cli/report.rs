@@ -14,7 +14,7 @@ use contactbench_record::findings::failures::Culprit;
 use contactbench_record::record::faults::{self, Fault};
 use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::{Outcome, Record};
-use contactbench_record::record::{copies, folder, row};
+use contactbench_record::record::{copies, folder};
 use contactbench_report::sections::claims::evidence;
 use contactbench_report::sections::failures;
 use contactbench_report::{document, report};
@@ -41,23 +41,8 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
     finish(&options.folder, &options.ci)
 }
 
-/// Returns a hint that names the last result folder inside this one.
-fn within(folder: &Path) -> String {
-    let folders = std::fs::read_dir(folder).into_iter().flatten();
-    let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
-    let last = paths.filter(|path| row::exists(&path.join(row::FILE))).max();
-    last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
-}
-
 /// Reads the record of a result folder, and its experiments.
 fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
-    ensure!(
-        row::exists(&folder.join(row::FILE)),
-        "{} has no {}; name a result folder, as contactbench run writes them{}",
-        folder.display(),
-        row::FILE,
-        within(folder)
-    );
     let part = Part::read(folder)?;
     ensure!(
         !part.rows.is_empty(),

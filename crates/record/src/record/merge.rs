@@ -15,6 +15,16 @@ use crate::record::outcome::Pass;
 use crate::record::row::{Measurement, Row};
 use crate::record::{copies, done, file, folder, provenance};
 
+const NAME: &str = "name a result folder, as contactbench run writes them";
+
+/// Returns a hint that names the last result folder inside this one.
+fn within(folder: &Path) -> String {
+    let folders = std::fs::read_dir(folder).into_iter().flatten();
+    let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
+    let last = paths.filter(|path| file::exists(&path.join(file::FILE))).max();
+    last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
+}
+
 pub struct Part {
     pub folder: PathBuf,
     pub rows: Vec<Row>,
@@ -29,6 +39,14 @@ pub struct Part {
 
 impl Part {
     pub fn read(folder: &Path) -> anyhow::Result<Part> {
+        ensure!(folder.exists(), "there is no folder {}; {NAME}", folder.display());
+        ensure!(
+            file::exists(&folder.join(file::FILE)),
+            "{} has no {}; {NAME}{}",
+            folder.display(),
+            file::FILE,
+            within(folder)
+        );
         folder::sound(folder)?;
         let record = file::read(&folder.join(file::FILE))?;
         let place = folder.join(folder::EXPERIMENTS);
