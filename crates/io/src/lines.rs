@@ -104,9 +104,9 @@ impl<'a> Lines<'a> {
         self.line.trim_ascii()
     }
 
-    /// The line as text; invalid UTF-8 becomes U+FFFD.
+    /// The line as text; if it is not UTF-8, as Latin-1.
     pub fn text(&self) -> String {
-        String::from_utf8_lossy(self.line()).into_owned()
+        decoded(self.line())
     }
 
     pub fn at(&self) -> u64 {
@@ -224,7 +224,7 @@ pub fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 }
 
 pub fn texts(line: &[u8]) -> Vec<String> {
-    words(line).map(|word| String::from_utf8_lossy(word).into_owned()).collect()
+    words(line).map(decoded).collect()
 }
 
 #[derive(Clone, Copy, Default, PartialEq)]
@@ -335,15 +335,19 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     if let [b'"', inner @ .., b'"'] = cell { inner.trim_ascii() } else { cell }
 }
 
+/// Signs that word processors write for a minus.
+pub(crate) const MINUS: [char; 2] = ['\u{2212}', '\u{2013}'];
+
 /// Shortens a text for messages, and replaces characters that could control a terminal.
 pub fn short(text: &str) -> String {
-    let shown: String =
-        text.chars()
-            .take(40)
-            .map(|c| {
-                if c.is_alphanumeric() || c.is_ascii_graphic() || c == ' ' { c } else { '\u{fffd}' }
-            })
-            .collect();
+    let shown: String = text
+        .chars()
+        .take(40)
+        .map(|c| {
+            let is_plain = c.is_alphanumeric() || c.is_ascii_graphic() || c == ' ';
+            if is_plain || MINUS.contains(&c) { c } else { '\u{fffd}' }
+        })
+        .collect();
     if text.chars().nth(40).is_some() { shown + "…" } else { shown }
 }
 
@@ -354,4 +358,10 @@ pub fn listed<S: AsRef<str>>(names: &[S]) -> String {
 
 pub fn shown(bytes: &[u8]) -> String {
     short(&String::from_utf8_lossy(&bytes[..bytes.len().min(200)]))
+}
+
+/// Text in UTF-8, or in Latin-1 if it is not UTF-8: Excel writes `r [µm]` so.
+pub fn decoded(bytes: &[u8]) -> String {
+    let latin = || bytes.iter().map(|&byte| char::from(byte)).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| latin(), String::from)
 }

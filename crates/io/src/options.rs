@@ -46,7 +46,7 @@ pub const OPTIONS: [FileOption; 8] = [
         value: "RADIUS",
         meaning: "Radius of all particles, if the file has none",
         set: |options, text| {
-            options.radius = Some(text.parse().map_err(|_| "it must be a number")?);
+            options.radius = Some(real(text)?);
             Ok(())
         },
     },
@@ -103,6 +103,11 @@ pub const OPTIONS: [FileOption; 8] = [
         },
     },
 ];
+
+/// A number, which has a point and no comma.
+fn real(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "it must be a number with a decimal point, such as 0.5".into())
+}
 
 fn parsed<T: FromStr<Err: Display>>(text: &str, value: &mut Option<T>) -> Result<(), String> {
     *value = Some(text.parse().map_err(|error: T::Err| error.to_string())?);

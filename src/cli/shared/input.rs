@@ -168,6 +168,11 @@ impl Input {
                      {near}{colon}{rest}?); see contactbench list scenes"
                 );
             }
+            ensure!(
+                !rest.contains('=') || text.contains(['/', '\\']),
+                "there is neither a file nor a scene '{text}'; contactbench list scenes lists the \
+                 scenes"
+            );
         }
         Ok(Origin::File(path.to_owned(), Box::new(self.options())))
     }
@@ -325,7 +330,8 @@ fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
             .collect();
         match path.file_name().and_then(|name| name.to_str()) {
             Some(name) if !io::exists(path) => {
-                let near = hint(name, names.iter().map(String::as_str));
+                let others = names.iter().map(String::as_str).filter(|other| *other != name);
+                let near = hint(name, others);
                 anyhow::anyhow!("{error:#}{near}")
             }
             _ => error,

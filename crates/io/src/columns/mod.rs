@@ -5,10 +5,11 @@ mod rows;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{number, short, shown, whole};
+use crate::lines::{MINUS, decoded, number, short, shown, whole};
 use crate::particles::{Particles, digits, unused_sizes};
 use crate::units::{self, shifted};
 use crate::{Notice, Options, RadiusSource};
+use contactbench_terms::number::plural;
 pub use rows::Rows;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,13 +174,18 @@ impl Columns {
             ensure!(
                 named(Column::Axis(axis)).next().is_some(),
                 "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
-                 with r, radius, d or diameter, or say which they are with --columns x=NAME,y=NAME",
+                 with r, radius, d or diameter, or say which they are with --columns x=NAME,y=NAME{}",
                 self.names
                     .iter()
                     .map(|name| format!("'{}'", short(name)))
                     .take(8)
                     .collect::<Vec<_>>()
-                    .join(", ")
+                    .join(", "),
+                if self.names.iter().any(|name| name.contains(['|', ':'])) {
+                    SEPARATED
+                } else {
+                    ""
+                }
             );
         }
         if let (Some(r), Some(d)) = (named(Column::Radius).next(), named(Column::Diameter).next()) {
@@ -268,8 +274,9 @@ impl Columns {
             let (count, wanted) = (all.clone().count(), self.meaning.len());
             ensure!(
                 count == wanted || self.or_more && count > wanted,
-                "{}: {count} columns where {wanted} are expected{}{}",
+                "{}: {} where {wanted} are expected{}{}",
                 place(),
+                plural(count, "column"),
                 between(),
                 match () {
                     () if count == 2 * wanted => DECIMAL_COMMAS,
@@ -279,10 +286,14 @@ impl Columns {
             );
             if let Some((k, why)) = bad {
                 let cell = all.clone().nth(k).unwrap_or_default();
+                let (place, name) = (place(), &self.names[k]);
+                ensure!(
+                    !all.map(decoded).eq(self.names.iter().cloned()),
+                    "{place}: the header is there again, as where files are joined; remove the line"
+                );
                 bail!(
-                    "{}: column '{}': '{}' {why}; mend or remove the line",
-                    place(),
-                    short(&self.names[k]),
+                    "{place}: column '{}': '{}' {why}; mend or remove the line",
+                    short(name),
                     shown(cell)
                 );
             }
@@ -300,12 +311,30 @@ pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, wri
 const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
                          write.table writes it, give row.names = FALSE there, or col.names = NA";
 
+/// Which signs end a column.
+const SEPARATED: &str = "; columns are separated by commas, semicolons, tabs or blanks";
+
 fn not_a_number(cell: &[u8]) -> &'static str {
-    if is_decimal_comma(cell) {
+    let text = decoded(cell);
+    if cell.is_empty() {
+        "is empty, not a number"
+    } else if is_decimal_comma(cell) {
         "has a decimal comma, which is not read: write a point"
+    } else if number(&without(cell, b',')).is_some() {
+        "has commas between thousands, which are not read: write it without"
+    } else if text.contains(MINUS) {
+        "has a dash for a minus sign: write '-'"
+    } else if number(text.trim().as_bytes()).is_some() {
+        "has a blank that is not plain: remove it"
+    } else if units::known(text.trim_matches(['[', ']', '(', ')'])).is_some() {
+        "is a unit: write it behind the name, as in 'x [mm]', before the line is removed"
     } else {
         "is not a number"
     }
+}
+
+fn without(cell: &[u8], sign: u8) -> Vec<u8> {
+    cell.iter().copied().filter(|&b| b != sign).collect()
 }
 
 pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {

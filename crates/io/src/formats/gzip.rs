@@ -6,6 +6,7 @@
 //! Nested compression and all parts of a file count together.
 
 use std::cell::Cell;
+use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
 use std::io::{self, BufRead, Read};
 
 use flate2::bufread::MultiGzDecoder;
@@ -43,7 +44,16 @@ pub(crate) struct Unpacked<'a, R> {
 
 impl<R: Read> Read for Unpacked<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(bytes)?;
+        let read = self.inner.read(bytes).map_err(|error| match error.kind() {
+            UnexpectedEof | InvalidInput | InvalidData => io::Error::new(
+                error.kind(),
+                format!(
+                    "its compressed data are cut off or damaged, or other bytes follow them \
+                     ({error}); copy it again, or unpack it with gunzip"
+                ),
+            ),
+            _ => error,
+        })?;
         let Unpacking { taken, given } = self.unpacking;
         given.set(given.get() + read as u64);
         if given.get() > taken.get().saturating_mul(MOST).max(FREE) {

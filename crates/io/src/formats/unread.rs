@@ -11,6 +11,8 @@ const MESH: &str = "a mesh has corners, not particles; write the particles' cent
 const ARRAYS: &str = "write its arrays of positions and radii from Python with numpy.savez (x, y, \
                       z, r)";
 const TABLE: &str = "export it as CSV with a header x,y,z,r";
+const RUN: &str = "if it is an experiment: contactbench run FILE";
+const SEPARATOR: &str = "remove its first line: sed 1d FILE > p.csv";
 const PICTURE: &str = "give the particles that were drawn";
 const UNPACK: &str = "unpack it first";
 const CUSTOM: &str = "write a text dump of style custom with id x y z radius";
@@ -29,7 +31,7 @@ const ESYS: &str = "write the lines between BeginParticles and EndParticles as C
                     x,y,z,r";
 
 /// Formats recognised by bytes at a fixed offset: name with its article, offset, bytes, remedy.
-const BYTES: [(&str, usize, &[u8], &str); 37] = [
+const BYTES: [(&str, usize, &[u8], &str); 38] = [
     ("compressed with bzip2", 0, b"BZh", UNPACK),
     ("compressed with xz", 0, b"\xfd7zXZ\0", UNPACK),
     ("compressed with lzma", 0, b"]\0\0", UNPACK),
@@ -59,6 +61,7 @@ const BYTES: [(&str, usize, &[u8], &str); 37] = [
     ("UTF-16 text", 0, b"\xff\xfe", UTF_8),
     ("UTF-16 text", 0, b"\xfe\xff", UTF_8),
     ("a PDF", 0, b"%PDF", TABLE),
+    ("a rich text document (rtf)", 0, b"{\\rtf", "save it as plain text"),
     ("a picture", 0, b"\x89PNG", PICTURE),
     ("a picture", 0, b"\xff\xd8\xff", PICTURE),
     ("a glTF mesh", 0, b"glTF", MESH),
@@ -72,7 +75,7 @@ const BYTES: [(&str, usize, &[u8], &str); 37] = [
 /// A format recognised by a function: name with its article, function, remedy. The first match
 /// counts.
 type Form = (&'static str, fn(&[u8]) -> bool, &'static str);
-const FORMS: [Form; 19] = [
+const FORMS: [Form; 22] = [
     ("an Excel workbook", excel, TABLE),
     (
         "a zip archive whose first file is not a NumPy array",
@@ -82,6 +85,9 @@ const FORMS: [Form; 19] = [
     ("a pickle of Python", |b| matches!(b, [0x80, 2..=5, ..]), ARRAYS),
     ("a binary STL mesh", stl, MESH),
     ("a web page", page, PAGE),
+    ("UTF-16 text", utf_16, UTF_8),
+    ("a table whose first line is Excel's sep=", |b| b.starts_with(b"sep="), SEPARATOR),
+    ("a TOML file", toml, RUN),
     ("a JSON file", json, TABLE),
     ("a LAMMPS dump of style yaml", |b| b.starts_with(b"---") && has(b, b"natoms:"), CUSTOM),
     ("a YAML file", |b| lines(b).next() == Some(b"---"), TABLE),
@@ -176,6 +182,28 @@ fn stl(head: &[u8]) -> bool {
     };
     // Five unit normals in a row are unlikely in other binary files.
     (0..5).all(|k| zero(k) && unit(k))
+}
+
+/// Letters, figures and signs of ASCII with a zero between them, without the mark that names it.
+fn utf_16(head: &[u8]) -> bool {
+    let plain = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let pairs = head.as_chunks::<2>().0;
+    let all = |letter: usize| {
+        pairs.iter().take(16).all(|pair| plain(pair[letter]) && pair[1 - letter] == 0)
+    };
+    pairs.len() >= 4 && (all(0) || all(1))
+}
+
+/// A table in double brackets, or a key with a text.
+fn toml(head: &[u8]) -> bool {
+    let is_name = |name: &[u8]| {
+        !name.is_empty() && name.iter().all(|b| b.is_ascii_alphanumeric() || b"_-.".contains(b))
+    };
+    let first = lines(head).find(|line| !matches!(line, [] | [b'#', ..])).unwrap_or_default();
+    let table = first.strip_prefix(b"[[").and_then(|rest| rest.strip_suffix(b"]]"));
+    let mut key = first.splitn(2, |&b| b == b'=').map(<[u8]>::trim_ascii);
+    table.is_some_and(|name| is_name(name) && !name[0].is_ascii_digit())
+        || key.next().is_some_and(is_name) && key.next().is_some_and(|it| it.starts_with(b"\""))
 }
 
 fn json(head: &[u8]) -> bool {

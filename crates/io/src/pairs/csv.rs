@@ -10,7 +10,7 @@ use super::columns::Columns;
 use super::list::List;
 use crate::formats::names_a_frame;
 use crate::frames::Choice;
-use crate::lines::{Lines, Separator, number, short, shown, whole, words};
+use crate::lines::{Lines, Separator, decoded, number, short, shown, whole, words};
 use crate::notice::Notice;
 
 pub(super) struct Csv<'a> {
@@ -101,8 +101,7 @@ impl<'a> Csv<'a> {
             let line = if in_name { line } else { &line[..end] };
             let separator = Separator::guess(if in_name { line } else { bare });
             let cells: Vec<&[u8]> = separator.cells(line).collect();
-            let names: Vec<String> =
-                cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
+            let names: Vec<String> = cells.iter().map(|cell| decoded(cell)).collect();
             let header = is_header(&names) || is_pair(&names);
             if comment {
                 if let (true, Ok(Some(columns))) =

@@ -4,7 +4,9 @@ use anyhow::{Context, bail, ensure};
 
 use super::split::{self, Blocks, Split};
 use crate::chosen::Chosen;
-use crate::lines::{Lines, Separator, is_comment, number, short, step_of, uncommented, words};
+use crate::lines::{
+    Lines, Separator, decoded, is_comment, number, short, step_of, uncommented, words,
+};
 use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::{Declared, Notice, Options};
 
@@ -129,7 +131,7 @@ fn may_be_box(text: &str) -> bool {
 
 fn named(header: &[u8]) -> Columns {
     let cells = Separator::guess(header).cells(header);
-    Columns::named(cells.map(|cell| String::from_utf8_lossy(cell).into_owned()))
+    Columns::named(cells.map(decoded))
 }
 
 fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> anyhow::Result<Table> {
