@@ -89,8 +89,8 @@ impl<T> Owned<T> {
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
-    /// Searches the arrays, or a copy of them if Ctrl-C may end the call first. A call that ended so
-    /// leaves what `fresh` makes to the next one.
+    /// Searches the arrays, or a copy of them if Ctrl-C may end the call first. After such an end
+    /// the next call uses what `fresh` makes.
     fn with<R: Send + 'static>(
         &self,
         py: Python<'_>,

@@ -120,7 +120,7 @@ def test_a_detector_that_is_right_passes():
         return contactbench.contacts(x, r, detector="kd-tree")[0]
 
     found = contactbench.check(exact, seconds=1.0)
-    assert found and found.cases > 200 and not found.failures, str(found)
+    assert found and found.cases > 20 and not found.failures, str(found)
     assert any("open scenes alone" in why for why in found.refused)
 
 

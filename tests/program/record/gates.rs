@@ -137,7 +137,7 @@ fn what_one_has_not_measured_is_lacking() {
 #[test]
 fn what_cannot_be_compared_is_refused() {
     let at = started();
-    at.ends(2, "compare a none", &["none/samples.jsonl"]);
+    at.ends(2, "compare a none", &["there is no folder none"]);
     let names = ["--against bvh", "nbs, nbs-twin, nothing, sweep"];
     at.ends(2, "compare a a --against bvh", &names);
     at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);

@@ -174,7 +174,8 @@ impl Columns {
             ensure!(
                 named(Column::Axis(axis)).next().is_some(),
                 "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
-                 with r, radius, d or diameter, or say which they are with --columns x=NAME,y=NAME{}",
+                 with r, radius, d or diameter, or say which they are with --columns \
+                 x=NAME,y=NAME{}",
                 self.names
                     .iter()
                     .map(|name| format!("'{}'", short(name)))
