@@ -178,6 +178,8 @@ def whole(pairs: object, name: str, width: int, kind: type = np.int64) -> npt.ND
     rows = list(pairs) if isinstance(pairs, (set, frozenset)) else pairs
     if np.ma.is_masked(rows):
         raise ValueError(f"{name} has masked numbers; leave their rows out")
+    if isinstance(rows, tuple) and len(rows) == 2 and np.ndim(rows[0]) == 2:
+        raise ValueError(f"{name} has two parts, as contacts() returns pairs and images; give one")
     array = np.asarray(rows)
     if array.size == 0:
         return np.empty((0, width), dtype=kind)

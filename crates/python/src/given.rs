@@ -36,8 +36,9 @@ impl<'a> Arrays<'a> {
         let dim = match *x.shape() {
             [_, dim @ (2 | 3)] => dim,
             _ => {
+                let turned = if matches!(x.shape(), [2 | 3, _]) { "; give x.T" } else { "" };
                 return Err(Failure::value(format!(
-                    "x has the shape {:?}; centres are N rows of 2 or 3 numbers",
+                    "x has the shape {:?}; centres are N rows of 2 or 3 numbers{turned}",
                     x.shape()
                 )));
             }

@@ -38,6 +38,7 @@ def test_controls_are_no_detectors(name):
         with pytest.raises(ValueError, match="there is no detector") as error:
             ask(name)
         assert "twin" not in str(error.value).replace(name, "")
+        assert f"did you mean {name}" not in str(error.value)
         assert "nothing" not in str(error.value).replace(name, "")
 
 

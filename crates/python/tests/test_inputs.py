@@ -68,6 +68,7 @@ def test_boxes_are_values():
         ([["1", "2"]], 1.0, "x has the type <U1"),
         ([[0.0, 0.0]], "1", "r has the type <U1"),
         ([[0.0, 0.0]], None, "r is None"),
+        (np.zeros((3, 50)), 1.0, "give x.T"),
         (None, 1.0, "x is None"),
         ([[0.0, None]], 1.0, "x has the type object"),
         (np.ma.array([[0.0, 0.0], [1.0, 0.0]], mask=[[0, 0], [1, 1]]), 1.0, "x has masked"),
@@ -90,3 +91,8 @@ def test_numbers_that_do_not_change_are_taken():
     assert len(contactbench.contacts([[0.0, 0], [1, 0]], np.array([0.5]))[0]) == 1
     pairs, images = contactbench.contacts([], 1, box=[1, 1])
     assert pairs.shape == (0, 2) and images.shape == (0, 2)
+
+
+def test_the_result_of_contacts_is_no_list_of_pairs():
+    with pytest.raises(ValueError, match="as contacts.. returns pairs and images"):
+        contactbench.verify(CORNER, 0.5, contactbench.contacts(CORNER, 0.5))

@@ -12,6 +12,7 @@ const ARRAYS: &str = "write its arrays of positions and radii from Python with n
                       z, r)";
 const TABLE: &str = "export it as CSV with a header x,y,z,r";
 const RUN: &str = "if it is an experiment: contactbench run FILE";
+const PLAIN: &str = "save it as plain text";
 const SEPARATOR: &str = "remove its first line: sed 1d FILE > p.csv";
 const PICTURE: &str = "give the particles that were drawn";
 const UNPACK: &str = "unpack it first";
@@ -61,7 +62,7 @@ const BYTES: [(&str, usize, &[u8], &str); 38] = [
     ("UTF-16 text", 0, b"\xff\xfe", UTF_8),
     ("UTF-16 text", 0, b"\xfe\xff", UTF_8),
     ("a PDF", 0, b"%PDF", TABLE),
-    ("a rich text document (rtf)", 0, b"{\\rtf", "save it as plain text"),
+    ("a rich text document (rtf)", 0, b"{\\rtf", PLAIN),
     ("a picture", 0, b"\x89PNG", PICTURE),
     ("a picture", 0, b"\xff\xd8\xff", PICTURE),
     ("a glTF mesh", 0, b"glTF", MESH),
@@ -127,7 +128,8 @@ pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> 
     let form = || forms.next().map(|&(name, _, out)| (name, out));
     let Some((name, out)) = bytes.or_else(form) else { return Ok(()) };
     // These remedies fit any content: unpack the file, or fetch the real one.
-    let way = way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8].contains(&out)).unwrap_or(out);
+    let way =
+        way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8, PLAIN, SEPARATOR].contains(&out)).unwrap_or(out);
     let way = way.replace("FILE", file);
     let read = if name.starts_with("compressed") { "" } else { ", which is not read" };
     bail!("{file} is {name}{read}: {way}")

@@ -29,8 +29,8 @@ impl Hardware {
         Hardware { cores, cpu_features: features(), ..system() }
     }
 
-    /// Whether the two may be one machine. Fields known of only one of them are ignored: a container
-    /// may hide the sizes of the caches.
+    /// Whether the two may be one machine. Fields known of only one of them are ignored, since a
+    /// container may hide the sizes of the caches.
     pub fn may_be(&self, other: &Hardware) -> bool {
         fn alike<T: PartialEq>(a: &Option<T>, b: &Option<T>) -> bool {
             a.is_none() || b.is_none() || a == b
