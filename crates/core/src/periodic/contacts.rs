@@ -8,7 +8,7 @@ use crate::pair_list::{Allowance, PairList};
 use crate::refusal::{Refusal, reserve};
 use crate::sink::{Digest, normalise};
 
-/// Returns all contacts in ascending order. Images may take `limit` bytes, and so may the list.
+/// Returns all contacts in ascending order. Images and the list may take `limit` bytes each.
 ///
 /// # Errors
 /// Fails as [`Finder::list`], and with [`Refusal::Pairs`] if there are more contacts than fit.
@@ -33,7 +33,7 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Removes all contacts and keeps the capacity.
+    /// Removes all contacts and keeps the memory.
     pub fn clear(&mut self) {
         self.plain.clear();
         self.shifted.clear();
@@ -57,7 +57,7 @@ impl Contacts {
     }
 
     /// Returns all contacts in ascending order, in a list of at most `limit` bytes. `particles` is
-    /// the number of particles of the scene, for the message.
+    /// the scene's number of particles, for the error message.
     ///
     /// # Errors
     /// Returns [`Refusal::Pairs`] if the list would be longer, and [`Refusal::Exhausted`] if memory
@@ -80,7 +80,7 @@ impl Contacts {
         self.shifted.sort_unstable();
     }
 
-    /// Returns the contacts that `keep` accepts, in the same order.
+    /// Returns the contacts that `keep` accepts, in unchanged order.
     pub fn filtered(&self, keep: impl Fn(ImagePair) -> bool) -> Contacts {
         let plain = |&&[i, j]: &&[u32; 2]| keep(ImagePair::new(i, j, [0; 3]));
         Contacts {
@@ -94,7 +94,7 @@ impl Contacts {
         without_shift(&self.plain).chain(self.shifted.iter().copied())
     }
 
-    /// Iterates over the contacts of the pair i <= j. Both lists must be sorted.
+    /// Iterates over the contacts of the pair i <= j, given as `pair`. Both lists must be sorted.
     pub fn of(&self, pair: [u32; 2]) -> impl Iterator<Item = ImagePair> + '_ {
         let plain = self.plain.binary_search(&pair).is_ok().then_some(pair);
         let from = self.shifted.partition_point(|it| [it.i, it.j] < pair);
@@ -104,8 +104,8 @@ impl Contacts {
     }
 
     /// Appends the contacts that `find` puts into lists of at most `limit` bytes each. `particles`
-    /// is the number of particles of the scene, for the message. Fails with [`Refusal::Pairs`] if
-    /// the lists would be longer; the contacts are then unchanged.
+    /// is the scene's number of particles, for the error message. Fails with [`Refusal::Pairs`] if
+    /// the lists would be longer; no contacts are appended then.
     pub(crate) fn gather<R>(
         &mut self,
         limit: u64,
@@ -120,7 +120,8 @@ impl Contacts {
         Ok(found)
     }
 
-    /// Stores lists that continue this value's lists; drops what was found on an error.
+    /// Stores lists that were continued from this value's lists; on an error, drops their
+    /// additions.
     pub(super) fn end(
         &mut self,
         plain: PairList<'_>,
@@ -150,7 +151,7 @@ impl Contacts {
     }
 }
 
-/// Splits a sorted list into two sorted lists.
+/// Splits a sorted list into two sorted lists: contacts without and with a shift.
 impl FromIterator<ImagePair> for Contacts {
     fn from_iter<I: IntoIterator<Item = ImagePair>>(pairs: I) -> Contacts {
         let mut contacts = Contacts::default();
@@ -170,13 +171,13 @@ impl Extend<ImagePair> for Contacts {
     }
 }
 
-/// A list of contacts that stops growing at a limit and then only counts.
+/// A list of contacts that stops growing at a limit. Further contacts are only counted.
 pub struct List {
     pairs: Vec<ImagePair>,
     /// Number of contacts that were in the list at the start.
     before: usize,
     found: u64,
-    /// In bytes.
+    /// Largest size of the list, in bytes.
     limit: u64,
 }
 
@@ -186,12 +187,12 @@ impl List {
         List::behind(Vec::new(), limit)
     }
 
-    /// Creates a list that continues after `pairs`.
+    /// Creates a list that begins with `pairs` and may grow to `limit` bytes.
     pub fn behind(pairs: Vec<ImagePair>, limit: u64) -> List {
         List { before: pairs.len(), pairs, found: 0, limit }
     }
 
-    /// Returns the number of contacts found, including those that were not stored.
+    /// Returns the number of contacts found, including contacts that were not stored.
     pub fn found(&self) -> u64 {
         self.found
     }
@@ -205,7 +206,7 @@ impl List {
         &mut self.pairs[self.before..]
     }
 
-    /// Appends a contact, or counts it if the list is full.
+    /// Appends a contact, or only counts it if the list is full.
     pub fn push(&mut self, pair: ImagePair) {
         let complete = self.is_complete();
         self.found += 1;
@@ -226,8 +227,8 @@ impl List {
         self.pairs.push(pair);
     }
 
-    /// Returns the contacts in ascending order. `particles` is the number of particles of the
-    /// scene, for the message. Fails with [`Refusal::Pairs`] if not all contacts were stored.
+    /// Returns the contacts in ascending order. `particles` is the scene's number of particles, for
+    /// the error message. Fails with [`Refusal::Pairs`] if not all contacts were stored.
     pub fn end(mut self, particles: usize) -> Result<Vec<ImagePair>, Refusal> {
         if !self.is_complete() {
             return Err(Refusal::Pairs {

@@ -1,12 +1,12 @@
-//! Boxes smaller than the reach: an estimate of the number of contacts, and a search that skips
-//! pairs of two images.
+//! Boxes smaller than the reach of the contact test: estimates the number of contacts, and searches
+//! without pairs of two images.
 //!
 //! A detector that gets all particles and images also finds pairs of two images, which are dropped.
-//! In a box smaller than the reach a particle has many images, and such pairs grow with the square
-//! of their number. Each particle is then compared with all particles and images instead: n·B tests
-//! for n particles, where B includes images. This is linear in the size of the result, since most
-//! of these pairs touch in such a box. The choice depends on the scene only, and the contacts are
-//! the same.
+//! In a box smaller than the reach a particle has many images, and the pairs of two images grow
+//! with the square of their number. Each particle is then compared with all particles and images
+//! instead. That takes n·B tests for n particles, where B is the number of particles and images. It
+//! is linear in the size of the result, since most of these pairs touch in such a box. The choice
+//! depends on the scene only, and does not change the contacts.
 
 use super::IMAGE_PAIR_BYTES;
 use super::made::Made;
@@ -18,15 +18,15 @@ use crate::refusal::Refusal;
 use crate::scene::{Real, array};
 use crate::sink::{Sink, splitmix64};
 
-/// For fewer images the estimate would cost more than it saves.
+/// Least number of images for an estimate; for fewer it would cost more than it saves.
 const FEW: u64 = 1024;
-/// A box at least as large as the reach has fewer images per particle.
+/// Most images per particle in a box at least as large as the reach of the contact test.
 const EACH: u64 = 16;
-/// A detector tests this many pairs of two images in the time of one test here.
+/// Number of pairs of two images that a detector tests in the time of one test here.
 const CHEAPER: f64 = 8.0;
-/// Maximum number of pairs that are drawn for an estimate.
+/// Largest number of random pairs that are tested for an estimate.
 const DRAWN: u64 = 1 << 16;
-/// Standard errors that are subtracted from an estimate for a safe lower bound.
+/// Number of standard errors that are subtracted from an estimate for a safe lower bound.
 const SURE: f64 = 4.0;
 
 /// Returns whether pairs of two images may cost more than all other pairs in this box.
@@ -34,9 +34,9 @@ pub(super) fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
     made.ghosts() >= FEW && made.ghosts() > EACH * u64::from(made.particles())
 }
 
-/// Refuses a scene whose contacts with images will almost certainly take more than `limit` bytes.
-/// It samples pairs, in small boxes only. [`crate::crowd::within`] handles contacts without images.
-/// Fails with [`Refusal::Crowd`].
+/// Refuses a scene whose contacts with images will almost certainly take more than `limit` bytes,
+/// estimated from a sample of pairs, and only in small boxes. [`crate::crowd::within`] does the
+/// same for contacts without images. Fails with [`Refusal::Crowd`].
 pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(), Refusal> {
     let (n, images) = (u64::from(made.particles()), made.ghosts());
     let (pairs, most) = (n as f64 * images as f64, (limit / IMAGE_PAIR_BYTES) as f64);
@@ -55,8 +55,8 @@ pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(
     Err(Refusal::Crowd { particles: n, each: 2.0 * touching * scale / n as f64, limit })
 }
 
-/// Returns whether testing each particle against all particles and images costs less than the pairs
-/// of two images that a detector would find, estimated from a sample.
+/// Returns whether testing each particle against all particles and images costs less than a
+/// detector's tests of two images, whose number is estimated from a sample.
 pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
     if !is_small(made) {
         return false;
@@ -82,8 +82,8 @@ impl<const D: usize> Made<'_, D> {
     }
 }
 
-/// Tests each particle (numbers below `owners`) against all particles and images after it and
-/// passes contacts to `sink`.
+/// Tests each particle (numbers below `owners`) against all particles and images with higher
+/// numbers, and passes contacts to `sink`.
 pub(super) fn search(
     searched: &Searched<'_>,
     owners: u32,

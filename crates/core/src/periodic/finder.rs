@@ -15,9 +15,9 @@ use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
 use crate::wide::{Kernel, Level, Wide};
 
-/// Finds contacts in periodic boxes with a detector, and keeps its buffers between calls.
+/// Finds contacts in periodic boxes with any detector, and keeps its buffers between calls.
 pub struct Finder {
-    /// Limit in bytes.
+    /// Limit in bytes for the images, and for each list of contacts.
     limit: u64,
     plane: Buffers<2>,
     space: Buffers<3>,
@@ -33,20 +33,21 @@ struct Buffers<const D: usize> {
 }
 
 impl Finder {
-    /// Creates a finder. Images may take `limit` bytes, and so may each list of contacts.
+    /// Creates a finder. Images, and each list of contacts, may take `limit` bytes each.
     pub fn new(limit: u64) -> Finder {
         let (plane, space) = (Buffers::default(), Buffers::default());
         Finder { limit, plane, space, bytes: 0, images: 0, found: 0 }
     }
 
-    /// Appends all contacts to `contacts`. This is the operation that is timed. A second call for a
-    /// scene of the same shape allocates nothing beyond what the detector allocates.
+    /// Appends all contacts to `contacts`. Benchmarks time this call. A second call for a scene of
+    /// the same shape allocates nothing beyond what the detector allocates.
     ///
     /// # Errors
     /// Returns the refusals of the detector for the scene with its images and those of
-    /// [`Images::make`](super::images::Images::make); [`Refusal::Pairs`] if a list would exceed its
-    /// limit (in small boxes [`Refusal::Crowd`], before the search); and [`Refusal::Stored`] if a
-    /// rounded arithmetic cannot hold the images. `contacts` is then unchanged.
+    /// [`Images::make`](super::images::Images::make). Returns [`Refusal::Pairs`] if a list would
+    /// exceed its limit; in small boxes [`Refusal::Crowd`], before the search. Returns
+    /// [`Refusal::Stored`] if a rounded arithmetic cannot hold the images. On an error `contacts`
+    /// is unchanged.
     pub fn list(
         &mut self,
         periodic: &Periodic<'_>,
@@ -57,26 +58,27 @@ impl Finder {
         self.find(periodic, detector, arithmetic, None, contacts)
     }
 
-    /// Returns the bytes that images take by the formula for the scene of the last call, 0 if it
-    /// was refused. The formula counts `16 + 8D` per image and `8D + 8` per particle near the lower
+    /// Returns the bytes for images in the last call, computed by a formula; 0 if the scene was
+    /// refused. The formula counts `16 + 8D` per image and `8D + 8` per particle near the lower
     /// faces of the box; `8D + 13` per particle if some are outside the box; 8 per particle and
-    /// image for individual radii; and the copy of both if the arithmetic does not store f64.
+    /// image for individual radii; and a copy of positions and radii if the arithmetic does not
+    /// store f64.
     pub fn formula_bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Returns the number of images in the last call, 0 if it was refused.
+    /// Returns the number of images in the last call; 0 if the scene was refused.
     pub fn images(&self) -> u64 {
         self.images
     }
 
-    /// Returns the number of contacts found in the last call, even if it was finally refused.
+    /// Returns the number of contacts found in the last call, even if the list was then refused.
     pub fn found(&self) -> u64 {
         self.found
     }
 
-    /// Works as [`Finder::list`]. If there is a tally, it also counts all operations, including the
-    /// images made.
+    /// Appends all contacts as [`Finder::list`] does. With a tally, it also counts all operations,
+    /// including the images made.
     pub fn find(
         &mut self,
         periodic: &Periodic<'_>,
@@ -108,7 +110,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Returns the bytes held and the number of images.
+    /// Appends the contacts of the scene. Returns the bytes held and the number of images.
     fn among<const D: usize>(
         self,
         scene: &Scene<'_, f64, D>,
@@ -139,7 +141,7 @@ impl Search<'_> {
         let result = match tally {
             None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
             None => {
-                // All pairs are passed on to the sink.
+                // The list has no allowance, so it passes all pairs on to the sink.
                 let none = Allowance::new(0);
                 let mut door = PairList::door(&mut sorted, &none);
                 detector.search(&searched, Task::List(&mut door))
@@ -159,18 +161,18 @@ impl Search<'_> {
     }
 }
 
-/// Sorts what a detector finds into contacts of two particles and contacts with an image.
+/// Sorts the pairs that a detector finds into contacts without and with a shift.
 struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,
     plain: PairList<'a>,
-    /// If particles are not moved: pairs of a particle and the body of an image until the detection
-    /// ends. The images are then looked up in order, because a lookup during detection misses the
-    /// cache.
+    /// Contacts with a shift. If no particle was moved, it holds the numbers of a particle and an
+    /// image until the detection ends. The images are then looked up in order, because a lookup
+    /// during detection misses the cache.
     shifted: List,
 }
 
-/// Number of pairs that are examined together: most are pairs of two particles and stay together.
+/// Number of pairs that are examined, and usually copied, together: few involve an image.
 const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
@@ -209,11 +211,11 @@ impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
 }
 
 impl<'a, const D: usize> Sorted<'a, D> {
-    /// Copies runs of pairs of two particles, as recognised by `plain`.
+    /// Copies runs of pairs that are `plain`, those of two particles, and separates other groups.
     #[inline(always)]
     fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let (together, rest) = pairs.as_chunks::<TOGETHER>();
-        // All pairs from here on are plain.
+        // Start of the present run: all pairs from here on are pairs of two particles.
         let mut from = 0;
         for (k, some) in together.iter().enumerate() {
             if !plain(some) {
@@ -229,8 +231,8 @@ impl<'a, const D: usize> Sorted<'a, D> {
         self.part(rest, &plain);
     }
 
-    /// Separates a few pairs without branches, because which pairs involve an image is
-    /// unpredictable.
+    /// Separates the pairs of a group by `plain`, without branches, because which pairs involve an
+    /// image is unpredictable.
     #[inline(always)]
     fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let n = self.made.particles();

@@ -1,35 +1,36 @@
 //! The box in one dimension: fractions along its vectors, and positions of images.
 //!
-//! u = 2^-53. "Dual" means the computed vector, whatever its error: it is a double like any other,
-//! and the proofs below use only measured properties of it.
+//! Here u = 2^-53. A "dual" is the computed vector, whatever its error: it consists of doubles like
+//! any other vector, and the proofs below use only measured properties of it.
 //!
-//! **Which images are near.** For periodic vectors Ha and duals ga let rab = |ga·Hb - [a = b]|. Let
-//! two points be p and p' with |p - p' - T·H| <= R. The product of ga with this difference yields
+//! **Which images are near.** For periodic vectors Ha and duals ga let rab = |ga·Hb - [a = b]|,
+//! where [a = b] is 1 if a = b, else 0. Let two points be p and p' with |p - p' - T·H| <= R. The
+//! product of ga with this difference yields
 //!
 //! ```text
 //! |Ta - ga·(p - p')| <= |ga| R + sum over b of |Tb| rab.       (1)
 //! ```
 //!
-//! Let ca >= |ga·(p - p')| + |ga| R, and c be the largest ca. If all sums of rab over b are at most
+//! Let ca >= |ga·(p - p')| + |ga| R, and c be the largest ca. If each sum of rab over b is at most
 //! 1/4, the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
-//! ga·(p - p'), where off(a) is the sum: [`Frame::coupling`]. Boxes with an off above 1/4 are
-//! refused: their vectors are so long and so nearly coplanar that no filter in f64 can separate
+//! ga·(p - p'), where off(a) is the sum of rab: [`Frame::coupling`]. Boxes with an off above 1/4
+//! are refused: their vectors are so long and so nearly coplanar that no filter in f64 can separate
 //! their images.
 //!
-//! **Which vectors.** All this holds for any vectors of the lattice. If the given ones make many
+//! **Which vectors.** All this holds for any vectors of the lattice. If the given vectors make many
 //! more images than the shortest ([`Lattice::reduced`]), as in a box tilted by many box lengths, H
-//! are the shortest, integer multiples of the given ones. They are rounded, so wherever a product
-//! with them appears above, the effect of their errors (`off_by`) is added to rab. T and the
-//! integers that bring particles into the box refer to these vectors. Names of images and all
-//! decisions refer to the given vectors ([`Frame::given`]). Given vectors that are nearly as good
-//! are kept, so that particles in the box are in the frame and need not be moved.
+//! are the shortest, which are integer combinations of the given ones. They are rounded, so
+//! wherever a product with them appears above, the effect of their errors (`off_by`) is added to
+//! rab. T and the integers that bring particles into the box refer to the vectors H. Names of
+//! images and all decisions refer to the given vectors ([`Frame::given`]). Given vectors that are
+//! nearly as good are kept, so that particles in the box need not be moved.
 //!
 //! **Positions.** x + S·H is computed with the errors of all products (by a fused multiplication)
-//! and of all sums (by two-sum) added up beside it. Both errors are exact except for underflow in
-//! products, at most 3 · 2^-1075. Each of the six errors is at most u(1 + u)^3 times m = |x| + the
-//! sum of |Sa Ha|. Adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m, and the
-//! last sum is rounded. So the position is within u|position| + 2^-100 m + 2^-1073 of the true one;
-//! `off_by` uses twice as much. A position that is not shifted is exact.
+//! and of all sums (by two-sum) added up beside it. Each of these errors is exact except for
+//! underflow in products, at most 3 · 2^-1075. Each of the six errors is at most u(1 + u)^3 times m
+//! = |x| + the sum of |Sa Ha|. Adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100
+//! m, and the last sum is rounded. So the position is within u|position| + 2^-100 m + 2^-1073 of
+//! the true one; `off_by` uses twice as much. A position that is not shifted has no error.
 
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
@@ -39,37 +40,37 @@ use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
 pub const U: f64 = 1.0 / (1u64 << 53) as f64;
 /// 2^-99: twice the relative error of adding up errors.
 const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
-/// 2^-1070: more than products of a position can lose by underflow.
+/// 2^-1070: more than the products of a position can lose by underflow.
 const LEAST: f64 = f64::from_bits(1 << 4);
-/// Limit for the magnitudes of image numbers, so that a sum of three fits an `i32`.
+/// Limit for the magnitude of each number of an image, so that a sum of three fits an `i32`.
 pub(super) const MOST: f64 = (1u64 << 29) as f64;
-/// Other vectors are used if the sum of their duals is below this part of the sum for the given
-/// ones, because the number of images grows with that sum.
+/// The shortest vectors are used if the sum of the lengths of their duals is below this part of the
+/// sum for the given vectors. The number of images grows with that sum.
 const BETTER: f64 = 0.75;
 
-/// A box with its duals and error bounds; see the module.
+/// A box with its duals and error bounds; the module documentation derives them.
 #[derive(Clone, Debug)]
 pub struct Frame<const D: usize> {
     /// Whether the box is periodic along each of its vectors.
     pub periodic: [bool; 3],
-    /// The given vectors; zeros if the box is open along them.
+    /// The given vectors; 0 for vectors along which the box is open.
     pub vectors: [[f64; D]; 3],
-    /// The frame's own vectors as integer multiples of the given ones.
+    /// The vectors in use (the module's H) as integer combinations of the given ones.
     numbers: Numbers,
-    /// The frame's own vectors, rounded; zeros if the box is open along them.
+    /// The vectors in use, rounded; 0 for vectors along which the box is open.
     pub own: [[f64; D]; 3],
-    /// Duals of the frame's own vectors; zeros if the box is open along them.
+    /// Duals of the vectors in use; 0 for vectors along which the box is open.
     duals: [[f64; D]; 3],
     origin: [f64; D],
     /// Upper bounds for the lengths of the duals.
     pub lengths: [f64; 3],
-    /// Upper bounds for the sums of rab over b.
+    /// Upper bounds for the sums of rab over b: off(a).
     off: [f64; 3],
 }
 
 impl<const D: usize> Frame<D> {
-    /// Creates a frame from the given vectors or shorter ones of the same lattice. Fails with
-    /// [`Refusal::Skewed`] if images cannot be separated.
+    /// Creates a frame from the given vectors or from shorter vectors of the same lattice. Fails
+    /// with [`Refusal::Skewed`] if images cannot be separated.
     pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
         let given = Frame::of(lattice, lattice, AS_GIVEN);
         let (reduced, numbers) = lattice.reduced();
@@ -85,7 +86,7 @@ impl<const D: usize> Frame<D> {
         }
     }
 
-    /// Creates a frame from vectors that are these multiples of the given ones.
+    /// Creates a frame from vectors that are these integer combinations of the given ones.
     pub(super) fn of(
         given: &Lattice,
         lattice: &Lattice,
@@ -97,7 +98,7 @@ impl<const D: usize> Frame<D> {
         let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, given.vectors()[a]));
         let own: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
         let duals: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.dual(a)));
-        // Returns the error of a frame vector along each axis.
+        // Returns the rounding error of a vector along each axis.
         let error = |a: usize| -> [f64; D] {
             if numbers == AS_GIVEN {
                 return [0.0; D];
@@ -109,7 +110,7 @@ impl<const D: usize> Frame<D> {
         };
         let (mut lengths, mut off) = ([0.0; 3], [0.0; 3]);
         for a in (0..3).filter(|&a| periodic[a]) {
-            // At least the root of the sum of squares.
+            // The computed size times this factor is at least the true root of the sum of squares.
             lengths[a] = size(&duals[a]) * (1.0 + 8.0 * U);
             for b in (0..3).filter(|&b| periodic[b]) {
                 let expected = f64::from(u8::from(a == b));
@@ -117,7 +118,7 @@ impl<const D: usize> Frame<D> {
                 let of_vector = 2.0 * times(&duals[a], &error(b));
                 off[a] += (dot(&duals[a], &own[b]) - expected).abs() + rounded + of_vector;
             }
-            // Also true for NaN.
+            // The condition is also true if a number is NaN.
             if !(off[a] <= 0.25 && lengths[a].is_finite()) {
                 return Err(Refusal::Skewed { vector: a });
             }
@@ -126,8 +127,8 @@ impl<const D: usize> Frame<D> {
         Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off })
     }
 
-    /// Converts an image of the frame's own vectors to the given ones. If a number reaches 2^29,
-    /// returns the index of the given vector and the number as an error.
+    /// Converts a shift by the vectors in use to a shift by the given ones. If a number reaches
+    /// 2^29, the error holds the index of the given vector and the number.
     #[inline]
     pub fn given(&self, image: [i32; 3]) -> Result<[i32; 3], (usize, i64)> {
         if image == [0; 3] || self.numbers == AS_GIVEN {
@@ -135,7 +136,7 @@ impl<const D: usize> Frame<D> {
         }
         let mut given = [0; 3];
         for (b, number) in given.iter_mut().enumerate() {
-            // At most 3 · 2^31 · 2^29, so no overflow.
+            // The sum is at most 3 · 2^31 · 2^29, so it does not overflow.
             let sum: i64 =
                 (0..3).map(|a| i64::from(image[a]) * i64::from(self.numbers[a][b])).sum();
             if sum.unsigned_abs() >= 1 << 29 {
@@ -146,46 +147,46 @@ impl<const D: usize> Frame<D> {
         Ok(given)
     }
 
-    /// Returns whether the frame uses the given vectors.
+    /// Returns whether the vectors in use are the given ones.
     pub fn is_as_given(&self) -> bool {
         self.numbers == AS_GIVEN
     }
 
-    /// Returns bounds in given vectors for images with these bounds in the frame's own vectors.
+    /// Returns bounds for shifts by the given vectors from bounds for shifts by the vectors in use.
     pub fn most_given(&self, most: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
     }
 
-    /// Returns whether every vector points along the axis of its index, not against it. A fraction
-    /// is then a single product that grows with its coordinate.
+    /// Returns whether each vector points in the positive direction of the axis with its index. A
+    /// fraction is then a single product that grows with its coordinate.
     pub fn is_along_axes(&self) -> bool {
         let along = |a: usize| (0..D).all(|k| k == a || self.duals[a][k] == 0.0);
         (0..3).all(|a| along(a) && (self.scale(a) > 0.0 || !self.periodic[a]))
     }
 
-    /// Returns the part of a dual along its own axis.
+    /// Returns component `a` of dual `a`.
     pub fn scale(&self, a: usize) -> f64 {
         if a < D { self.duals[a][a] } else { 0.0 }
     }
 
-    /// Returns ga·origin as computed.
+    /// Returns the computed fraction ga·origin of the box's corner.
     pub fn corner(&self, a: usize) -> f64 {
         self.fraction(a, &self.origin)
     }
 
-    /// Returns ga·x as computed, within 4u times [`Frame::most`] of the true value; 0 if the box is
-    /// open.
+    /// Returns the computed fraction ga·x, within 4u times [`Frame::most`] of the true value; 0 if
+    /// the box is open along vector `a`.
     pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
         dot(&self.duals[a], x)
     }
 
-    /// Returns the sum of |ga| |x| over coordinates, up to rounding.
+    /// Returns the sum over coordinates of |ga| |x|, up to rounding.
     pub fn most(&self, a: usize, x: &[f64; D]) -> f64 {
         times(&self.duals[a], x)
     }
 
-    /// Returns how often each given vector is added to bring particle `index` from `x` into the
-    /// box, up to rounding.
+    /// Returns how often each given vector must be added to bring particle `index` from `x` into
+    /// the box, up to rounding.
     pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
         let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
@@ -195,7 +196,7 @@ impl<const D: usize> Frame<D> {
                 continue;
             }
             let boxes = fraction.floor();
-            // Also true if a difference overflows to NaN.
+            // The condition is also true if a difference overflows to NaN.
             if boxes.is_nan() || boxes.abs() >= MOST {
                 return Err(Refusal::Away { particle: index, vector: a, boxes });
             }
@@ -208,15 +209,15 @@ impl<const D: usize> Frame<D> {
         })
     }
 
-    /// Returns the rounded position of an image of a particle at `x`; it is not finite if it
+    /// Returns the rounded position of an image of the particle at `x`. It is not finite if it
     /// overflows.
     pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
         shifted(x, image, &self.vectors)
     }
 
-    /// For points whose fractions along vector `a` differ by at most `spread`\[a\] and that lie
-    /// within `reach`, returns by how much more than |ga| R image numbers may differ from
-    /// fractions, and a bound for image numbers: (1) above.
+    /// Bounds image numbers by inequality (1) of the module, for points whose fractions along
+    /// vector `a` differ by at most `spread`\[a\] and that lie within `reach`. Returns by how much
+    /// more than |ga| R image numbers may differ from fractions, and a bound for all image numbers.
     pub fn coupling(&self, spread: [f64; 3], reach: f64) -> ([f64; 3], f64) {
         let most = (0..3)
             .filter(|&a| self.periodic[a])
@@ -227,7 +228,7 @@ impl<const D: usize> Frame<D> {
 }
 
 /// Returns a bound for the error of a position along one axis, for positions of at most `place` in
-/// magnitude, computed from terms whose magnitudes sum to at most `terms`.
+/// magnitude that are sums of terms of at most `terms` in total magnitude.
 pub(super) fn off_by(place: f64, terms: f64) -> f64 {
     2.0 * U * place + SECOND * terms + LEAST
 }
@@ -236,7 +237,7 @@ fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-/// Works as [`dot`] on magnitudes.
+/// Returns the product of two vectors as [`dot`] does, but of the magnitudes of their components.
 fn times<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| (a[k] * b[k]).abs()).sum()
 }

@@ -2,13 +2,13 @@
 //!
 //! **Half of the images.** Every particle j (an *owner*) is brought approximately into the box by
 //! integers Wj; let pj = xj + Wj·H be its true position. The open scene consists of the owners and
-//! the images pj + T·H with T lexicographically positive that are near enough to some owner.
-//! Particle i touches the image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. T and -T
-//! are the same contact from both sides, and one of them is lexicographically positive unless T =
-//! 0. So every contact is found once, between two owners or between an owner and an image; pairs of
-//! two images are dropped. Any Wj are correct: they determine the number of images, not what
-//! touches. So if no two fractions differ by much more than 1, all Wj are 0, and owners are the
-//! given scene, not a copy.
+//! the images pj + T·H with T lexicographically positive (the first nonzero number is positive)
+//! that are near enough to some owner. Particle i touches the image of j by S exactly if pi touches
+//! pj + T·H, T = S + Wi - Wj. T and -T are the same contact from both sides, and one of the two is
+//! lexicographically positive unless T = 0. So every contact is found once, between two owners or
+//! between an owner and an image; pairs of two images are dropped. Any Wj are correct: they
+//! determine the number of images, not what touches. So if no two fractions differ by much more
+//! than 1, all Wj are 0, and owners are the given scene, not a copy.
 
 use nalgebra::Point;
 
@@ -22,16 +22,16 @@ use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
 /// Makes images and keeps its buffers from one scene to the next.
 #[derive(Default)]
 pub struct Images<const D: usize> {
-    /// Positions of particles and the number of vectors that moved each; empty if no particle was
+    /// Positions of particles, with `wraps`, the shift that moved each; both are empty if none was
     /// moved.
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
-    /// One-byte codes of `wraps`: equal codes mean equal wraps, as in nearly all pairs.
+    /// One-byte codes of `wraps`. Nearly all pairs have equal codes, which mean equal shifts.
     tags: Vec<u8>,
     candidates: Vec<Candidate<D>>,
     images: Vec<Body>,
     centres: Vec<Point<f64, D>>,
-    /// Radii of particles and images, if particles have individual radii.
+    /// Radii of particles and images; empty if all radii are equal.
     radii: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 struct Budget {
     particles: u64,
     limit: u64,
-    /// Bytes independent of the number of images.
+    /// Bytes needed whatever the number of images.
     fixed: f64,
     /// Bytes per image.
     each: f64,
@@ -70,7 +70,7 @@ impl Budget {
         Refusal::Images { particles, images, reach, needed: self.needed(images), limit }
     }
 
-    /// Checks that this many images fit in memory and can be numbered.
+    /// Refuses a scene if this many images do not fit in memory or cannot be numbered.
     fn holds(&self, images: f64) -> Result<(), Refusal> {
         let numbered = self.particles as f64 + images <= f64::from(u32::MAX);
         if self.needed(images) <= self.limit as f64 && numbered {
@@ -81,8 +81,8 @@ impl Budget {
 }
 
 impl<const D: usize> Images<D> {
-    /// Makes all images that can matter in an arithmetic. Images and further data, including a copy
-    /// of the scene in another storage, may take `limit` bytes.
+    /// Makes all images that can matter in an arithmetic. Images and all data that go with them,
+    /// including a copy of the scene in another storage, may take `limit` bytes.
     ///
     /// # Errors
     /// Returns [`Refusal::Images`] before allocating if the limit is too low, and
@@ -146,8 +146,8 @@ impl<const D: usize> Images<D> {
         self.radii.clear();
     }
 
-    /// Determines which images are near, and of which particles, and moves particles into the box
-    /// if necessary.
+    /// Determines which particles have images that are near enough and where these are, and moves
+    /// particles into the box if necessary.
     fn look<'a>(
         &mut self,
         given: &Scene<'_, f64, D>,
@@ -171,12 +171,12 @@ impl<const D: usize> Images<D> {
         let near = Near::new(frame, &found, given_most, wraps, reach)?;
         budget.reach = near.largest_reach;
         if near.most >= super::frame::MOST {
-            // These images could not even be numbered.
+            // The images are too many to be numbered.
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            // The box of a file may begin away from its particles; the guess then helps neither
-            // way.
+            // If a file's box begins far from its particles, the guess is too high or too low and
+            // does not help.
             let idle = found.candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();
@@ -218,7 +218,7 @@ impl<const D: usize> Images<D> {
         Ok(())
     }
 
-    /// Makes the images and returns the corners of all particles and images.
+    /// Makes the images and returns the corners of the box around all particles and images.
     fn fill(
         &mut self,
         given: &Scene<'_, f64, D>,
@@ -229,7 +229,7 @@ impl<const D: usize> Images<D> {
             let room = self.images.capacity().min(self.centres.capacity());
             let (made, corners) = self.fill_as_far_as(room, given, near);
             budget.holds(made)?;
-            // Exact, because it is below 2^32.
+            // The conversion is exact, because the number is below 2^32.
             let made = made as usize;
             if made <= room {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
@@ -244,7 +244,7 @@ impl<const D: usize> Images<D> {
         self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
     }
 
-    /// Returns the number of images, and the corners of all particles and images if all images fit.
+    /// Makes up to `room` images. Returns how many are needed, and, if all fit, all corners.
     fn fill_as_far_as(
         &mut self,
         room: usize,
@@ -255,8 +255,8 @@ impl<const D: usize> Images<D> {
         let (mut low, mut high) = near.corners;
         let mut made = 0.0;
         let mut sums = near.sums(given.largest_radius());
-        // A sum of two is then as accurate as `Frame::place`, and is chosen without a branch on the
-        // face.
+        // If no particle is moved, adding one vector is as accurate as `Frame::place`, and the
+        // vector is chosen without a branch.
         let by_steps = self.wraps.is_empty() && frame.is_as_given();
         for Candidate { place, owner } in &self.candidates {
             let index = *owner as usize;
@@ -284,7 +284,7 @@ impl<const D: usize> Images<D> {
                 continue;
             }
             for_half(ranges, |shift| {
-                // Always succeeds, because larger numbers were refused.
+                // The conversion always succeeds, because larger numbers were refused before.
                 let Ok(shift) = frame.given(shift) else { return };
                 let image = std::array::from_fn(|a| wrap[a] + shift[a]);
                 add(image, frame.place(x, image));

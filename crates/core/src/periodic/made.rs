@@ -1,4 +1,4 @@
-//! Particles and images of a periodic scene, and the contact that a pair of them stands for.
+//! Particles and images of a periodic scene, and the contact that each pair of them represents.
 
 use nalgebra::Point;
 
@@ -9,19 +9,19 @@ use crate::contact::{Corners, Decided, Imaged, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};
 
-/// An image of a particle.
+/// Image of a particle, named by its owner and its shift from the owner's given position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub owner: u32,
     pub image: [i32; 3],
 }
 
-/// An open scene with the contacts of a periodic one: the particles in order, then their images.
+/// An open scene that represents a periodic one: the particles in order, then their images.
 pub struct Made<'a, const D: usize> {
     pub(super) given: &'a Scene<'a, f64, D>,
     pub(super) frame: Frame<D>,
     pub(super) owners: &'a [Point<f64, D>],
-    /// Empty if no particle was moved.
+    /// Shift that brought each particle into the box; empty if no particle was moved.
     pub(super) wraps: &'a [[i32; 3]],
     pub(super) tags: &'a [u8],
     pub(super) images: &'a [Body],
@@ -34,7 +34,7 @@ pub struct Made<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Made<'a, D> {
-    /// Returns the number of images, without the particles themselves.
+    /// Returns the number of images; the particles themselves are not counted.
     pub fn ghosts(&self) -> u64 {
         self.images.len() as u64
     }
@@ -44,23 +44,23 @@ impl<'a, const D: usize> Made<'a, D> {
         self.given.len() as u32
     }
 
-    /// Returns the bytes held for this scene.
+    /// Returns the bytes held for particles and images.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Returns the errors of the positions, as a slack of the exact test.
+    /// Returns a bound for the errors of the positions, as a slack of the exact test.
     pub fn slack(&self) -> Slack {
         self.slack
     }
 
-    /// Returns whether no particle was moved; contacts of two particles then have no shift.
+    /// Returns whether no particle was moved. Contacts of two particles then have no shift.
     pub fn are_as_given(&self) -> bool {
         self.wraps.is_empty()
     }
 
-    /// Returns whether `a` and `b` are particles moved by the same small numbers, so that their
-    /// contact has no shift. False means unknown.
+    /// Returns true only if `a` and `b` are particles that were moved by the same shift, with
+    /// numbers of at most 2, so that their contact has no shift. False decides nothing.
     #[inline(always)]
     pub fn are_together(&self, a: u32, b: u32) -> bool {
         let tag = |body: u32| self.tags.get(body as usize).copied().unwrap_or(FAR);
@@ -74,7 +74,7 @@ impl<'a, const D: usize> Made<'a, D> {
         ImagePair::new(a.min(b), owner, image)
     }
 
-    /// Returns the contact that a pair of particles or images stands for, or `None` for two images.
+    /// Returns the contact that a pair of particles or images represents, or `None` for two images.
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
         let owners = self.particles();
         if a >= owners && b >= owners {
@@ -84,19 +84,19 @@ impl<'a, const D: usize> Made<'a, D> {
         Some(ImagePair::new(i, j, image))
     }
 
-    /// Returns whether two particles or images touch, in exact arithmetic for the given numbers.
+    /// Returns whether two particles or images touch, exactly for the given numbers.
     pub fn touch(&self, a: u32, b: u32) -> bool {
         let ([i, j], image) = self.shift(a, b);
         touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors })
     }
 
-    /// Returns the owners, and the shift of the second for which the first meets it.
+    /// Returns the owners, and the shift of the second owner that gives the same difference.
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
         let [a, b] = [a, b].map(|body| self.body(body as usize));
         ([a.owner, b.owner], std::array::from_fn(|k| b.image[k] - a.image[k]))
     }
 
-    /// Returns by how many vectors a body was moved from the given position of its owner.
+    /// Returns the shift of a particle or image from the given position of its owner.
     pub fn image(&self, body: u32) -> [i32; 3] {
         self.body(body as usize).image
     }
@@ -111,7 +111,7 @@ impl<'a, const D: usize> Made<'a, D> {
         }
     }
 
-    /// Returns particles and images as detectors need them.
+    /// Returns a view of particles and images for detectors.
     pub fn imaged<'b>(&'b self, decided: Decided<'b>) -> Imaged<'b, D> {
         Imaged {
             owners: self.owners,
@@ -137,12 +137,12 @@ impl<'a, const D: usize> Made<'a, D> {
         &self.radii
     }
 
-    /// Returns the largest radius.
+    /// Returns the largest radius of all particles.
     pub fn largest_radius(&self) -> f64 {
         self.largest_radius
     }
 
-    /// Copies particles and images to an open scene. Fails with [`Refusal::Exhausted`] if memory
+    /// Copies particles and images into an open scene. Fails with [`Refusal::Exhausted`] if memory
     /// runs out.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
@@ -162,10 +162,10 @@ impl<'a, const D: usize> Made<'a, D> {
     }
 }
 
-/// Code of all numbers above 2 in magnitude.
+/// Code for every shift with a number above 2 in magnitude.
 const FAR: u8 = u8::MAX;
 
-/// Returns a code for three numbers of at most 2 in magnitude, or [`FAR`].
+/// Returns a code that names the shift if its numbers are at most 2 in magnitude, else [`FAR`].
 pub(super) fn tag(wrap: [i32; 3]) -> u8 {
     if wrap.iter().any(|number| number.unsigned_abs() > 2) {
         return FAR;
@@ -173,7 +173,7 @@ pub(super) fn tag(wrap: [i32; 3]) -> u8 {
     wrap.iter().fold(0, |tag, number| 5 * tag + (number + 2) as u8)
 }
 
-/// Returns whether particle i touches an image of j, exactly for the given numbers.
+/// Returns whether particle i touches this image of j, exactly for the given numbers.
 pub(super) fn touches<const D: usize>(
     scene: &Scene<'_, f64, D>,
     pair: [u32; 2],

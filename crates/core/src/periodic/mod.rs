@@ -3,7 +3,7 @@
 //! A [`Periodic`] scene is a scene with a [`Lattice`]. It has its own type, so that no code takes
 //! it for an open scene. A contact is an [`ImagePair`]: particle i touches the image of j that is
 //! shifted by S·H, integers times the vectors of the box. One pair may have several contacts, and a
-//! particle may touch itself.
+//! particle may touch an image of itself.
 //!
 //! * **The test** is exact for the given numbers: the sign of |xi - xj - S·H|² - (ri + rj)² is
 //!   computed by exact arithmetic ([`crate::contact::image`]). It never uses a coordinate of an
@@ -71,7 +71,7 @@ pub enum PeriodicError {
     /// The scene is not stored in f64, which is the precision of the box.
     #[error("a periodic scene must be stored in f64; widen the scene first")]
     Storage,
-    /// The box does not fit the scene.
+    /// The box does not fit the scene's dimension.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
 }
@@ -81,7 +81,7 @@ impl<'a> Periodic<'a> {
     /// repeats along no vector is allowed and adds no contacts.
     ///
     /// # Errors
-    /// Fails if the scene is not stored in f64, or if the box of discs leaves their plane.
+    /// Fails if the scene is not stored in f64, or if the box of discs is not in their plane.
     pub fn new(scene: AnyScene<'a>, lattice: Lattice) -> Result<Periodic<'a>, PeriodicError> {
         if !scene.is_f64() {
             return Err(PeriodicError::Storage);
@@ -90,7 +90,7 @@ impl<'a> Periodic<'a> {
         Ok(Periodic { scene, lattice })
     }
 
-    /// Returns the particles as given.
+    /// Returns the particles in their given positions.
     pub fn scene(&self) -> &AnyScene<'a> {
         &self.scene
     }
@@ -106,20 +106,20 @@ impl<'a> Periodic<'a> {
     }
 }
 
-/// A contact of particle `i` with the image of particle `j` at xj + S·H. Seen from `j` it is the
-/// same contact with the image of `i` at xi - S·H; [`ImagePair::new`] accepts either form.
+/// A contact of particle `i` with the image of particle `j` at xj + S·H. Seen from `j`, this
+/// contact is with the image of `i` at xi - S·H; [`ImagePair::new`] accepts either form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImagePair {
     /// The smaller particle number.
     pub i: u32,
-    /// The larger particle number, or the same number.
+    /// The larger particle number; equal to `i` if a particle touches an image of itself.
     pub j: u32,
-    /// S, one number per vector of the box, 0 if the box is open along it. If `i` equals `j`, the
-    /// first nonzero number is positive.
+    /// Shift S, one number per vector of the box, 0 if the box is open along the vector. If `i`
+    /// equals `j`, the first nonzero number is positive.
     pub image: [i32; 3],
 }
 
-/// Writes `3,7`, or `3,7 (0,-1,0)` for a contact through a face.
+/// Writes `3,7` for a contact without a shift, or `3,7 (0,-1,0)` for a contact through a face.
 impl std::fmt::Display for ImagePair {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ImagePair { i, j, image: [x, y, z] } = self;
@@ -130,7 +130,7 @@ impl std::fmt::Display for ImagePair {
     }
 }
 
-/// Converts pairs of an open scene to contacts without a shift.
+/// Converts pairs of an open scene to contacts with the shift 0.
 pub fn without_shift(pairs: &[[u32; 2]]) -> impl Iterator<Item = ImagePair> {
     pairs.iter().map(|&[i, j]| ImagePair::new(i, j, [0; 3]))
 }

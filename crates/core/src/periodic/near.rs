@@ -1,6 +1,6 @@
 //! Which images are near enough to touch, and how accurate their positions are.
 //!
-//! Owners, T, pj and half of the images are those of [`super::images`].
+//! The symbols are those of [`super::images`] and, for (1), ga, c and off, of `frame.rs`.
 //!
 //! **Which images.** Let y be the computed positions of owners, fl(ga·y) their fractions
 //! (`frame.rs`), from lowa to higha along vector a, and E a bound for |y - p| over all owners. If
@@ -15,8 +15,8 @@
 //! and the roundings of the two sums, (lowa - M) - fj and (higha + M) - fj, are at most 3u (4m +
 //! M): the code uses 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T
 //! has some Ta of at least 1, so fj is at most higha + M - 1 for this a. One pass over the scene
-//! finds its corners and fractions, and lists the particles whose images must be examined by a
-//! guess of this bound. If the guess was too low, there is a second pass.
+//! finds its corners and fractions. It lists the particles whose images must be examined, for which
+//! it guesses this bound. If the guess was too low, there is a second pass.
 //!
 //! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts pairs up to
 //! its own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
@@ -46,12 +46,12 @@ use crate::refusal::Refusal;
 use crate::scene::{CellF32, Real, Scene, Storage, array};
 use crate::wide::{Kernel, Level, Wide};
 
-/// The lowest and the highest T along each vector.
+/// The lowest and the highest number of T along each vector.
 type Ranges = [[i32; 2]; 3];
 
-/// Returns how many T in these ranges are lexicographically positive; exact below 2^53.
+/// Returns the number of lexicographically positive T in these ranges; exact below 2^53.
 pub(super) fn half([x, y, z]: Ranges) -> f64 {
-    // At most 2^30, so that a product of two fits.
+    // A length is at most 2^30, so that the product of two fits.
     let length = |[low, high]: [i32; 2]| i64::from((high - low + 1).max(0));
     let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
     let zero = |[low, high]: [i32; 2]| i64::from(low <= 0 && high >= 0);
@@ -59,7 +59,7 @@ pub(super) fn half([x, y, z]: Ranges) -> f64 {
     (positive(x) * length(y)) as f64 * length(z) as f64 + behind as f64
 }
 
-/// Calls `call` with each lexicographically positive T, in ascending order.
+/// Calls `call` with each lexicographically positive T of these ranges, in ascending order.
 pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
     for a in x[0].max(0)..=x[1] {
         for b in (if a > 0 { y[0] } else { y[0].max(0) })..=y[1] {
@@ -70,8 +70,8 @@ pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
     }
 }
 
-/// Returns the vector for which the only lexicographically positive T is a single step, if a quick
-/// check shows it. This holds for most particles near a face of the box.
+/// Returns the vector a if the only lexicographically positive T in these ranges is one step along
+/// a. `None` decides nothing. The quick check succeeds for most particles near a face of the box.
 #[inline(always)]
 pub(super) fn one_step([x, y, z]: Ranges) -> Option<usize> {
     let steps = x[1] + 2 * y[1] + 4 * z[1];
@@ -80,7 +80,7 @@ pub(super) fn one_step([x, y, z]: Ranges) -> Option<usize> {
     known.then_some(steps as usize / 2)
 }
 
-/// How far particles reach in an arithmetic.
+/// Distance within which the contact test of an arithmetic may accept pairs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     unit: f64,
@@ -95,7 +95,7 @@ impl Reach {
             Storage::F64 => (f64::UNIT, Slack::rounded::<f64>()),
             Storage::F32 => (f32::UNIT, Slack::rounded::<f32>()),
             Storage::Cell => {
-                // In units of a cell, which is at most four radii wide.
+                // The slack is in units of a cell, which is at most four radii wide.
                 let slack = Slack::rounded::<CellF32>();
                 let absolute = slack.absolute * (4.0 * largest_radius).max(f64::MIN_POSITIVE);
                 (CellF32::UNIT, Slack { absolute, ..slack })
@@ -104,14 +104,14 @@ impl Reach {
         Reach { unit, slack, largest_radius }
     }
 
-    /// Returns R for a particle of this radius and any other, if storing moves them by `storing`.
+    /// Returns R for a particle of this radius, if storing moves particles by `storing`.
     fn of(&self, radius: f64, storing: f64) -> f64 {
         (self.slack.reach(radius, self.largest_radius) + storing) * (1.0 + 16.0 * self.unit)
     }
 
-    /// Returns a guess: particles with a fraction below this along some vector may have images, in
-    /// a scene that begins at the corner of its box. Rather too high, because each extra particle
-    /// costs little.
+    /// Guesses, for each vector, the fraction below which particles may have images, in a scene
+    /// that begins at the corner of its box. The guess is rather too high, because each extra
+    /// particle costs little.
     pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
         std::array::from_fn(|a| {
             let reach = frame.lengths[a] * self.of(self.largest_radius, 0.0);
@@ -123,17 +123,17 @@ impl Reach {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Survey<const D: usize> {
     pub corners: Corners<D>,
-    /// Least and largest fractions.
+    /// Least fractions of all particles; `high` holds the largest ones.
     low: [f64; 3],
     high: [f64; 3],
     pub candidates: usize,
 }
 
-/// Fractions may differ by 1 plus this before particles are moved. Particles that leave a box
-/// between two rebuilds of a simulation must not cause a copy.
+/// Fractions may differ by 1 plus this before particles are moved into the box. Particles that
+/// leave a box between two rebuilds of a simulation must not cause a copy.
 const WIDER: f64 = 1.0 / 64.0;
-/// Particles farther from the box than this many boxes are moved, because their fractions would
-/// have few digits left.
+/// Particles are moved into the box if one is more than this many boxes away, because its fractions
+/// would have few digits left.
 const FAR: f64 = (1u64 << 20) as f64;
 
 impl<const D: usize> Survey<D> {
@@ -141,7 +141,7 @@ impl<const D: usize> Survey<D> {
         std::array::from_fn(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
     }
 
-    /// Returns whether all particles fit in one box, wherever its corner is.
+    /// Returns whether all particles fit in one box, at any corner that is not too far away.
     pub fn fit(&self, frame: &Frame<D>) -> bool {
         (0..3).filter(|&a| frame.periodic[a]).all(|a| {
             let away = [self.low[a], self.high[a]].map(|f| (f - frame.corner(a)).abs());
@@ -150,16 +150,16 @@ impl<const D: usize> Survey<D> {
     }
 }
 
-/// A particle that may have images, with its position: in a scene in random order the position
-/// would no longer be in cache.
+/// A particle that may have images, and its position. The position is stored because in a scene in
+/// random order it would no longer be in cache.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate<const D: usize> {
     pub place: [f64; D],
     pub owner: u32,
 }
 
-/// Makes one pass over a non-empty scene. It lists the particles with a fraction of at most
-/// `below`, and perhaps some more, until the list is full.
+/// Makes one pass over a non-empty scene. It lists particles with a fraction of at most `below`,
+/// and perhaps some more, until the list is full.
 pub(super) fn survey<const D: usize>(
     centres: &[Point<f64, D>],
     frame: &Frame<D>,
@@ -167,15 +167,15 @@ pub(super) fn survey<const D: usize>(
     list: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
     if frame.is_along_axes() {
-        // Some more are listed because the quotient is rounded, and none along an open axis.
-        // Underflow loses less than 2^-40, which a valid bound has to spare (`Near::new`).
+        // The limit is widened because the quotient is rounded; along an open axis no particle is
+        // listed. Underflow loses less than 2^-40, which a valid bound has to spare (`Near::new`).
         let below: [f64; D] = std::array::from_fn(|k| {
             let below = below[k] / frame.scale(k);
             if frame.periodic[k] { below + (GROW - 1.0) * below.abs() } else { f64::NEG_INFINITY }
         });
         let (corners, candidates) =
             Level::best().run(GoOver { centres, numbers: |x: &[f64; D]| *x, below, list });
-        // Rounding is monotone, so the least coordinate has the least fraction.
+        // Rounding is monotone, so the particle with the least coordinate has the least fraction.
         let fractions =
             |x: [f64; D]| std::array::from_fn(|a| if a < D { x[a] * frame.scale(a) } else { 0.0 });
         let (low, high) = (fractions(corners.0), fractions(corners.1));
@@ -193,8 +193,8 @@ pub(super) fn survey<const D: usize>(
     Survey { corners, low: part(low), high: part(high), candidates }
 }
 
-/// Finds the least and the largest of several numbers of each particle, counts the particles with
-/// one at most `below`, and lists them until the list is full.
+/// Finds the least and the largest of each of C numbers per particle. Counts the particles with a
+/// number of at most `below`, and lists these particles until the list is full.
 struct GoOver<'a, N, const D: usize, const C: usize> {
     centres: &'a [Point<f64, D>],
     numbers: N,
@@ -214,7 +214,7 @@ where
         let is_near = |numbers: &[f64; C]| {
             numbers.iter().zip(&below).fold(false, |near, (number, below)| near | (number <= below))
         };
-        // Updated in turn, so that a comparison need not wait for the one before.
+        // Four minima are updated in turn, so that a comparison need not wait for the one before.
         const TURNS: usize = 4;
         let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
         let mut widen = |numbers: &[f64; C], turn: usize| {
@@ -237,7 +237,7 @@ where
         for (group, some) in groups.iter().enumerate() {
             let all = some.each_ref().map(|x| numbers(array(x)));
             all.iter().zip(0..).for_each(|(numbers, turn)| widen(numbers, turn));
-            // Most groups have none.
+            // Most groups of particles have none to be listed.
             if all.iter().fold(false, |any, numbers| any | is_near(numbers)) {
                 (0..TURNS).for_each(|k| look(array(&some[k]), &all[k], group * TURNS + k));
             }
@@ -257,30 +257,30 @@ where
     }
 }
 
-/// Works without a call, for numbers in the range of an i32.
+/// Rounds down without a call to the library, for numbers in the range of an i32.
 #[inline]
 fn floor(x: f64) -> i32 {
     let towards_zero = x as i32;
     towards_zero - i32::from(f64::from(towards_zero) > x)
 }
 
-/// Determines which images are near enough to some owner.
+/// Determines which images are near enough to some owner to touch it.
 pub(super) struct Near<'a, const D: usize> {
     pub frame: &'a Frame<D>,
     pub corners: Corners<D>,
-    /// Least and largest fractions of owners.
+    /// Least fractions of owners; `high` holds the largest ones.
     low: [f64; 3],
     high: [f64; 3],
-    /// M without |ga| R.
+    /// The margin M without its part |ga| R.
     more: [f64; 3],
     reach: Reach,
     storing: f64,
     pub largest_reach: f64,
-    /// Upper bound for all T.
+    /// Upper bound for the numbers of all T.
     pub most: f64,
-    /// Particles without a fraction below these have no images.
+    /// For each vector: only particles with a fraction of at most one of these may have images.
     pub below: [f64; 3],
-    /// E for all particles and images.
+    /// Bound E for the error of all positions of particles and images.
     off: f64,
 }
 
@@ -289,8 +289,8 @@ const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 
 impl<'a, const D: usize> Near<'a, D> {
     /// Creates the bounds for owners that were moved by at most `wraps` vectors from coordinates of
-    /// at most `x_most`. Fails with [`Refusal::Range`] if images overflow, and [`Refusal::Skewed`]
-    /// if images cannot be numbered in the given vectors.
+    /// at most `x_most` in magnitude. Fails with [`Refusal::Range`] if positions of images
+    /// overflow, and [`Refusal::Skewed`] if images cannot be numbered in the given vectors.
     pub fn new(
         frame: &'a Frame<D>,
         found: &Survey<D>,
@@ -299,7 +299,7 @@ impl<'a, const D: usize> Near<'a, D> {
         reach: Reach,
     ) -> Result<Near<'a, D>, Refusal> {
         let (low, high, y_most) = (found.low, found.high, found.most());
-        // E for images by up to this many vectors.
+        // Returns the error bound E for images shifted by up to this number along each vector.
         let off = |shift: f64| -> f64 {
             let given = frame.most_given([shift; 3]);
             let along = |k: usize| {
@@ -319,7 +319,7 @@ impl<'a, const D: usize> Near<'a, D> {
         let (coupling, most) = frame.coupling(spread, largest_reach);
         (0..3).for_each(|a| more[a] += coupling[a]);
         let off = off(most.min(MOST));
-        // Also true for NaN.
+        // The condition is also true if a number is NaN.
         if !(off < f64::INFINITY && most.is_finite()) {
             return Err(Refusal::Range);
         }
@@ -351,7 +351,7 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// Estimates how many images of this many particles are near, for a message.
+    /// Estimates how many images this many particles have, for an error message.
     pub fn about(&self, particles: usize) -> f64 {
         let along = |a: usize| {
             let boxes = self.high[a] - self.low[a];
@@ -360,7 +360,7 @@ impl<'a, const D: usize> Near<'a, D> {
         0.5 * particles as f64 * (0..3).map(along).product::<f64>()
     }
 
-    /// Returns the interval for the sum of T and the fraction of an owner of this radius.
+    /// Returns the limits of T plus the fraction of an owner of this radius, for each vector.
     pub fn sums(&self, radius: f64) -> [[f64; 2]; 3] {
         let reach = self.reach.of(radius, self.storing);
         std::array::from_fn(|a| {
@@ -369,7 +369,7 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// Returns the T of an owner at this position.
+    /// Returns the ranges of T for an owner at this position.
     #[inline]
     pub fn ranges(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> Ranges {
         std::array::from_fn(|a| {
@@ -382,8 +382,8 @@ impl<'a, const D: usize> Near<'a, D> {
         })
     }
 
-    /// Returns the slack of the exact test, for the positions of all particles and images between
-    /// these corners.
+    /// Returns the slack of the exact test for all particles and images, whose positions lie
+    /// between these corners.
     pub fn slack(&self, corners: Option<Corners<D>>, bodies: usize) -> Slack {
         let mut absolute = 2.125 * self.off;
         if let (Some((low, high)), true) =

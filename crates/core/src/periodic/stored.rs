@@ -1,4 +1,4 @@
-//! Particles and images of a periodic scene in storages other than f64.
+//! Copies of the particles and images of a periodic scene in storages other than f64.
 
 use nalgebra::Point;
 
@@ -7,7 +7,7 @@ use crate::contact::Arithmetic;
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
 
-/// Buffers for a copy in another storage.
+/// Buffers for a copy in f32 or in cells.
 #[derive(Default)]
 pub struct Copies<const D: usize> {
     single: Copied<f32, D>,
@@ -26,11 +26,11 @@ impl<T: Real, const D: usize> Default for Copied<T, D> {
 }
 
 impl<const D: usize> Copies<D> {
-    /// Returns particles and images as the arithmetic stores them, or `None` if that is f64.
+    /// Returns particles and images as the arithmetic stores them, or `None` if it stores f64.
     ///
     /// # Errors
-    /// Returns [`Refusal::Stored`] if they do not fit, [`Refusal::Exhausted`] if there is no
-    /// memory.
+    /// Returns [`Refusal::Stored`] if the numbers do not fit, [`Refusal::Exhausted`] if memory runs
+    /// out.
     pub fn of(
         &mut self,
         made: &Made<'_, D>,
@@ -81,8 +81,8 @@ impl<T: Real, const D: usize> Copied<T, D> {
     }
 }
 
-/// Replaces the contents of a buffer; a buffer that is too small is freed before the new one is
-/// made.
+/// Replaces the contents of a buffer. A buffer that is too small is freed before a larger one is
+/// allocated.
 fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) -> Result<(), Refusal> {
     buffer.clear();
     if items.len() > buffer.capacity() {
@@ -97,7 +97,7 @@ fn refused(arithmetic: Arithmetic, error: SceneError) -> Refusal {
     Refusal::Stored { arithmetic: arithmetic.name(), error }
 }
 
-/// Returns the scene with its images as a rounded arithmetic stores it.
+/// Returns a copy of the scene and its images as a rounded arithmetic stores them.
 pub(super) fn stored(
     open: &AnyScene<'_>,
     arithmetic: Arithmetic,

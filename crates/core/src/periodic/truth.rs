@@ -3,15 +3,16 @@
 //! **Exact.** For every pair i <= j, all integers S are tried for which |xi - xj - S·H| can be at
 //! most ri + rj, computed from the given numbers. No particle is wrapped, no image is made, and no
 //! images are skipped by symmetry except those of a particle with itself. By (1) in `frame.rs` Sa
-//! differs from fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a). fa as computed, from a
-//! rounded difference, is within 8u of the sum of |ga| (|xi| + |xj|) over coordinates. A margin of
-//! a quarter is added on either side. Exact arithmetic decides each such image except those that
-//! are clearly apart along one axis: the computed xi - xj - S·H has an error of at most 8u times
-//! the sum of the magnitudes of its terms (five terms, products with one more rounding).
+//! differs from fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a). The computed fa, from a
+//! rounded difference, has an error of at most 8u times the sum of |ga| (|xi| + |xj|) over
+//! coordinates. A margin of a quarter is added on either side. Exact arithmetic decides each such
+//! image except those that are clearly apart along one axis: the computed xi - xj - S·H has an
+//! error of at most 8u times the sum of the magnitudes of its terms (five terms, products with one
+//! more rounding).
 //!
-//! Above [`BRUTE_FORCE`] particles (fewer than in open scenes, because a pair takes longer) two
-//! detectors must find the same contacts, and random particles are tested against all others, as in
-//! [`crate::oracle`].
+//! In scenes of more than [`BRUTE_FORCE`] particles (fewer than in open scenes, because a pair
+//! takes longer) two detectors must find equal contacts, and random particles are tested against
+//! all others, as in [`crate::oracle`].
 //!
 //! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
 //! of the open scene of particles and images that detectors get ([`super::images`]), as stored.
@@ -37,25 +38,25 @@ use crate::sink::{Digest, Visit};
 
 /// Largest number of particles for which every pair is tested.
 pub const BRUTE_FORCE: usize = 3_000;
-/// In larger scenes, random particles are tested against all others, with about this many tests.
+/// Approximate number of tests in larger scenes, of random particles against all others.
 const TESTS: usize = 20_000_000;
 
-/// The set of contacts.
+/// The true contacts of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truth {
     /// Each contact once, in ascending order.
     pub pairs: Vec<ImagePair>,
-    /// Fingerprint of `pairs`.
+    /// Fingerprint of all contacts in `pairs`.
     pub digest: Digest,
 }
 
-/// Returns the true contacts of a periodic scene in an arithmetic. For `textbook` arithmetic this
-/// is the truth of its contact test, without its filters. Lists of contacts, and images if any are
-/// made, may take `limit` bytes each.
+/// Returns the true contacts of a periodic scene in an arithmetic. For `textbook` arithmetic these
+/// are the pairs that its contact test accepts, without its filters. Each list of contacts, and
+/// images if any are made, may take `limit` bytes.
 ///
 /// # Errors
 /// Returns [`NoTruth::Refused`] if the limit is too low, the box is too skewed or the arithmetic
-/// cannot represent the scene, and other [`NoTruth`] errors as described there.
+/// cannot represent the scene. The variants of [`NoTruth`] describe the other errors.
 pub fn truth(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,
@@ -68,10 +69,10 @@ pub fn truth(
     Ok(Truth::new(pairs))
 }
 
-/// Returns the exactly decided contacts of particles and images as they are stored for an
-/// arithmetic: brought into the box, copied across its faces, and rounded. Compared with
-/// [`truth()`] in exact arithmetic, this shows the effect of storing; compared with [`truth()`] in
-/// the given arithmetic, the effect of its test. Fails as [`truth()`].
+/// Returns the contacts of particles and images as they are stored for an arithmetic, decided
+/// exactly: brought into the box, copied across its faces, and rounded. Compared with [`truth()`]
+/// in exact arithmetic, this shows the effect of storing; compared with [`truth()`] in the given
+/// arithmetic, the effect of its test. Fails as [`truth()`].
 pub fn truth_as_stored(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,
@@ -123,7 +124,7 @@ where
     Ok(tested(scene, &frame, None, limit)?)
 }
 
-/// Tests the open scene that detectors get, as stored.
+/// Tests the pairs of the open scene that detectors get, as it is stored.
 fn bodies<const D: usize>(
     periodic: &Periodic<'_>,
     scene: &Scene<'_, f64, D>,
@@ -151,7 +152,7 @@ where
     Ok(list.end(scene.len())?)
 }
 
-/// Tests all pairs, or those of the chosen particles, and returns contacts in ascending order.
+/// Tests all pairs, or only pairs with a chosen particle, and returns contacts in ascending order.
 fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
@@ -175,7 +176,7 @@ fn tested<const D: usize>(
     };
     for i in 0..n {
         let all = chosen.is_none_or(|chosen| chosen[i]);
-        // All later particles, or the chosen ones among them.
+        // The partners of a particle: all later particles, or the chosen ones among them.
         let few = if all { &[][..] } else { &few[few.partition_point(|&j| j < i)..] };
         for j in (i..if all { n } else { i }).chain(few.iter().copied()) {
             let sum = scene.radius(i) + scene.radius(j);
@@ -201,7 +202,7 @@ fn tested<const D: usize>(
     list.end(n)
 }
 
-/// Returns the lowest and the highest S along each vector.
+/// Returns the lowest and the highest S to be tested along each vector.
 fn around<const D: usize>(
     frame: &Frame<D>,
     [i, j]: [usize; 2],
@@ -252,7 +253,7 @@ fn apart<const D: usize>(
             terms += product.abs();
         }
         let error = 16.0 * U * terms + f64::MIN_POSITIVE;
-        // Not if anything overflows: infinity minus infinity is NaN.
+        // If a term overflows, nothing is decided: infinity minus infinity is NaN.
         difference.abs() - error > sum * (1.0 + 4.0 * U) && terms < f64::INFINITY
     })
 }

@@ -170,7 +170,7 @@ impl<const D: usize> Strain<D> {
         let far = far + sum(&from);
         let entries: f64 = by.iter().map(sum).sum();
         let off = error * far + ROUNDING * ((1.0 + entries) * far + sum(&to));
-        // There is no map if the box is compressed to nothing or numbers overflow.
+        // The map fails if the box is compressed to nothing or numbers overflow.
         (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
     }
 

@@ -37,7 +37,7 @@ pub(super) struct Kept<const D: usize> {
     half: f64,
     /// Largest rounding that the contact test may add to its reach without making the list invalid.
     rounding: f64,
-    /// Frames since the list was built, or `None` if there is no list.
+    /// Frames since the list was built, or `None` without a list.
     age: Option<u32>,
     /// Sum over the frames since the list was built of each frame's largest displacement.
     summed: f64,
@@ -76,7 +76,7 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Updates the particles to this frame. Returns the age of the list in frames and the
-    /// displacements, or `None` if there is no list, or if it was built for other particles, for
+    /// displacements, or `None` if the list is missing, or if it was built for other particles, for
     /// another kind of box, or for a contact test that rounds less.
     pub fn follow<T: Real>(
         &mut self,

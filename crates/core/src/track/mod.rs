@@ -7,7 +7,7 @@
 //! section 8.
 //!
 //! A tracker uses any detector of the table. For each frame it returns what the detector would: the
-//! pairs that the contact test accepts. The result is complete if the rule is safe. It can be
+//! pairs that the contact test accepts. The result is complete if the rule is safe, and can be
 //! compared with the truth in each frame.
 //!
 //! ```
@@ -102,7 +102,7 @@ pub trait Tracker: Send {
     fn formula_bytes(&self) -> u64;
 }
 
-/// What a tracker did in one frame.
+/// Results of one step of a tracker, besides the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// Whether the tracker called its detector in this frame.

@@ -163,7 +163,8 @@ const SKIN: Skin = Skin::Diameters(0.1);
 
 /// Parses a tracker. The name of a detector alone means `every-step` over that detector.
 ///
-/// # Errors Fails if the text has another form or its detector is invalid.
+/// # Errors
+/// Fails if the text has another form or its detector is invalid.
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     let given = Spec::parse_tracker(text);
     match (given.name, &given.over) {

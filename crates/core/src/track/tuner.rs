@@ -196,8 +196,7 @@ mod tests {
         assert_eq!(tuner.direct, DIRECT);
     }
 
-    /// Lists pay if detection is expensive: for many contacts with any detector, and for few
-    /// contacts with a slow detector.
+    /// Lists pay if detection is slow: for many contacts, or for few with a slow detector.
     #[test]
     fn slow_detections_favour_lists() {
         let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };

@@ -48,8 +48,7 @@ impl Verlet {
         }
     }
 
-    /// Finds the contacts of a frame from the list, or returns `None` if the detector must be
-    /// called without a list.
+    /// Finds contacts from a list, or returns `None` if the detector must be called without one.
     fn with_list(
         &mut self,
         frame: Frame<'_>,
