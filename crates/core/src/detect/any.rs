@@ -93,7 +93,7 @@ pub enum Of<'a, const D: usize> {
 }
 
 impl<'a> Searched<'a> {
-    /// Wraps a scene in open space.
+    /// Returns a scene in open space as particles to search.
     pub fn scene(scene: &'a AnyScene<'a>, test: Test) -> Searched<'a> {
         match scene {
             AnyScene::Plane(scene) => Searched::Plane(Of::Scene(scene, test)),
@@ -114,7 +114,7 @@ impl<'a> From<Of<'a, 3>> for Searched<'a> {
     }
 }
 
-/// One algorithm in both forms, for two and three dimensions.
+/// The two forms of a detector, for two and for three dimensions.
 pub struct Both<A, B> {
     plane: A,
     space: B,

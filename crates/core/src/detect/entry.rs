@@ -14,8 +14,8 @@ pub enum Role {
     Nothing,
     /// A second entry with the named detector's code: differences of their times are noise.
     Twin(&'static str),
-    /// A library that people use. It finds all contacts, but need not follow this project's rules
-    /// about memory and refusals.
+    /// A library from outside this project. It finds all contacts, but need not follow this
+    /// project's rules about memory and refusals.
     Peer,
 }
 
@@ -32,7 +32,7 @@ pub enum Group {
     Controls,
     /// Further twins of detectors, for experiments that need to measure noise well.
     Twins,
-    /// Libraries that people use.
+    /// Libraries from outside this project.
     Peers,
 }
 
@@ -90,7 +90,7 @@ pub type Params = BTreeMap<String, String>;
 pub struct Entry {
     /// Name in records, experiments and on the command line.
     pub name: &'static str,
-    /// Purpose of the entry.
+    /// Kind of the entry, such as a detector or a control.
     pub role: Role,
     /// Group that includes the detector in experiments.
     pub group: Group,
@@ -126,7 +126,7 @@ impl Entry {
         self.role != Role::Nothing
     }
 
-    /// Returns whether this project's rules about memory and refusals hold: false for peers.
+    /// Returns whether this project's rules about memory and refusals apply: false for peers.
     pub fn is_ours(&self) -> bool {
         self.role != Role::Peer
     }

@@ -94,7 +94,7 @@ impl fmt::Display for DetectorSpec {
     }
 }
 
-/// Why the text of a [`DetectorSpec`] is invalid.
+/// Reason why the text of a [`DetectorSpec`] is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     /// A name that is not in the table of detectors.
@@ -110,13 +110,13 @@ pub enum SpecError {
     /// A detector of a library that this program was built without.
     #[error("{reason}")]
     NotBuilt {
-        /// The missing library and how to get it.
+        /// Name of the missing library, and how to get it.
         reason: String,
     },
     /// A text that is not of the form `name:parameter=value`, or an unknown parameter or value.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
-    /// Two parameters that exclude each other.
+    /// Two given parameters that exclude each other.
     #[error("'{spec}': {name}={value} and {other} exclude each other; leave out one of them")]
     Together {
         /// Whole text of the specification.

@@ -9,7 +9,7 @@ use contactbench_scenes::hard::{Case, cases};
 use rayon::prelude::*;
 
 ways! {
-    // Images that are made.
+    // Mistakes in making images.
     /// Makes no images: the box is ignored.
     Open,
     /// Makes images along open vectors, too.
@@ -18,7 +18,7 @@ ways! {
     FacesOnly,
     /// Makes all images except those through all faces at once.
     NoCorners,
-    /// Makes one image along each vector, however small the box.
+    /// Makes one image on each side along each vector, however small the box.
     NextOnly,
     /// Makes only the nearest image of each pair, found by rounded fractions.
     MinimumImage,
@@ -29,7 +29,7 @@ ways! {
     /// Makes images with the absolute value of the tilt.
     TiltWithoutSign,
 
-    // Wrapping of particles.
+    // Mistakes in wrapping particles.
     /// Particles are not wrapped.
     NotWrapped,
     /// Particles are wrapped by one vector at most.
@@ -37,15 +37,15 @@ ways! {
     /// Particles that round to the upper face are lost.
     LosesUpperFace,
 
-    // Tested pairs.
+    // Mistakes in choosing pairs to test.
     /// No particle is tested with its own images.
     NoSelf,
-    /// Only half of the images of later particles are tested.
+    /// For two different particles, only half of the images are tested.
     HalfForOrdered,
     /// Each pair has only one contact.
     OncePerPair,
 
-    // Reported pairs.
+    // Mistakes in reporting pairs.
     /// Contacts through a face are reported from both sides.
     BothSides,
     /// Images are reported with the opposite sign.
@@ -68,17 +68,17 @@ ways! {
     OtherCorner,
 }
 
-/// The reference detector on one scene.
+/// Search of one scene by the reference detector.
 struct Search<'a, const D: usize> {
     way: Way,
     scene: &'a Scene<'a, f64, D>,
-    /// The lattice as changed by the mutant.
+    /// Lattice of the scene, after a change by the mutant.
     lattice: Lattice,
     vectors: [[f64; D]; 3],
     found: Vec<ImagePair>,
 }
 
-/// A wrapped particle, and its shift as numbers of box vectors.
+/// Position of a wrapped particle, and its shift in numbers of box vectors.
 type Wrapped = ([f64; 3], [i32; 3]);
 
 impl<'a, const D: usize> Search<'a, D> {
@@ -103,7 +103,7 @@ impl<'a, const D: usize> Search<'a, D> {
             Way::OtherCorner => (0..3).for_each(|k| origin[k] -= 0.625 * vectors[k][k]),
             _ => {}
         }
-        // The given lattice, if the change does not result in a valid box.
+        // The given lattice is used if the change makes the box invalid.
         let lattice = Lattice::new(vectors, repeats, origin).unwrap_or(*lattice);
         let row = |v: usize| match lattice.periodic()[v] {
             true => std::array::from_fn(|k| lattice.vectors()[v][k]),
@@ -117,7 +117,7 @@ impl<'a, const D: usize> Search<'a, D> {
         (0..D).map(|k| dual[k] * x[k]).sum()
     }
 
-    /// Returns `None` for a lost particle.
+    /// Wraps a particle; returns `None` if the mutant loses it.
     fn wrap(&self, i: usize) -> Option<Wrapped> {
         let given = array(&self.scene.centres()[i]);
         let from_corner = |x: &[f64; D]| {
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Returns the highest image along a vector; the lowest is its negative.
+    /// Returns the largest number of an image along vector `v`; the smallest is its negative.
     fn most(&self, v: usize) -> i32 {
         let reach = 2.0 * self.scene.largest_radius();
         let length = |v: usize| self.vectors[v].iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -179,7 +179,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.found
     }
 
-    /// Returns whether an image is tested.
+    /// Returns whether particle `i` is tested against this image of particle `j`.
     fn tried(&self, [i, j]: [usize; 2], [a, b]: [Wrapped; 2], image: [i32; 3]) -> bool {
         let shifted = image.iter().filter(|&&number| number != 0).count();
         let nearest = |v: usize| match self.lattice.periodic()[v] {
@@ -232,7 +232,7 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-/// Returns the hard cases with the truth of their last step.
+/// Returns the hard cases in boxes, with the truth of their last step.
 fn trials() -> Vec<(&'static str, Periodic<'static>, Vec<ImagePair>)> {
     let mut trials = Vec::new();
     for case in cases().filter(|case: &&Case| case.group == "boxes") {

@@ -2,8 +2,8 @@
 //!
 //! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and tested on
 //! every hard case, in both dimensions and every safe arithmetic; [`boxes`] does the same for
-//! periodic boxes. If no case finds a mutant, a case is missing. A refusal is not wrong. Changes
-//! that look wrong but are not ([`ways::right`]) must pass.
+//! periodic boxes. If no case finds a mutant, a case is missing. A refusal does not count as wrong.
+//! Changes that look wrong but are not ([`ways::right`]) must pass.
 //!
 //! Cases of more work than [`LIGHT`] run only on mutants that no lighter case finds, and on
 //! unchanged detectors.
@@ -57,14 +57,14 @@ use rayon::prelude::*;
 use reference::Reference;
 use ways::Way;
 
-/// A hard case in one dimension and arithmetic.
+/// A hard case in 2D or 3D, in one arithmetic.
 struct Trial {
     name: &'static str,
     dim: usize,
     arithmetic: Arithmetic,
     steps: Vec<AnyScene<'static>>,
     truth: Digest,
-    /// Particles of all steps and contacts of the last.
+    /// Number of particles in all steps, plus contacts in the last step.
     work: u64,
 }
 
@@ -90,7 +90,7 @@ static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
                 let Ok(truth) = oracle::truth(&steps[steps.len() - 1].scene, arithmetic) else {
                     continue;
                 };
-                // A step that cannot be stored is left out.
+                // A step that cannot be stored in this arithmetic is left out.
                 let steps: Vec<_> =
                     steps.iter().filter_map(|step| step.scene.stored(arithmetic).ok()).collect();
                 let work = steps.iter().map(|scene| scene.len() as u64).sum::<u64>()
@@ -110,7 +110,7 @@ static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     trials
 });
 
-/// Runs all steps in order, and judges the last.
+/// Runs all steps of a trial in order, and judges the result of the last.
 fn judge(way: Way, trial: &Trial) -> Verdict {
     let (mut plane, mut space) = (Reference::<2>::new(way), Reference::<3>::new(way));
     let mut last = (Ok(()), Digest::default());
@@ -164,7 +164,7 @@ fn the_catalogue_finds_out_every_mutant() {
     assert!(survivors.is_empty(), "no hard case finds out {survivors:?}: a case is missing");
 }
 
-/// Returns the number of cases that find a mutant, up to three, and its line of the table.
+/// Returns the number of cases that find a mutant, counted up to three, and its line of the table.
 fn row(way: Way) -> (usize, String) {
     let (mut killers, mut names): (Vec<&Trial>, Vec<&str>) = (Vec::new(), Vec::new());
     for trial in TRIALS.iter().filter(|trial| way.dim().is_none_or(|dim| dim == trial.dim)) {

@@ -1,5 +1,5 @@
-//! A small right detector that can be made wrong in one way at a time: a grid with half the mask,
-//! and for other mistakes a spatial hash and a sweep.
+//! A small correct detector that can be made wrong in one way at a time: a grid with half the mask
+//! or, for other mistakes, a spatial hash or a sweep.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashSet};
@@ -16,8 +16,8 @@ use super::ways::Way;
 
 type Cell<const D: usize> = [i64; D];
 
-/// The detector. Fields other than `way` and `radii` are left by earlier calls, and only mutants
-/// read them.
+/// The reference detector. Fields other than `way` and `radii` hold results of earlier calls, which
+/// only mutants read.
 pub struct Reference<const D: usize> {
     way: Way,
     /// Radii of the scene, for wrong contact tests.
@@ -28,7 +28,7 @@ pub struct Reference<const D: usize> {
     found: Vec<[u32; 2]>,
 }
 
-/// Origin and size of cells; `cells` if they are those of the library.
+/// Origin and edge of cells; `cells` is set if the library computes cell numbers.
 #[derive(Clone, Copy, PartialEq)]
 struct Grid<const D: usize> {
     low: [f64; D],
@@ -136,7 +136,7 @@ impl<const D: usize> Reference<D> {
             _ => bodies.reach(),
         };
         let margin = if self.way == Way::NoMargin { Margin::Textbook } else { Margin::Safe };
-        // As in the library, cells for points are of any size.
+        // Without a changed reach or margin, the library chooses the cells.
         let cells = match () {
             () if n == 0 || reach == bodies.reach() && margin == Margin::Safe => Cells::new(bodies),
             () => Cells::spanning(low, high, reach, margin),
@@ -173,7 +173,7 @@ impl<const D: usize> Reference<D> {
                 Way::SinglePrecisionCells => (from_low as f32 * scale as f32) as i64,
                 Way::SinglePrecisionFromZero => (x as f32 * scale as f32).floor() as i64,
                 Way::ZerosDiffer => (x * scale).floor().to_bits() as i64,
-                // Numbers of any size and sign, if the grid does not fit the scene.
+                // If the grid does not fit the scene, numbers have any size and sign.
                 Way::StaleGrid | Way::NeverRefuses => (from_low * scale).floor() as i64,
                 way => {
                     let number = i64::from(grid.cells.map_or(0, |cells| cells.index(x, k, probe)));
@@ -203,7 +203,7 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// Returns the part of a list that is tested.
+    /// Returns the part of a list that the mutant tests.
     fn counted<'a>(&self, list: &'a [u32]) -> &'a [u32] {
         if self.way == Way::ByteCount { &list[..(list.len() % 256).max(1)] } else { list }
     }
@@ -371,7 +371,7 @@ impl<const D: usize> Reference<D> {
     }
 }
 
-/// The pairs found, and their number for each particle.
+/// Pairs that were found, and the number of contacts of each particle.
 struct Pairs {
     way: Way,
     found: Vec<[u32; 2]>,

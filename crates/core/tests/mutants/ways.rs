@@ -3,7 +3,7 @@
 use contactbench_core::detect::book::mask;
 
 ways! {
-    // Particles.
+    // Mistakes with particles.
     /// The last particle is left out.
     DropsLastElement,
     /// The first particle is left out.
@@ -13,7 +13,7 @@ ways! {
     /// Particle numbers are stored in a byte.
     ByteElements,
 
-    // Pairs.
+    // Mistakes with pairs.
     /// The last pair found is not reported.
     DropsLastPair,
     /// The last pair found is reported twice.
@@ -33,28 +33,28 @@ ways! {
     /// Particles in neighbouring cells are reported untested.
     Untested,
 
-    // The contact test.
+    // Mistakes in the contact test.
     /// Contacts are tested with < instead of <=.
     Strict,
-    /// A rounded root: sqrt(d²) <= ri + rj in f64.
+    /// The test is sqrt(d²) <= ri + rj in f64, with a rounded root.
     RoundedRoot,
-    /// |p|² + |q|² - 2p·q in f64.
+    /// Squared distances are computed as |p|² + |q|² - 2p·q in f64.
     ExpandedForm,
-    /// Differences of coordinates rounded to f32.
+    /// Coordinates are rounded to f32 before the test.
     SinglePrecisionTest,
-    /// d² <= s²(1 + 10^-12).
+    /// The test has a relative tolerance: d² <= s²(1 + 10^-12), s = ri + rj.
     RelativeTolerance,
-    /// d <= s + 10^-9.
+    /// The test has an absolute tolerance: d <= ri + rj + 10^-9.
     AbsoluteTolerance,
-    /// ri² + rj² instead of (ri + rj)².
+    /// The limit on the squared distance is ri² + rj² instead of (ri + rj)².
     SumOfSquares,
     /// All particles get the largest radius.
     LargestRadius,
-    /// Particles at one place count as one.
+    /// Particles with the same centre are not in contact.
     SkipsCoincident,
 
-    // The size of a cell.
-    /// The book's cells, without a margin.
+    // Mistakes in the edge of a cell.
+    /// Cells have no margin for rounding, like those of the book.
     NoMargin,
     /// The edge is the first particle's diameter.
     EdgeOfFirst,
@@ -67,7 +67,7 @@ ways! {
     /// The edge is the largest diameter, although rounding accepts more.
     EdgeWithoutSlack,
 
-    // The number of a cell.
+    // Mistakes in the number of a cell.
     /// Cell numbers are int(x / d) without the origin, and unsigned: -1 becomes 2^32 - 1, which is
     /// not beside 0.
     Unsigned,
@@ -77,48 +77,48 @@ ways! {
     SinglePrecisionFromZero,
     /// Cell numbers have this many bits; those of neighbours are not wrapped.
     Bits(u32) in [8, 16, 21],
-    /// Cells are marked as done by numbers of this many bits.
+    /// Visited cells are marked by cell numbers of this many bits.
     DoneByBits(u32) in [16, 21],
     /// Cell numbers are the bits of a double, so that 0 and -0 differ.
     ZerosDiffer,
     /// Grids with any number of cells are accepted.
     NeverRefuses,
 
-    // Visiting cells.
-    /// The last cell along this axis (0: x, 1: the last one) is not visited.
+    // Mistakes in visiting cells.
+    /// The last cell along this axis (0: x, 1: the last axis) is not visited.
     LastUnvisited(usize) in [0, 1],
     /// The first cell along this axis is not tested as a neighbour.
     FirstUnseen(usize) in [0, 1],
-    /// In this dimension, cell k of the mask is left out.
+    /// In 2D or 3D, as given, cell k of the mask is left out.
     MaskWithout([usize; 2]) in masks(),
-    /// In this dimension, cell k of the mask is the mirror of the cell after it.
+    /// In 2D or 3D, as given, cell k of the mask is the mirror of the cell after it.
     MaskRepeats([usize; 2]) in masks(),
 
-    // Capacity.
+    // Limits of capacity.
     /// A cell holds at most this many particles.
     Capacity(usize) in [32, 100, 256, 1024],
     /// The number of particles in a cell is stored in a byte.
     ByteCount,
 
-    // State.
+    // Mistakes with state of earlier calls.
     /// Lists of an earlier call are not emptied.
     StaleLists,
-    /// The grid is kept if N is unchanged.
+    /// The grid of the last call is kept if N is unchanged.
     StaleGrid,
-    /// Cell numbers are kept if N is unchanged.
+    /// Cell numbers of the last call are kept if N is unchanged.
     StaleNumbers,
-    /// Pairs are kept if N and the box are unchanged.
+    /// Pairs of the last call are kept if N and the grid are unchanged.
     StalePairs,
-    /// The largest diameter is that of the first call.
+    /// The reach is that of the first call.
     StaleReach,
 
-    // The hash.
+    // Mistakes in the spatial hash.
     /// All particles in a bucket count as those of the wanted cell.
     BucketsUncompared,
     /// A bucket keeps the list of its first cell only.
     BucketsOfOneCell,
 
-    // The sweep.
+    // Mistakes in the sweep.
     /// The sweep stops if the second coordinates are too far apart.
     BreakOnWrongAxis,
     /// The sweep stops at particles exactly at reach.
@@ -138,7 +138,7 @@ ways! {
     Hash,
     /// The unchanged sweep along x.
     Sweep,
-    /// Cell k of the mask is replaced by its mirror.
+    /// In 2D or 3D, as given, cell k of the mask is replaced by its mirror.
     Mirrored([usize; 2]) in masks(),
     /// Cell numbers have this many bits and wrap, so that distant cells share a list.
     Torus(u32) in [8, 21],
@@ -147,7 +147,7 @@ ways! {
 }
 
 impl Way {
-    /// Returns the changed algorithm: [`Way::Grid`], [`Way::Hash`] or [`Way::Sweep`].
+    /// Returns the algorithm that is changed: [`Way::Grid`], [`Way::Hash`] or [`Way::Sweep`].
     pub fn algorithm(self) -> Way {
         use Way::*;
         match self {
@@ -158,7 +158,7 @@ impl Way {
         }
     }
 
-    /// Returns the dimension in which this way differs from its algorithm, if only one.
+    /// Returns the dimension (2 or 3) to which the change is limited, if any.
     pub fn dim(self) -> Option<usize> {
         match self {
             Way::MaskWithout([dim, _]) | Way::MaskRepeats([dim, _]) | Way::Mirrored([dim, _]) => {
@@ -169,7 +169,7 @@ impl Way {
     }
 }
 
-/// Iterates over the cells of the masks: dimension and place.
+/// Iterates over all cells of the contact masks: the dimension and the index in the mask.
 fn masks() -> impl Iterator<Item = [usize; 2]> {
     let cells = |dim, len| (0..len).map(move |k| [dim, k]);
     cells(2, mask::PLANE.len()).chain(cells(3, mask::SPACE.len()))

@@ -71,7 +71,7 @@ impl<T: Real> Detector<T, 3> for BinaryTree {
     }
 }
 
-/// The path from the root to a cell: bit `level`, counted from the top, selects the half.
+/// Levels of the tree: on each, one bit of a cell's index selects the half, highest bit first.
 #[derive(Clone, Copy)]
 struct Levels {
     /// Number of times that each axis is halved.

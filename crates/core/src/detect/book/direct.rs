@@ -3,8 +3,9 @@
 //! Every pair of particles is tested once.
 //!
 //! * Cost: exactly N(N-1)/2 contact tests for N particles. Memory: none.
-//! * Threads share the pairs by their first particle and collect contacts, 8 bytes each, in arrays
-//!   of at most twice the length needed. Counting passes use one thread; the counts are the same.
+//! * Each thread tests the pairs of its share of first particles and collects contacts, 8 bytes
+//!   each, in arrays of at most twice the length needed. Counting passes use one thread; the counts
+//!   are the same.
 //! * Refuses a scene only if the contacts collected by several threads exceed the memory limit.
 //! * Deviations from the book: none.
 

@@ -12,9 +12,9 @@ pub const TEN: [[u32; 2]; 10] =
 pub const NINE: [[u32; 2]; 9] =
     [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
 
-/// Particles in the given cells of a 10 x 10 (x 10) grid. Adjacent cells' particles are slightly
-/// more than an edge apart, so differences of cells do not depend on the grid's origin. All pairs
-/// count as touching: a detector reports all pairs that the contact mask compares.
+/// Particles in the given cells of a 10 x 10 (x 10) grid. Neighbours are 1.01 edges apart, so the
+/// difference of two cells does not depend on the grid's origin. All pairs count as touching, so a
+/// detector reports all pairs that the contact mask compares.
 #[derive(Clone, Copy)]
 pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 

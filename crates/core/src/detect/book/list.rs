@@ -79,7 +79,7 @@ impl Heads {
         );
     }
 
-    /// Puts `particle` on `list`, which must not be marked as old, with its links of this `kind`.
+    /// Puts `particle` on `list`, which must not be marked as old, by its link of this `kind`.
     #[inline(always)]
     pub fn push<const L: usize, P: Probe>(
         &mut self,
@@ -101,7 +101,7 @@ impl Heads {
         self.look(list, Op::CellProbe, probe)
     }
 
-    /// Does the same as [`Heads::first`] for a list of a smaller size class, but counts separately.
+    /// Does the same as [`Heads::first`] for lists of a smaller size class, under its own counter.
     #[inline(always)]
     pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         self.look(list, Op::LevelProbe, probe)

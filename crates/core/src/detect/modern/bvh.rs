@@ -123,7 +123,7 @@ impl<const D: usize> Steps<D> {
         }
     }
 
-    /// Returns the steps of a point, bits of all axes interleaved, the highest first.
+    /// Returns a point's key: the bits of its steps on all axes, interleaved, the highest first.
     #[inline(always)]
     fn key(&self, position: [f64; D], probe: &mut impl Probe) -> u64 {
         probe.add(Op::Integerise, D as u64);

@@ -97,7 +97,7 @@ impl<const D: usize> Sweep<D> {
         self.search(judge, axes, bounds, probe, sink);
     }
 
-    /// Copies the particles in their order; `name` is the detector's name in refusals.
+    /// Copies the particles in stored order; `name` is the detector's name in refusals.
     pub(crate) fn take<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,

@@ -25,7 +25,7 @@ pub struct Tree<const D: usize> {
     boxes: Vec<Bounds<D>>,
 }
 
-/// Distribution of records to leaves.
+/// Distribution of records among the leaves.
 #[derive(Clone, Copy)]
 pub struct Leaves {
     n: usize,
@@ -106,7 +106,7 @@ impl<const D: usize> Tree<D> {
         bounds
     }
 
-    /// Finds the contacts with the current boxes.
+    /// Finds the contacts; the boxes must enclose the current records.
     pub(crate) fn walk<P: Probe, S: Sink>(
         &self,
         judge: Judge<'_, P, impl Nearness>,

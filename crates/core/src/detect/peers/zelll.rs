@@ -69,7 +69,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
 }
 
 fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal> {
-    // The crate numbers four more cells per axis than exist, and adds and subtracts neighbours.
+    // Leaves room: the crate numbers four more cells per axis, and adds offsets of neighbours.
     const MOST: f64 = (1u64 << 30) as f64;
     let [low, high] = bounds(points);
     let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);

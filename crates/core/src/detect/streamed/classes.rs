@@ -1,4 +1,4 @@
-//! Size classes: which particles share a grid.
+//! Size classes of particles; the particles of a class share a grid.
 //!
 //! Cells are as wide as the reach of the largest particle in them. So particles of very different
 //! sizes are divided into classes by radius, and each class gets its own grid. Larger particles

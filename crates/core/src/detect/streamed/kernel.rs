@@ -148,7 +148,7 @@ impl Scratch {
             let mut packed = [0; KEPT];
             source.pack(w, sure, &mut packed);
             // SAFETY: at most `ROOM - 3 * KEPT` pairs are stored when a call begins, and `KEPT`
-            // more after the first half.
+            // more after the first half of the vector.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
             *found += sure.count_ones() as usize;

@@ -199,7 +199,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
             let begin = block << self.block;
             let records = &self.records[begin as usize..end as usize];
             block = self.before[block as usize];
-            // After the first block `end` is not used; no block number is this large.
+            // Unused if `block` is NONE, which is larger than any block number.
             end = block.wrapping_add(1) << self.block;
             Some(records)
         })

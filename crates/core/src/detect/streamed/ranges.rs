@@ -25,7 +25,7 @@ const fn axes<F: Find, const D: usize>() -> usize {
     if F::FLAT { D - 1 } else { D }
 }
 
-/// Number of ranges that are used of the five.
+/// Number of the five ranges that are used.
 pub(super) const fn ranges_used<F: Find, const D: usize>() -> usize {
     [0, 1, 2, 5][axes::<F, D>()]
 }

@@ -1,8 +1,7 @@
 //! Visits: tests of larger particles against the particles in the grid of a finer size class.
 //!
 //! Larger particles visit a bundle of layers of a finer class while the bundle is in cache
-//! ([`super::dense`]). A visitor reaches the cells of a ball. Those of one row are adjacent in
-//! memory.
+//! ([`super::dense`]). The cells within reach of a visitor form a ball; in a row they are adjacent.
 //!
 //! ```text
 //!      . . o o o . .
@@ -86,7 +85,7 @@ pub(super) struct Visit<'a, const D: usize> {
 fn cells(count: u64, bits: u32, x: f64, distance: f64) -> (u64, u64) {
     let top = ((count << bits) - 1) as f64;
     let high = x + distance;
-    // If x is NaN, the result is the end of the axis.
+    // For NaN the lower limit is the first cell, the upper limit the last.
     let cell = |x: f64| x.max(0.0).min(top) as u64 >> bits;
     (cell(x - distance), cell(if high.is_nan() { top } else { high }))
 }

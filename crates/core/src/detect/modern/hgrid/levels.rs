@@ -64,8 +64,7 @@ impl<const D: usize> Level<D> {
         cell
     }
 
-    /// Returns the slot of the level, from 0, where the search for a strip with this first cell
-    /// begins.
+    /// Returns the slot, counted within the level, where to begin the search for a strip.
     #[inline(always)]
     pub fn slot(&self, first: [u32; D]) -> usize {
         (mixed(first) >> 32) as usize & (self.slots.len() - 1)

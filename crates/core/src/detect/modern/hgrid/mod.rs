@@ -129,10 +129,10 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
     }
 }
 
-/// Adjacent cells along x, at least one of them not empty.
+/// A strip of adjacent cells along x, at least one of them with particles.
 #[derive(Clone, Copy)]
 struct Strip<const D: usize> {
-    /// The first cell.
+    /// First cell of the strip, as its index on each axis.
     first: [u32; D],
     /// Index of the first record of each cell, then the end of the last cell's records.
     starts: [u32; STRIP as usize + 1],

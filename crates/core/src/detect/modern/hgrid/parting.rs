@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::levels::MOST_LEVELS;
 
-/// Position of the borders between levels.
+/// Choice of the radii at which levels are divided.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
     /// Borders at the largest radius divided by powers of a ratio; `None` puts all sizes in one
