@@ -50,9 +50,9 @@ impl Cells {
             let sized = options.radius.is_some() || options.columns.is_some_and(|it| it.sizes());
             ensure!(
                 sized,
-                "{name}: the points are the corners of {what}, as of a mesh or of spheres behind a \
-                 Glyph filter; save the particles before that filter, or say that each corner is a \
-                 particle by giving its size: --radius R or --columns r=NAME"
+                "{name}: the points are the corners of {what}, as in a mesh or after a Glyph \
+                 filter; save the particles before that filter, or give a size to take each corner \
+                 as a particle: --radius R or --columns r=NAME"
             );
             notices.push(Notice::Assumed(format!(
                 "the corners of {what} are taken as particles, since their size is given"
@@ -304,7 +304,7 @@ pub(crate) fn one_of(
         let differs = taken.values.iter().zip(&other.values).position(|pair| !same(pair));
         ensure!(
             differs.is_none() && taken.values.len() == other.values.len(),
-            "{name} holds two arrays of sizes that differ{}, '{a}' and '{b}'; say which counts: \
+            "{name} holds two arrays of sizes that differ{}, '{a}' and '{b}'; choose one: \
              --columns r={a}, or d={b} for a diameter",
             differs.map_or(String::new(), |k| format!(" at point {k} (from 0)"))
         );

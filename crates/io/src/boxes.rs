@@ -320,8 +320,8 @@ impl Boundaries {
             (None, Some(_), Some(flags)) => {
                 ensure!(
                     repeats.is_some(),
-                    "{name} says that its box is open along all axes; say with --periodic along \
-                     which that of --box repeats, as in --periodic xyz"
+                    "{name} declares its box open along all axes; give the periodic axes of --box, \
+                     as in --periodic xyz"
                 );
                 flags
             }

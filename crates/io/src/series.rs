@@ -214,7 +214,7 @@ fn listed(path: &Path, framed: bool) -> anyhow::Result<Vec<Member>> {
 fn time_of(tag: &Tag, framed: bool) -> anyhow::Result<Option<f64>> {
     let Some(text) = tag.get("timestep").filter(|_| framed) else { return Ok(None) };
     let time = number(text.trim().as_bytes()).filter(|time| time.is_finite());
-    time.map(Some).with_context(|| format!("timestep=\"{}\" is no time", short(text)))
+    time.map(Some).with_context(|| format!("timestep=\"{}\" is not a time", short(text)))
 }
 
 /// Reads `{"files": [{"name": "a.vtp", "time": 0}, ...]}`.

@@ -24,8 +24,8 @@ pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> 
     let (.., what) = BESIDE.iter().find(|(all, of, _)| *of == size && all.iter().all(is_there))?;
     let key = if size == "d" { "d" } else { "r" };
     Some(format!(
-        "'{0}' may be a size or {what}; say --columns {key}={0} if it is the size of the \
-         particles, and else which column is (--columns r=NAME), or give --radius R",
+        "'{0}' may be a size or {what}; if it is the size of the particles, give --columns \
+         {key}={0}, otherwise --columns r=NAME or --radius R",
         short(name)
     ))
 }

@@ -164,8 +164,8 @@ impl Columns {
         for column in self.meaning.iter().filter(|it| !matches!(it, Column::Other | Column::Id)) {
             if let [a, b, ..] = &named(*column).collect::<Vec<_>>()[..] {
                 bail!(
-                    "{place}: the columns '{a}' and '{b}' both stand for {}; remove one, or say \
-                     which counts with --columns",
+                    "{place}: the columns '{a}' and '{b}' both mean {}; remove one, or choose one \
+                     with --columns",
                     column.words()
                 );
             }
@@ -191,8 +191,8 @@ impl Columns {
         }
         if let (Some(r), Some(d)) = (named(Column::Radius).next(), named(Column::Diameter).next()) {
             bail!(
-                "{place}: there are a radius '{r}' and a diameter '{d}'; remove one, or say which \
-                 counts: --columns r={r} or --columns d={d}"
+                "{place}: there are a radius '{r}' and a diameter '{d}'; remove one, or choose \
+                 one: --columns r={r} or --columns d={d}"
             );
         }
         for (meaning, name) in self.meaning.iter().zip(&self.names) {

@@ -73,7 +73,7 @@ impl Rows {
                 continue;
             }
             let what = || format!("{}: '{}'", place(), short(label));
-            let value = value(at).with_context(|| format!("{} is no number", what()))?;
+            let value = value(at).with_context(|| format!("{} is not a number", what()))?;
             match column {
                 Column::Axis(axis) => {
                     ensure!(value.is_finite(), "{} is {value}; it must be finite", what());

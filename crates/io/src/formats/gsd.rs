@@ -197,8 +197,7 @@ impl File {
                 let shapes = self.chunk(frame, "particles/type_shapes").is_some();
                 ensure!(!shapes, "{name} has sizes in particles/type_shapes alone; give --radius");
                 notices.push(Notice::Assumed(
-                    "there are no diameters in the file: HOOMD's default of 1 is taken; --radius \
-                     says otherwise"
+                    "the file has no diameters: HOOMD's default of 1 is used; --radius changes this"
                         .into(),
                 ));
                 None

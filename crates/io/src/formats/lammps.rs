@@ -84,14 +84,14 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
             let hybrid = style.as_deref().is_some_and(|style| style.starts_with("hybrid"));
             let assumed = if style.is_none() && n > 0 {
                 Some(format!(
-                    "no atom style stands behind 'Atoms': the columns are taken as {names}; \
-                     --columns says otherwise"
+                    "no atom style follows 'Atoms': the columns are read as {names}; --columns \
+                     changes this"
                 ))
             } else {
                 (hybrid && particles.has_radii()).then(|| {
                     format!(
-                        "the columns of the hybrid style are taken as {names}; --radius or \
-                         --columns says otherwise"
+                        "the columns of the hybrid style are read as {names}; --radius or \
+                         --columns changes this"
                     )
                 })
             };
@@ -207,8 +207,8 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
         _ => match of(style) {
             Some(names) => Columns::named(names.split(' ')),
             None => bail!(
-                "the atom style '{}' is not read, only hybrid, {}; say which column is which with \
-                 --columns, as in --columns x=3,y=4,z=5",
+                "the atom style '{}' is not supported, only hybrid, {}; assign the columns, as in \
+                 --columns x=3,y=4,z=5",
                 short(style),
                 STYLES.map(|(name, _)| name).join(", ")
             ),
@@ -255,7 +255,7 @@ fn choices(count: usize) -> String {
         .map(|(option, styles)| format!("--columns {option} (style {})", styles.join(", ")))
         .collect();
     match choices.is_empty() {
-        true => "say which column is which, as in --columns x=3,y=4,z=5".into(),
-        false => format!("say which it is: {}", choices.join("; ")),
+        true => "assign the columns, as in --columns x=3,y=4,z=5".into(),
+        false => format!("choose one: {}", choices.join("; ")),
     }
 }

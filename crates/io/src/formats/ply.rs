@@ -137,13 +137,14 @@ fn header(lines: &mut Lines<'_>) -> anyhow::Result<(Option<bool>, Vec<Element>)>
                 let element = elements
                     .last_mut()
                     .with_context(|| format!("{place}: a property of no element"))?;
-                let kind = Kind::named(kind)
-                    .with_context(|| format!("{place}: '{}' is no type of number", short(kind)))?;
+                let kind = Kind::named(kind).with_context(|| {
+                    format!("{place}: '{}' is not a type of number", short(kind))
+                })?;
                 element.kinds.push(kind);
                 element.names.push(name.to_string());
             }
             [] | ["comment" | "obj_info", ..] => {}
-            _ => bail!("{place}: '{}' is no line of a PLY header", short(&words.join(" "))),
+            _ => bail!("{place}: '{}' is not a line of a PLY header", short(&words.join(" "))),
         }
     }
     bail!("{}: the header has more than 10000 lines", lines.source.name)

@@ -140,8 +140,8 @@ impl Vtk<'_> {
                 self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
             _ => bail!(
-                "{}: '{}' is no part of a VTK file that is known here; is an array before it too \
-                 long or too short?",
+                "{}: '{}' is not a known part of a VTK file; is an array before it too long or too \
+                 short?",
                 self.lines.place(),
                 short(&self.lines.text())
             ),

@@ -56,8 +56,8 @@ impl List {
             let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
             ensure!(
                 doubtful.is_empty(),
-                "{} may name the images that touch, and nothing says so; give --pairs-columns \
-                 I,J,SX,SY{}, or --pairs-columns I,J if not",
+                "{} may be images; give --pairs-columns I,J,SX,SY{} if so, otherwise \
+                 --pairs-columns I,J",
                 columns_of(&doubtful),
                 if dim == 2 { "" } else { ",SZ" }
             );

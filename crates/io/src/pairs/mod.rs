@@ -37,7 +37,7 @@ pub struct Lists<'a> {
 }
 
 impl Lists<'_> {
-    /// Whether missing frames are lists without pairs, because rows contain their frame.
+    /// Whether rows contain their frame; then a frame without rows has no pairs.
     pub fn is_sparse(&self) -> bool {
         self.choice.sparse
     }

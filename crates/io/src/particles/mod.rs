@@ -276,7 +276,7 @@ fn without_radii(names: &[String]) -> String {
     };
     let (mut shown, others): (Vec<&String>, Vec<&String>) = names.iter().partition(like);
     let remedy = match shown.first() {
-        Some(name) => format!("say which name is theirs: --columns r={0} or d={0}", short(name)),
+        Some(name) => format!("choose one: --columns r={0} or d={0}", short(name)),
         None => "give --columns r=NAME or d=NAME if one of the names is theirs".into(),
     };
     shown.extend(others);

@@ -28,7 +28,7 @@ fn one_frame_is_read_by_the_code_that_reads_all() {
             refused(Frame::Number(3)),
             "p holds 3 frames, numbered from 0; there is no frame 3"
         );
-        assert!(refused(Frame::Only).contains("a second frame begins; say which one"));
+        assert!(refused(Frame::Only).contains("a second frame begins; choose one"));
         let all = "p: one frame is wanted here; give --frame a number from 0, or last";
         assert_eq!(refused(Frame::All), all);
     }

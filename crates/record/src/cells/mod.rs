@@ -34,7 +34,7 @@ pub struct Cell {
     pub times: Blocks,
     /// Whether the machine was slow in each block; empty if that was not watched.
     pub slow: BTreeMap<Block, bool>,
-    /// Times other than that of a detection, in nanoseconds, by column and block.
+    /// Nanoseconds of other time columns than `time_ns`, by column and block.
     pub others_ns: BTreeMap<&'static str, Blocks>,
     /// Nanoseconds per detection of each round, by block, if builds were timed in turns.
     pub rounds: Vec<Blocks>,

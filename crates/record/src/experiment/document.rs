@@ -119,7 +119,10 @@ fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
         }
         let many = ["scene", "runner", "claim", "figure"].contains(&name);
         if many && matches!(value.get_ref(), DeValue::Table(_)) {
-            let words = format!("[{name}] stands for one of several: write [[{name}]]");
+            let words = format!(
+                "[{name}] is one of several, so its name needs two brackets: \
+                                 [[{name}]]"
+            );
             return Err(Problem::new(at, words));
         }
     }

@@ -94,7 +94,7 @@ impl Known {
             return Ok(());
         }
         let meant = meant(&plain, &self.names());
-        Err(format!("{key} = \"{name}\" is no field or parameter of the scenes{meant}"))
+        Err(format!("{key} = \"{name}\" is not a field or parameter of the scenes{meant}"))
     }
 
     fn filter(&self, filter: &Where) -> Result<(), String> {

@@ -241,12 +241,15 @@ impl Experiment {
         must!(
             !self.ceiling || threads.contains(&1) && threads.len() > 1,
             "ceiling",
-            "ceiling = true compares several threads with one; say threads = [1, 2], for example"
+            "ceiling = true compares several threads with one; give threads = [1, 2], for example"
         );
         None
     }
 }
 
 pub fn twice(name: &str) -> String {
-    format!("there are two runners named '{name}'; their rows could not be told apart: rename one")
+    format!(
+        "two runners are named '{name}'; rename one, because their rows could not be \
+             distinguished"
+    )
 }

@@ -9,8 +9,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     pub shard: Shard,
-    /// Whether `auto` determined it from the environment, so that other processes have the same
-    /// command line.
+    /// Whether the shard was given as `auto`; then other processes have the same command line.
     pub told: bool,
 }
 
@@ -77,7 +76,10 @@ impl Shard {
         };
         match (rank < size, job.n.checked_mul(size)) {
             (true, Some(n)) => Ok(Shard { k: (job.k - 1) * size + rank + 1, n }),
-            _ => Err(format!("rank {rank} of {size} is none; give --shard k/n")),
+            _ => Err(format!(
+                "rank {rank} of {size} is not valid, because ranks count from 0; give \
+                              --shard k/n"
+            )),
         }
     }
 }
@@ -139,8 +141,8 @@ fn in_array(
         && of != told
     {
         return Err(format!(
-            "auto/{of} is asked for, and the job array has {told} jobs; give --shard auto, or \
-             --shard k/{of} for one of {of}"
+            "auto/{of} was given, but the job array has {told} jobs; give --shard auto, or --shard \
+             k/{of} for one of {of}"
         ));
     }
     if let (Some(told), Some(count)) = (told, count)
@@ -148,12 +150,12 @@ fn in_array(
     {
         return Err(format!(
             "the job array has {count} indices that are not evenly spaced, so {name}={index} does \
-             not say which part is meant; number them 1-{count}, or give --shard k/{count}"
+             not give the part; number them 1-{count}, or give --shard k/{count}"
         ));
     }
     let Some(n) = of.or(told).or(count) else {
         return Err(format!(
-            "{name}={index} does not say how long the job array is; give --shard auto/n"
+            "{name}={index} does not give the length of the job array; give --shard auto/n"
         ));
     };
     let k = index.checked_sub(first).map(|k| k / step + 1);
@@ -275,7 +277,7 @@ mod tests {
             (None, &mpi, "3/4"),
             (None, &[&slurm("2", ["1", "3", "1", "3"])[..], &mpi].concat(), "7/12"),
             (None, &[("PMI_RANK", "0"), ("PMI_SIZE", "2")], "1/2"),
-            (None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")], "rank 3 of 2 is none"),
+            (None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")], "rank 3 of 2 is not valid"),
             // A batch script is not a job step: its process is alone.
             (None, &[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "8")], "neither a job array"),
             (None, &[("SLURM_PROCID", "7"), ("SLURM_STEP_NUM_TASKS", "8")], "8/8"),

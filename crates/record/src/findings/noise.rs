@@ -16,7 +16,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// Least coverage of an interval that decides. Five blocks, the fewest of a full run, give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// Among fewer cells than this, the largest value is random.
+/// Smallest number of cells whose own floor is used; the floor of fewer cells depends on chance.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]

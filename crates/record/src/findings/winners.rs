@@ -72,7 +72,7 @@ pub struct Alone {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wins {
     pub detector: String,
-    /// The time of the runner-up over its own, by scene.
+    /// Time of the runner-up divided by the time of this detector, for each scene.
     pub margins: Vec<f64>,
 }
 

@@ -23,7 +23,7 @@ pub struct Column {
 
 type Read = Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>;
 
-/// In the order of `summary.csv`.
+/// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
 pub const TIME: &str = "time_ns";
@@ -35,7 +35,7 @@ pub const WORST_STEP: &str = "worst_step_ns";
 type Whose = fn(&Causes) -> &Errors;
 type Which = fn(&Errors) -> f64;
 
-/// Prefix of the columns of each cause, and prefix in older records.
+/// For each cause of error, the prefix of its columns, and their prefix in older records.
 const CAUSES: [(&str, &str, Whose); 3] = [
     ("representation_", "input_", |causes| &causes.representation),
     ("predicate_", "arithmetic_", |causes| &causes.predicate),

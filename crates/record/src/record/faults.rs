@@ -35,17 +35,17 @@ impl fmt::Display for Damaged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Damaged(faults) = self;
         let count = plural(faults.len(), "fault");
-        write!(f, "{count}: the record is damaged or was edited, and nothing is made of it")?;
+        write!(f, "{count}: the record is damaged or was edited, and is not used")?;
         for Fault { place, what } in faults.iter().take(SHOWN) {
             write!(f, "\n{}", text::line(&format!("{place}: {what}")))?;
         }
         if faults.len() > SHOWN {
             write!(f, "\nand {} more", faults.len() - SHOWN)?;
         }
-        write!(f, "\ntake a copy that is whole")?;
+        write!(f, "\nuse an undamaged copy")?;
         if faults.iter().all(|fault| fault.place.contains(file::FILE)) {
             let again = "contactbench run ... --resume";
-            write!(f, "; or take these lines out, and measure them again with {again}")?;
+            write!(f, "; or remove these lines, and measure them again with {again}")?;
         }
         Ok(())
     }
@@ -89,7 +89,7 @@ fn ranges(row: &Row) -> Option<String> {
     let (threads, pass) = (id.threads() as usize, row.pass.name());
     must!(
         is_word(&id.experiment),
-        "the experiment '{}' is no name",
+        "the experiment '{}' is not a valid name",
         id.experiment.escape_default()
     );
     must!((2..=3).contains(&id.dim), "dim is {}; it must be 2 or 3", id.dim);
@@ -300,7 +300,7 @@ fn differ<T: fmt::Display + Ord>(votes: &Votes<T>, what: &str, found: &mut Vec<(
     for (said, rows) in votes {
         if said != common {
             let words = format!(
-                "its {what} is {said}, and that of {most} other rows of the same scene {common}"
+                "its {what} is {said}, but {most} other rows of the same scene have {common}"
             );
             found.extend(rows.iter().map(|&row| (row, words.clone())));
         }

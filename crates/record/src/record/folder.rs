@@ -1,4 +1,4 @@
-//! Checks of a result folder, beside its record.
+//! Checks the files of a result folder other than its record.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
                 let place = |line| format!("{}:{line}", path.display());
                 found.extend(faults.map(|(line, what)| Fault { place: place(line), what }));
             } else if name == EXPERIMENTS && is_experiment(&path) && !is_word(&stem(&path)) {
-                found.push(fault("its name is none of an experiment".into()));
+                found.push(fault("its name is not valid for an experiment".into()));
             }
         }
     }

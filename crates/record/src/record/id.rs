@@ -48,7 +48,7 @@ impl Default for Resources {
 
 pub const FIELDS: [&str; 9] =
     ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
-/// The axis in records of several machines.
+/// Name of the axis that distinguishes machines.
 pub const MACHINE: &str = "machine";
 pub const THREADS: &str = "threads";
 

@@ -51,7 +51,7 @@ impl Part {
         let record = file::read(&folder.join(file::FILE))?;
         let place = folder.join(folder::EXPERIMENTS);
         std::fs::read_dir(&place).with_context(|| {
-            format!("{} is no result folder: cannot read {}", folder.display(), place.display())
+            format!("{} is not a result folder: cannot read {}", folder.display(), place.display())
         })?;
         let read = |(name, path): (String, PathBuf)| {
             let text = std::fs::read_to_string(&path)
@@ -239,7 +239,7 @@ fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
         return Ok(());
     };
     bail!(
-        "{what} of {} ({}, {}) with N = {} in {} is another than in a folder before, on the same \
+        "{what} of {} ({}, {}) with N = {} in {} differs from an earlier folder of the same \
          machine: were they runs of different versions? Compare them instead",
         a.id.contender(),
         a.id.arithmetic,

@@ -10,7 +10,7 @@ const DIGITS: usize = 16;
 pub enum Flaw {
     #[error("it has no check at its end: it was edited")]
     Absent,
-    #[error("its check is that of another text: it was edited")]
+    #[error("its check does not match: it was edited")]
     Wrong,
 }
 

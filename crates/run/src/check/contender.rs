@@ -224,7 +224,7 @@ impl Respondent for Called {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { given, truth, arithmetic, .. } = *question;
         if given.lattice.is_some() {
-            return Ok(Answer::Declined("it is asked about open scenes alone".into()));
+            return Ok(Answer::Declined("it takes open scenes only".into()));
         }
         Ok(match (self.0)(&given.scene)? {
             Answer::Pairs(mut pairs) => {

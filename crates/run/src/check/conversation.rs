@@ -167,7 +167,7 @@ impl Talk {
             }
             None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
             Some(other) => self.breaks(format!(
-                "{when}, it answers {}; one that cannot do it says unsupported",
+                "{when}, it answers {}; a runner without this ability must reply unsupported",
                 word(&other)
             )),
         }
@@ -182,7 +182,7 @@ impl Talk {
             Ok(said) if said.contacts == right.contacts && said != right => {
                 let sample = "of the pairs 0,1 and 1,2";
                 self.breaks(format!(
-                    "{when}, it says 2 contacts and digest {text}; {sample} the digest is {}",
+                    "{when}, it reports 2 contacts and digest {text}; {sample} the digest is {}",
                     right.hex()
                 ));
             }

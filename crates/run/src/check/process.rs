@@ -85,7 +85,7 @@ impl Foreign {
         let said = |arithmetic: &Arithmetic| arithmetic.name() == hello.arithmetic;
         let Some(arithmetic) = Arithmetic::ALL.into_iter().find(said) else {
             return Ok(Met::Wrong(Wrong::Breaks(format!(
-                "its hello says arithmetic '{}'; it must be one of {}",
+                "its hello has arithmetic '{}'; it must be one of {}",
                 hello.arithmetic,
                 Arithmetic::names()
             ))));
@@ -155,7 +155,7 @@ impl Line {
                 Err(Wrong::Hangs(self.deadline).into())
             }
             Err(failure) if failure.outcome == Outcome::Unavailable => {
-                Err(breaks(format!("it has begun, and then says unavailable: {}", failure.reason)))
+                Err(breaks(format!("it replies unavailable after its hello: {}", failure.reason)))
             }
             Err(failure) => Err(broken(&client, failure).into()),
         }
@@ -205,7 +205,7 @@ impl Process {
         })?;
         if found.len() != contacts {
             return Err(breaks(format!(
-                "it says that it has written {contacts} pairs, and its file holds {}",
+                "it reports {contacts} written pairs, and its file holds {}",
                 found.len()
             )));
         }
@@ -245,7 +245,7 @@ impl Process {
         let as_text = |digest: Digest| format!("{} contacts and {}", digest.contacts, digest.hex());
         if own != said && own == truth.digest {
             return Err(breaks(format!(
-                "its pairs are right, with {}, but its sample says {}",
+                "its pairs are right, with {}, but its sample reports {}",
                 as_text(own),
                 as_text(said)
             )));

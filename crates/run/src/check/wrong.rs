@@ -111,14 +111,14 @@ impl fmt::Display for Wrong {
             Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
                 write!(
                     f,
-                    "it finds other pairs, as many as there are ({}); nobody knows which",
+                    "it finds the right number of pairs ({}), but other pairs, which are not known",
                     said.contacts
                 )
             }
             Wrong::Counts { said, truth } => {
                 write!(
                     f,
-                    "it finds {} pairs, there are {}; nobody knows which",
+                    "it finds {} pairs instead of {}, which are not known",
                     said.contacts, truth.contacts
                 )
             }

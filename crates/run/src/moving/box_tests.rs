@@ -258,7 +258,7 @@ fn boxes_that_change_too_much_are_not_counted() {
         moved.uncounted.as_deref(),
         Some("the box changes too much from one frame to the next")
     );
-    // Steps between frames with and without a box are not counted; nothing else is lost.
+    // A step between a frame with a box and one without is not counted.
     let open: Given = frames[0].scene.clone().into();
     let moved = followed(&[frames[0].clone(), open, frames[1].clone()], &["every-step(nbs)"]).moved;
     assert_eq!((moved.frames, moved.tunnelled, moved.born), (3, 0, 0));

@@ -113,8 +113,8 @@ pub(super) fn sum(image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * vectors[v][k]).sum())
 }
 
-/// The vectors of one box in terms of the other, and the inverse; the identity if the lattice has
-/// not simply moved.
+/// Returns the vectors of the later box as whole-number combinations of the earlier ones, and the
+/// inverse. Returns the identity if there are none.
 fn turned(from: &Lattice, to: &Lattice) -> (Numbers, Numbers) {
     if from.vectors() == to.vectors() {
         return (SAME, SAME);

@@ -60,8 +60,8 @@ impl First {
     }
 
     fn same(&self, particles: &Particles) -> anyhow::Result<()> {
-        let remedy = "a motion is of the same particles: write all of them in every frame, or take \
-                      those before (--frames)";
+        let remedy = "a motion needs the same particles: write all of them in every frame, or use \
+                      only the frames before (--frames)";
         ensure!(
             particles.len() == self.len && particles.dim() == self.dim,
             "{} particles in {}D, and {} in {}D in the first frame; {remedy}",
@@ -73,8 +73,8 @@ impl First {
         let repeats = repeats(particles);
         ensure!(
             repeats == self.repeats,
-            "the box repeats along {}, and along {} in the first frame; say along which axes it \
-             does in all (--periodic), or give --open",
+            "the box is periodic along {}, but along {} in the first frame; give the axes of all \
+             frames (--periodic), or --open",
             along(repeats),
             along(self.repeats)
         );

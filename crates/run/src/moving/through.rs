@@ -123,7 +123,7 @@ impl<'a> Through<'a> {
             Periodic::new(wider, *self.last.lattice()).map_err(|error| error.to_string())?;
         let options = Options { memory_limit, threads: 1 };
         periodic::contacts(&wider, &mut *table::fast(options), Arithmetic::Exact, memory_limit)
-            .map_err(|refusal| format!("bodies as wide as their ways: {refusal}"))
+            .map_err(|refusal| format!("particles widened by their displacements: {refusal}"))
     }
 }
 

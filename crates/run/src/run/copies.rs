@@ -136,7 +136,7 @@ fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
         let threads: Vec<_> = copies.iter_mut().map(|copy| scope.spawn(|| work(copy))).collect();
         let failed = || Failure {
             outcome: Outcome::Crashed,
-            reason: "the harness lost the thread that asked".into(),
+            reason: "a thread of the harness ended unexpectedly".into(),
         };
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(failed()))).collect()
     })

@@ -91,7 +91,7 @@ pub fn fresh(
     // A second attempt, because the system may lack a resource for a moment.
     let mut client = Client::start(start).or_else(|_| Client::start(start))?;
     if hello.is_some_and(|hello| client.hello != *hello) {
-        let reason = "the runner says another hello than when it was started first".into();
+        let reason = "the runner's hello differs from that of its first start".into();
         return Err(Failure { outcome: Outcome::Crashed, reason });
     }
     load_all(&mut client, loads)?;
@@ -244,7 +244,10 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
         let found = Arithmetic::ALL.into_iter().find(|arithmetic| arithmetic.name() == name);
         found.ok_or_else(|| {
             let names = Arithmetic::names();
-            unavailable(format!("the runner says arithmetic '{name}'; it must be one of {names}"))
+            unavailable(format!(
+                "the runner's hello has arithmetic '{name}'; it must be one of \
+                                 {names}"
+            ))
         })
     };
     let arithmetic = contender.arithmetic.map_or_else(said, Ok)?;

@@ -106,7 +106,7 @@ pub(crate) fn room(
         folder,
         needed,
         "the record and the report",
-        "make room, or choose another folder with --out",
+        "free some space, or choose another folder with --out",
     )?;
     // Coordinates and radii in f64, for each frame; and six pairs per particle, for a wrong answer.
     let bytes = |(_, spec): &Planned<'_>| {
@@ -119,7 +119,7 @@ pub(crate) fn room(
         temporary,
         largest,
         "the largest scene",
-        "make room, or set TMPDIR to a place with more",
+        "free some space, or set TMPDIR to a place with more",
     )
 }
 

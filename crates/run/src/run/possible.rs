@@ -56,30 +56,30 @@ fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), 
     let listed = steps.listed.get(k).copied();
     Err(if let Some(listed) = listed.filter(|&listed| listed < contacts) {
         format!(
-            "it says step_listed {listed} in frame {k}, and found {contacts} contacts there: \
+            "it reports step_listed {listed} in frame {k}, and found {contacts} contacts there: \
              every contact is a pair that was looked at"
         )
     } else if let Some((listed, most)) =
         listed.zip(asked.most_listed).filter(|(it, most)| it > most)
     {
         format!(
-            "it says step_listed {listed} in frame {k}, and its particles have {most} pairs, each \
-             counted from both sides"
+            "it reports step_listed {listed} in frame {k}, and its particles have {most} pairs, \
+             each counted from both sides"
         )
     } else if listed.unwrap_or(0).div_ceil(MOST_LISTED_PER_NS) > asked.waited_ns {
         format!(
-            "it says step_listed {} in frame {k}, within {} ns",
+            "it reports step_listed {} in frame {k}, within {} ns",
             listed.unwrap_or(0),
             asked.waited_ns
         )
     } else if k == 0 && contacts > 0 && built == Some(&false) {
-        "it says step_built false in frame 0: a pass begins with a reset, and what was found was \
-         built after it"
+        "it reports step_built false in frame 0: a pass begins with a reset, and what was found \
+         was built after it"
             .into()
     } else if steps.dangerous.get(k) == Some(&true) && built != Some(&true) {
         format!(
-            "it says step_dangerous true in frame {k}, and not step_built: a build is dangerous, \
-             not a frame without one"
+            "it reports step_dangerous true in frame {k}, and not step_built: a build is \
+             dangerous, not a frame without one"
         )
     } else {
         return Ok(());
@@ -94,8 +94,8 @@ fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
     match tests.filter(|&tests| tests > 0 && tests < all) {
         None => Ok(()),
         Some(tests) => Err(format!(
-            "it says contact_test {tests}, and found {all} contacts: each takes a test; leave the \
-             operation out where it is not counted"
+            "it reports contact_test {tests}, and found {all} contacts: each takes a test; leave \
+             the operation out where it is not counted"
         )),
     }
 }
@@ -110,14 +110,14 @@ fn sample(sample: &Sample, asked: &Asked) -> Result<(), String> {
             return one(sample, asked);
         }
         format!(
-            "it says of {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
+            "it reports for {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
              step_ns, together {all}: step_ns has one number for each frame, time_ns is their \
              mean, and every frame is looked at equally often",
             step_ns.len()
         )
     } else if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
         format!(
-            "it says of one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
+            "it reports for one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
              number for each frame"
         )
     } else {
@@ -130,33 +130,34 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
     let Asked { min_ns, waited_ns, .. } = *asked;
     let first = first_ns.unwrap_or(0);
     Err(if calls == 0 {
-        "it says calls 0: a sample has at least one detection".into()
+        "it reports calls 0: a sample has at least one detection".into()
     } else if u128::from(time_ns)
         .saturating_mul(calls.into())
         .abs_diff(elapsed_ns.into())
         .gt(&calls.into())
     {
         format!(
-            "it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is \
+            "it reports time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is \
              elapsed_ns / calls, rounded"
         )
     } else if time_ns == 0 || elapsed_ns == 0 {
         format!(
-            "it says time_ns {time_ns}, elapsed_ns {elapsed_ns}: every detection takes time, and \
-             is repeated until the clock can tell how much"
+            "it reports time_ns {time_ns}, elapsed_ns {elapsed_ns}: every detection takes time, \
+             and is repeated until the clock can tell how much"
         )
     } else if building_ns.is_some_and(|building| building > time_ns.saturating_add(1)) {
         format!(
-            "it says building_ns {} and time_ns {time_ns}, of which that is a part",
+            "it reports building_ns {} and time_ns {time_ns}, of which that is a part",
             building_ns.unwrap_or(0)
         )
     } else if first_ns == Some(0) {
-        "it says first_ns 0: every detection takes time; leave it out where the clock cannot tell"
+        "it reports first_ns 0: every detection takes time; leave it out where the clock cannot \
+         tell"
             .into()
     } else if elapsed_ns.saturating_add(first) > waited_ns {
         let first = first_ns.map_or(String::new(), |first| format!(" and first_ns {first}"));
         format!(
-            "it says elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
+            "it reports elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
              ns: are these nanoseconds?"
         )
     // Passes over several frames are few, because each reads all files.
@@ -180,15 +181,15 @@ fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
     let &Memory { peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, .. } =
         memory;
     if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(&memory.found.steps) {
-        return Err("it says peak_bytes, live_bytes and allocations 0, and keeps a list from \
+        return Err("it reports peak_bytes, live_bytes and allocations 0, and keeps a list from \
                     frame to frame: a list takes memory; answer unsupported where it cannot be \
                     measured"
             .into());
     }
     if peak_bytes < live_bytes {
         return Err(format!(
-            "it says peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held are \
-             not fewer than those held at the end"
+            "it reports peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held \
+             are not fewer than those held at the end"
         ));
     }
     let bytes = [("peak_bytes", Some(peak_bytes)), ("formula_bytes", formula_bytes)];
@@ -196,12 +197,12 @@ fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
     if let Some(limit) = asked.memory_limit
         && let Some((name, bytes)) = known.find(|&(_, bytes)| bytes > limit)
     {
-        return Err(format!("it says {name} {bytes}, and has {limit} bytes of address space"));
+        return Err(format!("it reports {name} {bytes}, and has {limit} bytes of address space"));
     }
     // No allocator makes more than one allocation per nanosecond.
     let pieces = allocations.max(warm_allocations.unwrap_or(0));
     if pieces > asked.waited_ns {
-        return Err(format!("it says {pieces} allocations within {} ns", asked.waited_ns));
+        return Err(format!("it reports {pieces} allocations within {} ns", asked.waited_ns));
     }
     Ok(())
 }

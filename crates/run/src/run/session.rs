@@ -185,7 +185,7 @@ fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
         format!("--against {named}: there is no such program; give the path of one")
     })?;
     is_build(&program).map_err(|failure| {
-        anyhow::anyhow!("--against {named} is no build of contactbench: {}", failure.reason)
+        anyhow::anyhow!("--against {named} is not a build of contactbench: {}", failure.reason)
     })?;
     Ok(program)
 }

@@ -52,7 +52,8 @@ impl BoxMessage {
         let all = vectors.iter().chain([origin]).all(|numbers| numbers.len() == dim);
         ensure!(
             all && vectors.len() == dim && periodic.len() == dim,
-            "the box has not {dim} vectors of {dim} numbers, and as many flags and origins"
+            "the box must have {dim} vectors of {dim} numbers, {dim} flags and an origin of {dim} \
+             numbers"
         );
         let of = |numbers: &[f64]| std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0));
         let none = [0.0; 3];
@@ -149,8 +150,8 @@ impl Trajectory {
             boxes => {
                 ensure!(
                     boxes == self.frames.len() && self.in_box.is_none(),
-                    "the trajectory has {boxes} boxes for {} frames{}; boxes are one for each, \
-                     without one for all",
+                    "the trajectory has {boxes} boxes for {} frames{}; give a box for each frame, \
+                     or one for all",
                     self.frames.len(),
                     if self.in_box.is_some() { " and one for all" } else { "" }
                 );

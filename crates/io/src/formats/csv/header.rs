@@ -94,7 +94,7 @@ impl Comments {
             self.columns = chosen;
         } else if self.notices.is_empty() && may_be_box(text) {
             self.notices.push(Notice::Assumed(format!(
-                "the comment '{}' may describe a box, and is not read: --box says it",
+                "the comment '{}' may describe a box but is not read; if it does, give --box",
                 short(text)
             )));
         }
@@ -188,8 +188,8 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
     }
     ensure!(
         header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
-        "{place}: the first line holds numbers, and no names of columns; put a header line such as \
-         x,y,z,r before it, or say which column is which with --columns x=1,y=2 and so on"
+        "{place}: the first line has numbers instead of names of columns; add a header line such \
+         as x,y,z,r, or assign the columns: --columns x=1,y=2 and so on"
     );
     Ok(Table { columns: header.chosen(&place, options)?, ..table })
 }
@@ -215,8 +215,8 @@ fn unnamed(
              before them"
         ),
         _ => bail!(
-            "{place}: {count} columns without a header; put a header line such as x,y,z,r before \
-             them, or say which is which with --columns x=1,y=2 and so on{}{}",
+            "{place}: {count} columns without a header; add a header line such as x,y,z,r, or \
+             assign the columns: --columns x=1,y=2 and so on{}{}",
             if count == 5 { " (a packing of YADE: --columns x=1,y=2,z=3,r=4)" } else { "" },
             if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
         ),

@@ -145,7 +145,7 @@ impl Table {
                 Some(which) => return Err(counted(which, &particles, names, name)),
             }
             notices.push(Notice::Assumed(format!(
-                "the columns have no names, and are read as {}; --columns says which is which",
+                "the columns have no names and are read as {}; --columns changes this",
                 names.join(", ")
             )));
         }

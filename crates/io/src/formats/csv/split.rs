@@ -54,8 +54,8 @@ pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
         false => "save one array of shape (frames, N, 3), or a table with that column".into(),
     };
     Some(Notice::Assumed(format!(
-        "'{name}' is not used, and all particles are taken as of one time; if it tells times \
-         apart, {remedy}"
+        "'{name}' is not used, so all particles belong to one time; if it distinguishes times, \
+         {remedy}"
     )))
 }
 
@@ -93,8 +93,8 @@ impl Blocks {
     pub fn row(&mut self) -> anyhow::Result<()> {
         if let Some((comment, place)) = &self.named {
             bail!(
-                "{place}: the comment '{}' among the rows may begin another frame; write the \
-                 frame as a column, or say --columns frame=none if all rows are of one time",
+                "{place}: the comment '{}' among the rows may begin another frame; write the frame \
+                 as a column, or give --columns frame=none if all rows belong to one time",
                 short(comment)
             );
         }
@@ -176,8 +176,8 @@ impl Split {
             let value = number(cell);
             ensure!(
                 !cell.is_empty() && value.is_none_or(f64::is_finite),
-                "{}: column '{}': '{}' is no frame, step or time; mend or remove the line, or say \
-                 --columns frame=none",
+                "{}: column '{}': '{}' is not a frame, step or time; correct or remove the line, \
+                 or give --columns frame=none",
                 place(),
                 short(&self.name),
                 shown(cell)
@@ -201,9 +201,9 @@ impl Split {
         if *self.order.get_or_insert(order) != order {
             bail!(
                 "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' \
-                 comes \
-                 after '{}'; sort them by that column (sort -s -g -k {}, for commas with -t , or \
-                 sort_values in pandas), or say --columns frame=none if it splits nothing",
+                 comes after '{}'; sort them by that column (sort -s -g -k {}, for commas with -t \
+                 , or sort_values in pandas), or give --columns frame=none if it does not mark \
+                 frames",
                 place(),
                 shown(cell),
                 shown(&self.value),
@@ -213,8 +213,8 @@ impl Split {
         // Only the end of the first frame shows whether each row has a value of its own.
         ensure!(
             !std::mem::take(&mut self.doubtful) || self.rows > 1,
-            "{}: the first rows differ in '{name}': say --columns frame={name} if each is a frame, \
-             and --columns frame=none if it is no time of frames",
+            "{}: the first rows differ in '{name}'; give --columns frame={name} if each row is a \
+             frame, otherwise --columns frame=none",
             place(),
         );
         Ok(true)

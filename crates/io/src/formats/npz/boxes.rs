@@ -52,7 +52,7 @@ impl Cell {
                 ([] | [1], Some(&[all])) => [all; 3],
                 ([2], Some(&[x, y])) => [x, y, false],
                 ([3], Some(&[x, y, z])) => [x, y, z],
-                _ => bail!("{}; it must say true or false for each axis: give --periodic", what()),
+                _ => bail!("{}; it must have true or false for each axis: give --periodic", what()),
             });
             return Ok(());
         }

@@ -93,7 +93,7 @@ impl File<'_> {
         let tag = tag.with_context(|| format!("{place}: there is no tag <VTKFile>"))?;
         ensure!(
             tag.name == "VTKFile",
-            "{place}: '<{}' begins what is no VTK XML file",
+            "{place}: '<{}' does not start a VTK XML file",
             short(&tag.name)
         );
         match tag.get("type").unwrap_or_default() {
@@ -119,7 +119,7 @@ impl File<'_> {
         let place = self.xml.place();
         let number = |key: &str| tag.get(key).and_then(|n| n.trim().parse::<u64>().ok());
         let n = number("NumberOfPoints");
-        let n = n.with_context(|| format!("{place}: the piece does not say its NumberOfPoints"))?;
+        let n = n.with_context(|| format!("{place}: the piece has no NumberOfPoints"))?;
         self.announced = self.announced.saturating_add(n);
         numbered(self.announced, "points", &place)?;
         let [vertices, lines, strips, polygons, others] =
@@ -185,9 +185,8 @@ impl File<'_> {
             "appended" if count == Some(0) => array.target,
             "appended" => {
                 let offset = tag.get("offset").and_then(|offset| offset.parse().ok());
-                let offset = offset.with_context(|| {
-                    format!("{place}: the array does not say at which offset its numbers are")
-                })?;
+                let offset = offset
+                    .with_context(|| format!("{place}: the array has no offset of its numbers"))?;
                 room(&mut self.appended)?;
                 self.appended.push((offset, at, array));
                 return Ok(());

@@ -72,8 +72,8 @@ fn maybe_box(line: &str) -> Option<Notice> {
     let columns = line.to_ascii_lowercase().contains("columns:");
     (numbers >= 3 || columns).then(|| {
         Notice::Assumed(
-            "line 2 may hold a box or the names of columns, in a form that is not read: \
-             boundaries are open, and columns are species x y z; --box and --columns say otherwise"
+            "line 2 may hold a box or the names of columns, in a form that is not read: boundaries \
+             are open, and columns are species x y z; --box and --columns change this"
                 .into(),
         )
     })
@@ -102,8 +102,8 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
             let first = words(line).next().unwrap_or_default();
             ensure!(
                 number(first).is_none_or(|value| value.fract() == 0.0),
-                "{}: '{}' stands where the species is expected, as a plain XYZ file is species x y \
-                 z; say which column is which, as in --columns x=1,y=2,z=3,r=4",
+                "{}: '{}' is where the species is expected, because a plain XYZ file has species x \
+                 y z; assign the columns, as in --columns x=1,y=2,z=3,r=4",
                 lines.place(),
                 shown(first)
             );

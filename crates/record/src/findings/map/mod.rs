@@ -112,7 +112,7 @@ impl Map {
     /// has a time, or there would be more than [`MOST_PANELS`] panels.
     pub fn new(axes: &MapAxes, filter: &Where, cells: &[Cell]) -> anyhow::Result<Map> {
         let chosen = select::select(cells, filter)?;
-        ensure!(!chosen.is_empty(), "no cell is left: none matches all that is asked for by where");
+        ensure!(!chosen.is_empty(), "no cell is left: none matches all entries of where");
         let [x, y] = [&axes.x, &axes.y].map(|name| Variable::new(name, &chosen));
         let (x, y) = (x?, y?);
         ensure!(x.name != y.name, "both axes are {}; a map needs two", x.name);
@@ -244,8 +244,8 @@ fn too_many(chosen: &[&Cell], apart: &[String], varied: &[&str], panels: usize) 
     let example = found.iter().max_by_key(|(_, values)| values.len());
     let example = example.map_or(String::new(), |(name, values)| format!("{name}={}", values[0]));
     format!(
-        "{} x {} makes {panels} panels, and at most {MOST_PANELS} are drawn: there vary {}; \
-         choose some of them by where, as in --where {example}",
+        "{} x {} makes {panels} panels, and at most {MOST_PANELS} are drawn; they differ in {}; \
+         choose some of them, as in --where {example}",
         varied[0],
         varied[1],
         found.iter().map(said).collect::<Vec<_>>().join(", ")

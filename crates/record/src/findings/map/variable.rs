@@ -1,4 +1,4 @@
-//! Variables of maps: their values in order, and the position of each cell.
+//! The axes of a map: their values in order, and the position of each cell on them.
 
 use std::collections::BTreeSet;
 

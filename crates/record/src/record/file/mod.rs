@@ -39,7 +39,7 @@ struct Line<'a> {
 /// A row could not be written. The record ends with the row before it.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "cannot write to {}: {cause}; the {rows} rows before stand there and are whole",
+    "cannot write to {}: {cause}; the {rows} rows before it are complete",
     path.display()
 )]
 pub struct WriteError {
@@ -168,7 +168,7 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
     }
     anyhow::ensure!(
         !plain.exists(),
-        "{} and {} are both there; delete one of them",
+        "{} and {} both exist; delete one of them",
         plain.display(),
         packed.display()
     );
@@ -250,7 +250,7 @@ fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Resul
     anyhow::ensure!(
         (OLDEST..=SCHEMA).contains(&schema) || schema < OLDEST && newest > 0,
         "{} has record schema {schema}, and this contactbench ({}) reads schemas {OLDEST} to \
-         {SCHEMA}: take the version that wrote it{or}",
+         {SCHEMA}: use the version that wrote it{or}",
         at(),
         env!("CARGO_PKG_VERSION")
     );

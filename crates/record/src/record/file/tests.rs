@@ -72,7 +72,7 @@ fn rows_of_other_schemas_are_refused() {
     for (schema, words) in [
         ("", "has record schema 0"),
         ("\"schema\": 2,", "record schema 2, and this contactbench"),
-        ("\"schema\": 5,", "reads schemas 3 to 4: take the version that wrote it, or a later"),
+        ("\"schema\": 5,", "reads schemas 3 to 4: use the version that wrote it, or a later"),
     ] {
         let mut fields = line(&full());
         fields.as_object_mut().unwrap().remove("schema");
@@ -124,7 +124,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
         assert_eq!((record.rows, record.bytes), (vec![full()], text.len() as u64));
     }
     pack(&text.replace("\"e\"", "\"f\""), 0);
-    assert!(refusal(&path).contains("samples.jsonl.gz:1: its check is that of another text"));
+    assert!(refusal(&path).contains("samples.jsonl.gz:1: its check does not match"));
     pack(&text, 9);
     assert!(refusal(&path).contains("samples.jsonl.gz: it cannot be unpacked: "));
     // Some kilobytes that unpack to an endless line, or to very many.
@@ -138,7 +138,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
         assert!(faults.len() <= MOST_FAULTS + 1, "{}", faults.len());
     }
     std::fs::write(&path, &text).unwrap();
-    assert!(refusal(&path).contains("samples.jsonl.gz are both there; delete one of them"));
+    assert!(refusal(&path).contains("samples.jsonl.gz both exist; delete one of them"));
 }
 
 /// A damaged line has no schema, so the lines after it keep theirs.

@@ -30,7 +30,7 @@ pub const LEAST_SPAN: f64 = 8.0;
 pub const LEAST_DELTA: f64 = 4.0;
 /// Largest difference between the free exponent and the law's.
 pub const TREND: f64 = 0.1;
-/// Largest difference over the upper half of the N.
+/// Like [`TREND`], over the upper half of the N.
 pub const UPPER_TREND: f64 = 0.05;
 
 /// Largest difference between the exponent over the last [`OCTAVES`] and the law's. Boundary terms

@@ -52,9 +52,7 @@ impl Mistake {
             Mistake::Numbers(Meaning::Base(base)) => format!("numbers from {base}"),
             Mistake::Numbers(Meaning::Ids) => "ids of the particles' file as numbers".into(),
             Mistake::BothSides => "each pair taken once, which is listed as i,j and as j,i".into(),
-            Mistake::ImagesOfFirst => {
-                "images of i in the place of those of j (S with the other sign)".into()
-            }
+            Mistake::ImagesOfFirst => "images of i instead of j (S with the other sign)".into(),
             Mistake::ImagesWrapped => {
                 "images that are counted from particles put into the box (in \
                                        the file some are outside)"
@@ -67,8 +65,8 @@ impl Mistake {
             Mistake::Declared(axes) => format!("the file's box, periodic along {}", along(axes)),
             Mistake::Rounded(arithmetic) => format!("contacts decided in {}", arithmetic.name()),
             Mistake::Strict => {
-                "contacts decided by <, where here it is <= (each pair missed is an \
-                                exact tie: the distance is the sum of the radii)"
+                "contacts decided by < instead of <= (each pair missed is an exact tie: the \
+                 distance is the sum of the radii)"
                     .into()
             }
             Mistake::Tangent => "any answer for pairs that are tangent to the last digits".into(),

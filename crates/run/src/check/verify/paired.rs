@@ -71,8 +71,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         let step = self.next.as_ref().and_then(|list| list.step);
         ensure!(
             about.step.is_some() || step.is_none() || !self.lists.is_sparse(),
-            "{}: the rows say their step, and {} has no steps; give the rows a column frame, \
-             numbered from 0",
+            "{}: the rows have steps, but {} has none; give the rows a column frame, numbered from \
+             0",
             self.names[1],
             self.names[0]
         );
@@ -117,9 +117,9 @@ impl<'a, 'b> Paired<'a, 'b> {
                 Ok(None)
             }
             _ => bail!(
-                "{lists} has no list for {} of {particles}, and not both have time steps by which \
-                 to bring them together; write a list for each frame, or give --frame K for the \
-                 one that was listed",
+                "{lists} has no list for {} of {particles}, and not both have time steps to match \
+                 them by; write a list for each frame, or give --frame K for the one that was \
+                 listed",
                 about.which()
             ),
         }
@@ -132,8 +132,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         self.renumbered |= !same;
         ensure!(
             !(self.by_step && self.stepless && self.renumbered),
-            "{lists}: a list without rows does not show its step, and there is no list for each \
-             frame of {particles}, by whose number it would be known; write a list for each frame"
+            "{lists}: a list without rows has no step, and lists cannot be matched by number, \
+             because not every frame of {particles} has one; write a list for each frame"
         );
         Ok(())
     }

@@ -218,7 +218,7 @@ impl Client {
             // The limit is checked here, too, because some systems do not enforce it.
             Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
                 let (taken, limit) = (memory.peak_bytes, self.memory_limit);
-                let reason = format!("it took {taken} bytes, and may take {limit}");
+                let reason = format!("it used {taken} bytes; the limit is {limit}");
                 Err(Failure { outcome: Outcome::OutOfMemory, reason })
             }
             Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),

@@ -242,7 +242,9 @@ impl<'a> Judge<'a> {
         let right = self.right(arithmetic, |_, _| Ok(()))?;
         let (asked, given) = (right.len(), answers.len());
         if given != asked {
-            return Ok(Judged::unseen(&format!("it answers {given} frames of {asked}")));
+            return Ok(Judged::unseen(&format!(
+                "the reply has answers to {given} of {asked} frames"
+            )));
         }
         let (errors, causes) = (Some(Errors::default()), Some(Causes::default()));
         let mut all = Differs { errors, causes, ..Differs::default() };
@@ -264,7 +266,7 @@ impl<'a> Judge<'a> {
                         contacts = Some(fetched);
                         None
                     }
-                    Ok(_) => Some("asked for them, it gave others".to_string()),
+                    Ok(_) => Some("the written pairs do not have the reported digest".to_string()),
                     Err(why) => Some(why),
                 };
                 if let Some(why) = why {

@@ -61,7 +61,9 @@ fn pairs_that_cannot_be_seen_are_wrong_with_the_reason() {
     let (given, fewer) = (row().into(), contacts(&RIGHT[..2], None));
     let mut judge = Judge::new(&given, 1 << 20).unwrap();
     let others = contacts(&RIGHT[..1], None);
-    for (shown, words) in [(Err("it has gone"), "it has gone"), (Ok(&others), "it gave others")] {
+    for (shown, words) in
+        [(Err("it has gone"), "it has gone"), (Ok(&others), "do not have the reported digest")]
+    {
         let judged = judged(&mut judge, Arithmetic::Textbook, &fewer, shown);
         assert_eq!((judged.outcome, judged.errors), (Outcome::Wrong, None));
         assert!(judged.reason.contains(words), "{}", judged.reason);
