@@ -285,7 +285,6 @@ impl Size {
     }
 }
 
-/// Relative difference allowed between two arrays of sizes: that of rounding to f32.
 const ALIKE: f64 = 1e-6;
 
 pub(crate) fn one_of(

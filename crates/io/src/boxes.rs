@@ -88,7 +88,6 @@ impl Declared {
         self
     }
 
-    /// Builds a sheared box from the bounds of its bounding box, as LAMMPS dumps give them.
     pub(crate) fn enclosed(
         ranges: [[f64; 2]; 3],
         tilt: [f64; 3],
@@ -177,7 +176,6 @@ impl std::fmt::Display for Axes {
 /// Periodic axes or box vectors: `xyz`, `xy`, `z` or `none`; `true` stands for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axes {
-    /// All axes of the particles' dimension.
     All,
     These([bool; 3]),
 }

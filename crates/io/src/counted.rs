@@ -7,7 +7,6 @@ use crate::particles::Particles;
 pub enum Counted {
     First,
     Last,
-    /// The first of two columns; the file may be a graph.
     Graph,
 }
 

@@ -44,7 +44,6 @@ pub struct Choice {
     frame: Frame,
     /// Whether to read to the end of the file in any case.
     survey: bool,
-    /// Number of frames that have begun, including missing frames before the last.
     pub seen: u64,
     /// Whether missing frames are empty frames.
     pub sparse: bool,
@@ -53,7 +52,6 @@ pub struct Choice {
     /// Whether later rows may still belong to an earlier frame, so that the file must be read to
     /// its end.
     pub through: bool,
-    /// Number of frames read or skipped to their end.
     whole: u64,
     /// The last line of these frames; 0 if the format has no lines.
     line: u64,
@@ -84,7 +82,6 @@ impl Choice {
         }
     }
 
-    /// Notes that a frame ended before the current line.
     pub fn done_before(&mut self, lines: &Lines<'_>) {
         (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
     }
@@ -162,7 +159,6 @@ pub trait Reader<T> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>>;
 }
 
-/// A file in which each frame starts with a header.
 pub trait Framed {
     /// Moves to the next frame and returns its place for messages, or `None` at the end.
     fn begin(&mut self) -> anyhow::Result<Option<String>>;
@@ -288,7 +284,6 @@ impl Frames<'_> {
     }
 }
 
-/// Iteration ends after an error.
 impl Iterator for Frames<'_> {
     type Item = anyhow::Result<Loaded>;
 

@@ -81,7 +81,6 @@ pub struct About {
     pub format: &'static str,
     pub gzip: bool,
     pub radius: RadiusSource,
-    /// Number of frames, as far as the file was read.
     pub frames: u64,
     pub frame: u64,
     pub step: Option<i64>,
@@ -94,7 +93,6 @@ pub struct About {
 pub type Loaded = (Particles, About);
 
 impl About {
-    /// Names the frame, as in `frame 3 (step 300)`.
     pub fn which(&self) -> String {
         match self.step {
             Some(step) => format!("frame {} (step {step})", self.frame),

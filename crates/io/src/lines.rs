@@ -38,7 +38,6 @@ pub struct Lines<'a> {
     pub source: Source<'a>,
     line: Vec<u8>,
     number: u64,
-    /// Byte at which the search for the next word starts.
     at: usize,
     word: usize,
     ended: bool,
@@ -49,7 +48,6 @@ impl<'a> Lines<'a> {
         Lines { source, line: Vec::new(), number: 0, at: 0, word: 0, ended: false }
     }
 
-    /// Reads the next line; returns false at the end.
     pub fn advance(&mut self) -> anyhow::Result<bool> {
         self.line.clear();
         (self.at, self.word) = (0, 0);

@@ -25,7 +25,6 @@ pub enum Notice {
     Deep(f64),
     /// Number of nearly concentric pairs, and the first of them.
     Nested(u64, [u32; 2]),
-    /// Number of particles with the same centre as another, and the first of them.
     Coincident(u64, u32),
     /// Coordinates lie between 0 and 1, and the contacts do not look like a packing.
     Scaled,

@@ -8,7 +8,6 @@ use anyhow::ensure;
 use crate::{Boundaries, Chosen, Format, Frame, Without};
 use contactbench_terms::number;
 
-/// Values that a file leaves open, or that replace its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// The radius of all particles; it replaces sizes in the file.

@@ -105,7 +105,6 @@ pub struct Ids {
 }
 
 impl Ids {
-    /// Names of id arrays in VTK, ParaView, Exodus and NumPy files, in lower case.
     const NAMES: &str = "ids globalid globalids globalpointids globalnodeid globalnodeids";
 
     pub fn is_named(label: &str, column: Column) -> bool {
@@ -172,7 +171,6 @@ impl Target {
         Target::Indices(Indices { seen: 0, in_order: true, counted })
     }
 
-    /// Adds the next number; the error names the particle.
     pub fn push(&mut self, value: f64) -> anyhow::Result<()> {
         match self {
             Target::Points(points, point, k) => {

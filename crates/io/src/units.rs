@@ -51,7 +51,6 @@ pub fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
         [] => Some(0),
         [_, exponent @ ..] => std::str::from_utf8(exponent).ok().and_then(|text| text.parse().ok()),
     };
-    // inf and nan are left unchanged.
     let numeral = digits.last().is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.');
     match written.and_then(|written: i32| written.checked_add(power)) {
         Some(exponent) if numeral => [digits, format!("e{exponent}").as_bytes()].concat().into(),

@@ -99,7 +99,6 @@ impl Columns {
         (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
     }
 
-    /// Returns an empty frame; the options may assign the columns.
     pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
         let mut columns = self.chosen(place, options)?;
         let particles = columns.particles(place, options)?;

@@ -227,7 +227,6 @@ impl File {
     }
 }
 
-/// Builds HOOMD's box from its lengths and its tilts relative to them.
 fn boxed(numbers: &[f64], dim: usize) -> anyhow::Result<Declared> {
     let [x, y, z, xy, xz, yz] = *numbers else {
         bail!("configuration/box has {} numbers; six are expected", numbers.len())

@@ -52,7 +52,6 @@ fn is_count(line: &[u8]) -> Option<&[u8]> {
 pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut lines = Lines::new(source);
     let (mut n, mut header) = (None, Header::default());
-    // The first line is a title and is ignored.
     lines.advance()?;
     let title = is_count(lines.line()).map(shown);
     while lines.advance_over_blanks()? {

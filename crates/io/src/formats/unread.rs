@@ -218,7 +218,6 @@ fn json(head: &[u8]) -> bool {
     }
 }
 
-/// Recognises PDB by a record of fixed columns at the start.
 fn pdb(head: &[u8]) -> bool {
     let records =
         "HEADER    |TITLE     |COMPND   |REMARK |CRYST1 |MODEL     |ATOM  |HETATM|EXPDTA    ";
@@ -228,7 +227,6 @@ fn pdb(head: &[u8]) -> bool {
     first.len() >= least && records.split('|').any(|it| first.starts_with(it.as_bytes()))
 }
 
-/// Recognises GRO: a title, a count, and lines with decimal numbers in columns 21 to 44.
 fn gro(head: &[u8]) -> bool {
     let mut lines = head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_end);
     let (_, count, atom) = (lines.next(), lines.next(), lines.next().unwrap_or_default());
@@ -246,7 +244,6 @@ fn gro(head: &[u8]) -> bool {
         && words(numbers).all(|word| word.contains(&b'.') && number(word).is_some())
 }
 
-/// Recognises a GROMACS topology: a section in brackets after comments.
 fn itp(head: &[u8]) -> bool {
     let first = lines(head).find(|line| !matches!(line, [] | [b';' | b'#', ..]));
     let name = |line: &[u8]| line.strip_prefix(b"[")?.strip_suffix(b"]").map(<[u8]>::to_vec);
@@ -257,8 +254,6 @@ fn itp(head: &[u8]) -> bool {
     first.and_then(name).is_some_and(is_word)
 }
 
-/// Recognises a VASP POSCAR: title, scale, three vectors, names, counts, and the kind of
-/// coordinates.
 fn poscar(head: &[u8]) -> bool {
     let lines: Vec<&[u8]> = lines(head).take(9).collect();
     let numbers = |k: usize| {
@@ -274,7 +269,6 @@ fn poscar(head: &[u8]) -> bool {
     cell && (numbers(5).is_some() && meant(6) || numbers(6).is_some() && meant(7))
 }
 
-/// Recognises OBJ by two vertices, each on a line that starts with `v`.
 fn obj(head: &[u8]) -> bool {
     let corner = |line: &[u8]| {
         let rest = line.strip_prefix(b"v ").unwrap_or_default();

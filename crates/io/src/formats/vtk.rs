@@ -23,7 +23,6 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
         tuples: 0,
     };
     file.lines.advance()?;
-    // The title is ignored.
     file.lines.advance()?;
     ensure!(
         file.lines.advance()?,
@@ -241,7 +240,6 @@ impl Vtk<'_> {
         self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what)
     }
 
-    /// Reads one array of a FIELD: `name components tuples type`.
     fn field(&mut self) -> anyhow::Result<()> {
         let name = self.lines.source.name;
         loop {

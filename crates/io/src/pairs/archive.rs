@@ -37,7 +37,6 @@ pub(super) fn read(mut source: Source<'_>, chosen: &[&str]) -> anyhow::Result<Li
 impl Arrays {
     fn member(&mut self, mut source: Source<'_>, name: &str) -> anyhow::Result<()> {
         let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
-        // Unused arrays may be of any type.
         let Ok(header) = npy::header(&mut source) else { return Ok(()) };
         match header.columns {
             None => match columns(&mut source, &header, 1)?.and_then(|mut it| it.pop()) {

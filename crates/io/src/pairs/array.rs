@@ -94,7 +94,6 @@ impl<'a> Array<'a> {
         Array { source, header: None, shape, notices, rows, at: 0, before: 0 }
     }
 
-    /// Reads the array after its header.
     pub fn behind(source: Source<'a>, header: Header) -> Array<'a> {
         Array { header: Some(header), ..Array::new(source) }
     }

@@ -39,7 +39,6 @@ impl Other {
 #[derive(Clone, Default)]
 pub(super) struct Columns {
     pair: [usize; 2],
-    /// No column, or one per axis.
     image: Vec<usize>,
     /// Whether the image columns were guessed. A number that is not whole refutes the guess.
     guessed: bool,
@@ -109,7 +108,6 @@ impl Columns {
         &self.image
     }
 
-    /// Ignores a column whose meaning is known otherwise.
     pub fn known(&mut self, column: usize) {
         let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
         self.others.remove(m);
@@ -155,7 +153,6 @@ impl Columns {
         Ok(())
     }
 
-    /// Passes to the list what its rows have shown about the columns.
     pub fn end(self, list: &mut List) {
         list.flat = self.image.len() == 2;
         list.named_ids = self.ids;

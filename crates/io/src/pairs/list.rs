@@ -22,7 +22,6 @@ pub struct List {
     /// Whether unnamed columns were taken as images only because of their number.
     pub guessed: bool,
     pub others: Vec<Other>,
-    /// Number of contacts with walls, which were left out.
     pub walls: u64,
     /// Whether numbers are LAMMPS ids instead of positions in a file.
     pub ids: bool,

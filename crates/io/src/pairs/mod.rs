@@ -50,7 +50,6 @@ impl Lists<'_> {
     }
 }
 
-/// Iteration ends after an error.
 impl Iterator for Lists<'_> {
     type Item = anyhow::Result<List>;
 

@@ -52,7 +52,6 @@ pub struct Particles {
     pub lattice: Option<Lattice>,
     /// Whether the file has a box, periodic or not.
     pub has_box: bool,
-    /// Assumptions to report to the user.
     pub notices: Vec<Notice>,
     /// Names of unused columns or arrays, for the message about missing radii.
     pub(crate) unused: Vec<String>,
@@ -170,7 +169,6 @@ impl Particles {
         Ok(())
     }
 
-    /// Builds particles from lists of centres and radii; `name` is used in messages.
     pub(crate) fn from_columns(
         points: Vec<Point<f64, 3>>,
         radii: Option<Vec<f64>>,

@@ -40,7 +40,6 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
     assert_eq!((part(&columns, [1, 3]).first, part(&columns, [1, 3]).len()), (None, 3));
 }
 
-/// Files are read and written in blocks of 16 to 64 KiB.
 #[test]
 fn files_of_several_pieces_are_whole() {
     let list: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();

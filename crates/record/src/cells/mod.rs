@@ -213,7 +213,6 @@ impl Cell {
         }
     }
 
-    /// Was anything measured that this pass measures?
     pub fn has(&self, pass: Pass) -> bool {
         Column::measured_by(pass).any(|column| self.values.contains_key(&*column.name))
     }

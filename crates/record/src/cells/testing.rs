@@ -13,7 +13,6 @@ use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
 use crate::record::value::AxisValue;
 
-/// Builds rows. Setters change the cell of the rows that follow.
 pub struct Lab {
     base: Row,
     rows: Vec<Row>,

@@ -50,14 +50,12 @@ pub enum ClaimKind {
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// `value` and `to` differ by at most `within`, relative to `to`, in every cell.
     Equal {
         value: Expression,
         to: Expression,
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// `value` <= `to` in every cell.
     AtMost {
         value: Expression,
         to: Expression,

@@ -23,8 +23,6 @@ pub enum FigureKind {
     Lines(Lines),
     /// Times divided by those of one detector: one panel per scene and N, one bar per detector.
     Bars(Bars),
-    /// Error rate against time per particle: one panel per scene, one mark per detector and
-    /// arithmetic.
     SpeedError(SpeedError),
     Map(MapAxes),
 }

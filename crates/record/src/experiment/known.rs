@@ -36,7 +36,6 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
 }
 
 struct Known {
-    /// Every scene with one subject, and every subject with one scene.
     ids: Vec<CellId>,
     runners: bool,
 }

@@ -78,7 +78,6 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Item<T> {
     }
 }
 
-/// Reads a key with one value; `1e6` is accepted as a whole number.
 pub fn one<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<T, D::Error> {
     Item::deserialize(from).map(|item| item.0)
 }
@@ -89,7 +88,6 @@ pub fn some<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     one(from).map(Some)
 }
 
-/// Reads a key with a list; a single value needs no brackets.
 pub fn many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     List::deserialize(from).map(|list| list.0)
 }

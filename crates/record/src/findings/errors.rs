@@ -26,7 +26,6 @@ pub struct ErrorLine {
 pub struct Sum {
     pub cells: usize,
     pub contacts: f64,
-    /// Errors compared with exact decisions on the given scene.
     pub errors: Errors,
     /// `None` if a cell is from an older record without causes.
     pub causes: Option<Causes>,

@@ -40,7 +40,6 @@ pub struct Twin {
     pub typical: f64,
     pub worst: Interval,
     pub outside: usize,
-    /// Fraction of cells whose interval excludes 1 by chance.
     pub by_chance: f64,
 }
 

@@ -15,7 +15,6 @@ pub struct Operations {
     pub choice: Choice,
 }
 
-/// One entry per scene and detector with counts at two or more n.
 pub fn operations(cells: &[&Cell]) -> Vec<Operations> {
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
     // Operations are always counted with one thread.

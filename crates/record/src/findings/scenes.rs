@@ -14,7 +14,6 @@ pub struct SceneResults {
     pub results: Vec<Contender>,
 }
 
-/// Measurements of one subject; numbers are per particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     pub name: String,

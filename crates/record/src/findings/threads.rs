@@ -29,7 +29,6 @@ pub struct Typical {
     pub fraction: Option<f64>,
 }
 
-/// Speed-up, ceiling and fraction of one detector in one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
     pub experiment: String,

@@ -36,7 +36,6 @@ pub struct Contest {
     pub shown: bool,
     pub first: Contender,
     pub others: Vec<Contender>,
-    /// Detectors that take no part, with their outcome: wrong, refused, too slow.
     pub without: Vec<(String, Outcome)>,
 }
 
@@ -56,7 +55,6 @@ pub struct Contender {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     pub scenes: usize,
-    /// Scenes in which no detector is decidedly the fastest, or only one was timed.
     pub undecided: usize,
     pub untimed: usize,
     pub wins: Vec<Wins>,

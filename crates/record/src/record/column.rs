@@ -23,7 +23,6 @@ pub struct Column {
 
 type Read = Box<dyn Fn(&Row) -> Option<f64> + Send + Sync>;
 
-/// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
 pub const TIME: &str = "time_ns";

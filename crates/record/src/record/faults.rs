@@ -15,9 +15,7 @@ use contactbench_terms::errors::Errors;
 use contactbench_terms::number::plural;
 use contactbench_terms::text;
 
-/// A larger number of threads is taken as a mistake.
 pub const MOST_THREADS: usize = 1024;
-/// Maximum number of faults listed individually.
 const SHOWN: usize = 20;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +145,6 @@ fn numbers(row: &Row) -> Option<String> {
     None
 }
 
-/// Checks that the time is that of the whole sample divided by its detections.
 fn times(row: &Row) -> Option<String> {
     let time = u128::from(row.time_ns?);
     let (Some(calls), Some(elapsed)) = (row.calls, row.elapsed_ns) else {

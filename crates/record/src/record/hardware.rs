@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// The hardware, whose fields are also fields of the provenance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Hardware {
@@ -15,7 +14,6 @@ pub struct Hardware {
     pub cpu_family: Option<u64>,
     pub cpu_model: Option<u64>,
     pub cpu_stepping: Option<u64>,
-    /// Instruction sets that detectors and compilers use, under the compiler's names.
     pub cpu_features: Option<Vec<String>>,
     pub cores: Option<u64>,
     /// Level and kind (`L1d`, `L1i`, `L2`, `L3`) to size (`32K`).

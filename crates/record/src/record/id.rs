@@ -48,7 +48,6 @@ impl Default for Resources {
 
 pub const FIELDS: [&str; 9] =
     ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", THREADS, "detector"];
-/// Name of the axis that distinguishes machines.
 pub const MACHINE: &str = "machine";
 pub const THREADS: &str = "threads";
 
@@ -148,7 +147,6 @@ impl CellId {
             .chain(detector)
     }
 
-    /// Removes these axes; `detector` includes its parameters.
     pub fn without(&self, axes: &[&str]) -> Projection {
         let mut left = vec![
             ("experiment".to_string(), self.experiment.as_str().into()),

@@ -25,7 +25,6 @@ pub enum Entry {
 /// A program. All its processes with the same libraries and instruction sets share one entry.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Process {
-    /// Referenced by rows: 8 hexadecimal digits.
     pub id: String,
     /// The program, and files that its command names, such as a script.
     pub files: Vec<Executed>,
@@ -47,7 +46,6 @@ pub struct Executed {
 /// The load of the machine while the blocks of one scene were timed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Span {
-    /// Referenced by rows: 8 hexadecimal digits.
     pub id: String,
     pub scene: String,
     pub seconds: f64,
@@ -86,7 +84,6 @@ impl Ledger {
     pub fn text(&self) -> String {
         let processes = self.processes.values().cloned().map(Entry::Process);
         let entries = processes.chain(self.spans.values().cloned().map(Entry::Span));
-        // These types always convert to JSON.
         entries.filter_map(|entry| line(&entry).ok()).collect()
     }
 

@@ -10,7 +10,6 @@ use crate::record::hardware::Hardware;
 use crate::record::merge::Part;
 use crate::record::{copies, file, provenance};
 
-/// A machine as a provenance describes it. Several machines may share a name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     pub name: String,

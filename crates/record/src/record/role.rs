@@ -13,7 +13,6 @@ pub enum Role {
     Nothing,
     /// Control: the same code as the named detector.
     Twin(String),
-    /// The named detector in the build that this one is compared with.
     Base(String),
 }
 

@@ -142,7 +142,6 @@ pub struct Measurement {
 }
 
 impl Row {
-    /// Touching pairs in exact arithmetic, summed over all frames.
     pub fn true_contacts(&self) -> f64 {
         match &self.moved {
             Some(moved) => moved.contacts as f64,

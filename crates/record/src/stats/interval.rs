@@ -40,7 +40,6 @@ pub fn mad(values: &[f64]) -> Option<f64> {
     median(&values.iter().map(|v| (v - centre).abs()).collect::<Vec<_>>())
 }
 
-/// The median with its exact order-statistic interval.
 pub fn interval(values: &[f64]) -> Option<Interval> {
     let values = sorted(values);
     let (rank, coverage) = rank(values.len())?;
@@ -96,7 +95,6 @@ impl From<u32> for Block {
     }
 }
 
-/// The probability of at least `successes` in `trials` of probability `p` each.
 pub fn at_least(successes: usize, trials: usize, p: f64) -> f64 {
     let mut term = (1.0 - p).powi(trials as i32);
     let mut below = 0.0;

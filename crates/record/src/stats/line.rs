@@ -1,4 +1,3 @@
-/// The least-squares line y = `intercept` + `slope` x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightLine {
     pub intercept: f64,
@@ -28,7 +27,6 @@ mod tests {
 
     #[test]
     fn the_line_has_the_textbook_slope_and_error() {
-        // The residuals are 0.02, -0.16, 0.26, -0.12.
         let line = StraightLine::fit(&[(1.0, 1.2), (2.0, 1.9), (3.0, 3.2), (4.0, 3.7)]).unwrap();
         assert!((line.slope - 0.88).abs() < 1e-12 && (line.intercept - 0.3).abs() < 1e-12);
         assert!((line.error.unwrap() - (0.108_f64 / 2.0 / 5.0).sqrt()).abs() < 1e-12, "{line:?}");

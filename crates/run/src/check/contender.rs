@@ -43,7 +43,6 @@ pub enum Contender {
     },
 }
 
-/// Finds the contacts of an open scene. An error ends the check.
 pub type Function = dyn Fn(&AnyScene<'static>) -> anyhow::Result<Answer> + Send + Sync;
 
 impl<S: Into<DetectorSpec>> From<S> for Contender {

@@ -16,7 +16,6 @@ use contactbench_io::Given;
 
 #[derive(Debug, Default)]
 pub struct Manners {
-    /// The first error of each kind.
     pub broken: Vec<Wrong>,
     pub abilities: Vec<&'static str>,
 }
@@ -106,7 +105,6 @@ impl Talk {
         Ok(())
     }
 
-    /// Sends a field that no version has.
     fn load(&mut self, row: Trajectory) -> anyhow::Result<()> {
         let when = "given a load with a field that it does not know";
         match self.say(when, &Request::Load(row), &[("remark", "of a later version")])? {

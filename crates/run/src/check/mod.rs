@@ -45,7 +45,6 @@ const MOST_BYTES: u64 = 256 << 20;
 pub struct Limits {
     /// Maximum number of seeds; the first is always completed.
     pub seeds: u64,
-    /// No generated scene starts after this time.
     pub time: Duration,
     /// A detection that takes longer counts as a hang.
     pub deadline: Duration,
@@ -76,7 +75,6 @@ pub struct Report {
     /// Whether the time was over before a [`battery`] was complete.
     pub cut: bool,
     pub refused: BTreeMap<String, u64>,
-    /// The first failure of each detector.
     pub failures: Vec<Failure>,
 }
 
@@ -108,7 +106,6 @@ impl Report {
 pub struct Failure {
     pub detector: String,
     pub arithmetic: Arithmetic,
-    /// The scene on which the error was found.
     pub found_on: String,
     pub found: Wrong,
     pub given: Given,

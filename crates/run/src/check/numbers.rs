@@ -73,7 +73,6 @@ pub fn bits(x: f64) -> u32 {
     53 - (fraction.to_bits() & ((1 << 52) - 1)).trailing_zeros().min(52)
 }
 
-/// Rounds to at most `count` significant bits.
 pub fn rounded(x: f64, count: u32) -> f64 {
     let (fraction, exponent) = libm::frexp(x);
     libm::scalbn(libm::round(libm::scalbn(fraction, count as i32)), exponent - count as i32)

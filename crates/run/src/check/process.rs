@@ -34,9 +34,7 @@ const SMALL: usize = 100;
 
 #[derive(Clone)]
 pub struct Foreign {
-    /// The runner's name, made valid for a file name.
     pub name: String,
-    /// The runner's version; may be empty.
     pub version: String,
     pub arithmetic: Arithmetic,
     pub command: Vec<String>,

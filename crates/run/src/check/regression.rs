@@ -8,7 +8,6 @@ use crate::check::numbers::Numbers;
 use contactbench_core::scene::AnyScene;
 use contactbench_io::write::{self, SceneFormat};
 
-/// Committed regressions, with their names in `tests/regressions`.
 pub const KEPT: [(&str, &str); 5] = [
     ("far-apart.csv", include_str!("../../../../tests/regressions/far-apart.csv")),
     ("subnormal.csv", include_str!("../../../../tests/regressions/subnormal.csv")),

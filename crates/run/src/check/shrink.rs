@@ -19,11 +19,9 @@ use contactbench_core::scene::AnyScene;
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
     pub trials: u32,
-    /// No scene is tried after this time.
     pub time: Duration,
 }
 
-/// Numbers of significant bits to round to.
 const BITS: [u32; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40];
 
 const ORIGINS: usize = 16;

@@ -89,7 +89,6 @@ fn a_list_serves_a_box_that_is_sheared() {
     assert_eq!(followed.trackers[0].builds.built, 1);
 }
 
-/// Two touching particles move together through several faces.
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
     let flight = |k: u32| {

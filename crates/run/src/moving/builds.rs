@@ -2,7 +2,6 @@
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Builds {
-    /// Frames in which the list was built, the first included.
     pub built: u64,
     /// Builds that LAMMPS would call dangerous.
     pub dangerous: u64,

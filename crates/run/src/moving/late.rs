@@ -15,7 +15,6 @@ use contactbench_core::periodic::ImagePair;
 pub struct Late<P: Eq + Hash = ImagePair> {
     pub missed: u64,
     pub worst: u64,
-    /// First frame with a missed contact.
     pub first: Option<u64>,
     pub frames: u64,
     /// Contacts that ended, or lasted to the last frame, without being reported.

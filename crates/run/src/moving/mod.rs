@@ -47,7 +47,6 @@ pub struct Tracked {
     /// Whether it must not miss contacts.
     pub is_safe: bool,
     pub times: Vec<Duration>,
-    /// Time for building lists, over all frames.
     pub building: Duration,
     pub builds: Builds,
     pub listed: u64,

@@ -8,7 +8,6 @@ use contactbench_record::experiment::{
 };
 
 const PAGE: &str = include_str!("../../../../docs/EXPERIMENTS.md");
-/// The name of a key in older files.
 const OLD: &str = "per-element";
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";

@@ -20,7 +20,6 @@ use contactbench_terms::nearest::hint;
 
 /// Maximum size of an experiment file, in bytes; the largest of ours has 15 kB.
 const MOST_BYTES: u64 = 1 << 20;
-/// Placeholder for the number of threads in the command of a runner.
 pub const THREADS: &str = "{threads}";
 
 pub fn text_of(path: &Path) -> anyhow::Result<String> {

@@ -124,7 +124,6 @@ pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Resu
     Ok(())
 }
 
-/// The lists whose product gives the scenes, with their lengths.
 fn factors(sweep: &SceneSweep) -> Vec<(&str, u64)> {
     let len = |list: &[toml::Value]| list.len() as u64;
     let all_cases = takes_all_cases(sweep);

@@ -218,7 +218,6 @@ impl Ground<'_> {
         Ok(None)
     }
 
-    /// Runs blocks until the time is over. Returns their number, and the ratio of the twin.
     fn blocks(
         &mut self,
         standings: &mut [Standing],

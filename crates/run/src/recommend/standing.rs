@@ -61,7 +61,6 @@ impl Standing {
 
 pub struct Race {
     pub standings: Vec<Standing>,
-    /// Number of true pairs in the arithmetic.
     pub contacts: u64,
     pub blocks: u32,
     /// The twin's time over its original's, which shows the noise of equal code. `None` with fewer

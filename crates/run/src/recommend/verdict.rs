@@ -11,7 +11,6 @@ const LEANER: f64 = 1.2;
 
 pub struct Verdict {
     pub choice: usize,
-    /// The fastest detector that is decidedly slower, and its time over that of the choice.
     pub next: Option<(usize, Interval)>,
     /// Other detectors that are undecided against the fastest, and their times over that of the
     /// choice.

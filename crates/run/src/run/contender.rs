@@ -37,7 +37,6 @@ pub struct Contender {
     pub duet: Option<usize>,
 }
 
-/// Suffix of a detector of the other build.
 pub(crate) const BASE: &str = "@base";
 const TWIN: &str = "-twin";
 

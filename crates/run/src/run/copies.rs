@@ -86,7 +86,6 @@ impl Stage<'_, '_> {
         row.calls = Some(answers.iter().map(|answer| answer.calls).sum());
         row.elapsed_ns = answers.iter().map(|answer| answer.elapsed_ns).max();
         for (copy, answer) in copies.iter_mut().zip(answers) {
-            // The first wrong answer decides.
             if row.outcome.is_good() {
                 say(&mut row, &answer.found);
                 self.judge(&mut row, running, copy, judge, &answer.found)?;
@@ -125,7 +124,6 @@ fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
             if sample(copy, SAMPLE_NS).is_err() {
-                // The sample that counts is already complete.
                 break;
             }
             done = answered.load(Ordering::Relaxed);

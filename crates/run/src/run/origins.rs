@@ -21,7 +21,6 @@ pub struct Origins {
     known: HashMap<Stamp, Option<String>>,
 }
 
-/// Path, size, time of change, and inode number of a file.
 type Stamp = (PathBuf, u64, Option<SystemTime>, u64);
 
 impl Origins {

@@ -220,7 +220,6 @@ impl Stage<'_, '_> {
         self.note_first("WRONG", row, &row.reason);
     }
 
-    /// Prints an event of a detector, the first time in a run.
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
         let head = format!("{what}: {}", row.id.contender());
         if self.log.noted.insert(head.clone()) {

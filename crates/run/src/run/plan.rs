@@ -20,10 +20,8 @@ const REPORT_BYTES: u64 = 8 << 20;
 
 pub(crate) struct Job {
     pub quick: bool,
-    /// This program, started as a runner.
     pub program: PathBuf,
     pub against: Option<PathBuf>,
-    /// The machine's label in rows.
     pub machine: String,
 }
 

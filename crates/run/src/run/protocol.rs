@@ -47,7 +47,6 @@ impl Request {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "reply", rename_all = "lowercase")]
 pub enum Reply {
-    /// The first line, before any request.
     Hello(Box<Hello>),
     /// The trajectory is accepted; a scene at rest is in memory.
     Loaded,
@@ -103,7 +102,6 @@ pub struct Hello {
     /// Version of the runner or the library behind it; may be empty.
     #[serde(default)]
     pub version: String,
-    /// Other properties of the program: compiler, libraries, instruction sets.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub build: BTreeMap<String, String>,
     /// Whether it takes only trajectories of one frame.

@@ -225,7 +225,6 @@ fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
     )
 }
 
-/// The field of the provenance with the SHA-256 of the other build.
 const BASE: &str = "against_sha256";
 
 /// Checks that a record has rows of this build alone, or beside one other build.

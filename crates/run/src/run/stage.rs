@@ -43,7 +43,6 @@ use contactbench_scenes::stats;
 use contactbench_scenes::stats::Stats;
 
 pub trait Progress {
-    /// `done` of `total` scenes are complete; `next` is being measured.
     fn scene(&mut self, done: usize, total: usize, next: &str);
     fn note(&mut self, text: &str);
 }
@@ -64,7 +63,6 @@ pub(crate) struct Log<'a> {
     pub progress: &'a mut dyn Progress,
     pub too_slow: TooSlow,
     pub noted: BTreeSet<String>,
-    /// The span of the rows that are being written.
     pub span: Option<String>,
 }
 
@@ -105,7 +103,6 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Prints once what was assumed about the scene's file.
     fn note(&mut self, given: &Given) {
         let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
         let doubts = given.source.as_ref().map(|source| {

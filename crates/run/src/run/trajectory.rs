@@ -20,7 +20,6 @@ pub struct Trajectory {
     pub frames: Vec<PathBuf>,
     pub dim: u32,
     pub n: u64,
-    /// The radius of all particles, or null.
     pub radius: Option<f64>,
     /// The periodic box of all frames; absent in open space, or if boxes differ.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]

@@ -73,7 +73,6 @@ pub(crate) fn names_a_frame(comment: &str) -> bool {
 #[derive(Default)]
 pub(super) struct Blocks {
     rows: u64,
-    /// Number of blocks of rows after the first block.
     more: u64,
     /// Whether a blank line or a comment follows the last row.
     ended: bool,

@@ -91,7 +91,6 @@ impl Header {
             .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
     }
 
-    /// Calls `then` with the index and the value of each of the next `count` numbers.
     pub fn values(
         &self,
         source: &mut Source<'_>,
@@ -183,7 +182,6 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
 
-/// Writes a version 1 header of a two-dimensional array in C order.
 pub(crate) fn write_header(
     out: &mut dyn Write,
     kind: &str,
@@ -193,7 +191,6 @@ pub(crate) fn write_header(
     write_dictionary(out, &format!("'{kind}'"), &format!("{rows}, {columns}"))
 }
 
-/// Writes a version 1 header of a structured array of f64 fields.
 pub(crate) fn write_fields(out: &mut dyn Write, names: &[&str], rows: usize) -> io::Result<()> {
     let fields: Vec<String> = names.iter().map(|name| format!("('{name}', '<f8')")).collect();
     write_dictionary(out, &format!("[{}]", fields.join(", ")), &format!("{rows},"))

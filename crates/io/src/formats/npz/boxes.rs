@@ -8,7 +8,6 @@ use crate::lines::{Source, among, short};
 use crate::particles::Column;
 use crate::{Notice, Options};
 
-/// Names of arrays that hold a box, in lower case.
 const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";
 const FLAGS: &str = "pbc periodic periodicity";
 

@@ -54,7 +54,6 @@ pub fn members(
                     let input = &mut unpacked;
                     let of_member = Source { input, name: &name, unpacking: source.unpacking };
                     member(of_member, &local.name)?;
-                    // Reads on to the end, where the next file begins.
                     std::io::copy(&mut unpacked, &mut std::io::sink())
                         .with_context(|| format!("cannot read {name}"))?;
                 }
@@ -119,7 +118,6 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
     Ok(Some(Local { name: String::from_utf8_lossy(&label).into_owned(), method, size, wide }))
 }
 
-/// Skips the sizes that follow the data in a streamed archive.
 fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
     let mut start = [0; 4];
     let whole = source.fill(&mut start)?;

@@ -95,7 +95,6 @@ impl Scenes {
         let is_box = matches!(column, Column::Other) && Cell::is_named(label);
         let header = match npy::any_header(&mut source) {
             Ok(header) => header,
-            // Unused arrays may be of any type.
             Err(_) if matches!(column, Column::Other | Column::Id) && !is_box => {
                 self.others.push(label.to_string());
                 return Ok(());

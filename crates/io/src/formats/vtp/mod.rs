@@ -23,10 +23,8 @@ struct File<'a> {
     layout: Layout,
     pieces: Vec<Arrays>,
     announced: u64,
-    /// Number of points of the last piece; `cells` likewise.
     points: u64,
     cells: u64,
-    /// The element that encloses the arrays that follow.
     within: String,
     /// The name of the array of ids, if `within` gives one.
     ids: Option<String>,

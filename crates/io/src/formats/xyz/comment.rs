@@ -200,7 +200,6 @@ impl Scan<'_> {
         Ok((text, cells))
     }
 
-    /// Adds the cells of an array, and returns their number; rows may be arrays.
     fn array(&mut self, cells: &mut Vec<String>, rows: bool) -> Result<usize, Fault> {
         let (start, mut count, mut length) = (self.at, 0, None);
         self.next();

@@ -184,7 +184,6 @@ fn declared(
     Ok(declared.then_some(Declared { vectors, origin, periodic, ..Declared::default() }))
 }
 
-/// Parses the columns from `name:type:number` triples.
 fn announced(properties: &str) -> anyhow::Result<Columns> {
     let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
     let mut columns = Columns::default();

@@ -17,7 +17,6 @@ pub struct Summary {
     /// The slowdown that would have been detected: its median over the judged cells, and its
     /// maximum.
     pub least: Option<(f64, f64)>,
-    /// Cells within the band whose interval excludes 1.
     pub small: usize,
     /// A twin that became slower or faster, and the factor. No verdict is then given.
     pub moved: Option<(String, f64)>,

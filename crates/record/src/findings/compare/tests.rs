@@ -124,7 +124,6 @@ fn builds_side_by_side_are_paired_by_round() {
     for (base, twin, judgement, small) in [
         (900, 1010, Slower, false),
         (940, 1010, Undecided, false),
-        // A difference that is detected but too small to count.
         (980, 1010, WithinBand, true),
         (1000, 1010, WithinBand, false),
         (900, 1200, Undecided, false),

@@ -11,7 +11,6 @@ pub enum Judgement {
     /// B takes longer: the interval excludes 1, and the ratio exceeds the noise of equal code.
     Slower,
     Faster,
-    /// Neither is shown, or there are too few blocks.
     Undecided,
     /// The whole interval lies within the band; it may exclude 1.
     #[serde(rename = "within-the-band")]
@@ -53,7 +52,6 @@ pub enum Note {
     Machines,
     Reference,
     NoReference(String),
-    /// Numbers of blocks in A and B, too few for an interval.
     FewBlocks(usize, usize),
     NoControl,
     /// This twin became slower or faster by this factor, although it is equal code.

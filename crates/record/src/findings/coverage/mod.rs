@@ -118,7 +118,6 @@ pub struct Summary {
     pub missing: BTreeMap<Why, usize>,
     pub short: BTreeMap<Why, Short>,
     pub blocks: u32,
-    /// Measured scenes outside the plan: those of a quick run.
     pub outside: usize,
     /// Cells of twins, which every run adds to measure the noise.
     pub twins: usize,

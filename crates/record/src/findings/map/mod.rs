@@ -36,7 +36,6 @@ const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
 pub struct Map {
     pub axes: [Axis; 2],
     pub panels: Vec<Panel>,
-    /// All subjects that may be the fastest somewhere, in the order of names.
     pub contenders: Vec<String>,
 }
 

@@ -23,7 +23,6 @@ pub struct Ratios {
 pub struct Library {
     pub title: String,
     pub n: u64,
-    /// Number of scenes with this n: one per seed.
     pub scenes: usize,
     pub name: String,
     pub ratio: Interval,

@@ -17,7 +17,6 @@ pub const FILE: &str = "samples.jsonl";
 
 const PACKED: &str = ".gz";
 const LONGEST: u64 = 1 << 24;
-/// Number of damaged lines after which reading stops.
 const MOST_FAULTS: usize = 10_000;
 /// Number of unpacked bytes after which reading stops.
 const MOST_BYTES: u64 = 4 << 30;
@@ -26,7 +25,6 @@ const MOST_BYTES: u64 = 4 << 30;
 /// had no check of each line.
 pub const SCHEMA: u32 = 4;
 const OLDEST: u32 = 3;
-/// The first schema in which every line ends with a check.
 pub const SEALED: u32 = 4;
 
 #[derive(Serialize)]

@@ -102,7 +102,6 @@ fn every_committed_record_is_read() {
     assert!(rows > 10_000, "{rows}");
 }
 
-/// A compressed record is read like its text; errors name the compressed file.
 #[test]
 fn a_compressed_record_is_read_and_never_appended_to() {
     use flate2::{Compression, write::GzEncoder};

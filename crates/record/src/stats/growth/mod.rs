@@ -22,11 +22,8 @@ use crate::stats::line::StraightLine;
 /// Smallest relative residual that improves a fit. Exact counts can fit a law exactly; without this
 /// limit, AICc would be minus infinity, and deviations of 10^-6 would decide between laws.
 pub const FLOOR: f64 = 1e-3;
-/// Minimum number of different N.
 pub const LEAST_POINTS: usize = 5;
-/// Minimum factor between the smallest and the largest N.
 pub const LEAST_SPAN: f64 = 8.0;
-/// Minimum lead in AICc over the runner-up.
 pub const LEAST_DELTA: f64 = 4.0;
 /// Largest difference between the free exponent and the law's.
 pub const TREND: f64 = 0.1;
@@ -50,7 +47,6 @@ pub enum Model {
 }
 
 impl Model {
-    /// Slowest growth first.
     pub const ALL: [Model; 3] = [Model::Linear, Model::Linearithmic, Model::Quadratic];
 
     pub fn name(self) -> &'static str {
@@ -85,7 +81,6 @@ impl Model {
     }
 }
 
-/// The exponent b of y = c N^b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
     pub exponent: f64,
@@ -99,7 +94,6 @@ pub struct Choice {
     /// The law, or why none is chosen.
     pub law: Result<Model, String>,
     pub slope: Option<Slope>,
-    /// The laws by AICc, best first.
     pub scores: Vec<(Model, f64)>,
 }
 

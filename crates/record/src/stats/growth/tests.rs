@@ -6,7 +6,6 @@ fn points(f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     N.iter().map(|&n| (n, f(n))).collect()
 }
 
-/// A fixed relative deviation of about one per cent.
 fn wobble(n: f64) -> f64 {
     1.0 + 0.01 * (n.ln() * 7.3).sin()
 }

@@ -104,8 +104,6 @@ fn hold(scenes: &[Given], keep: bool) {
                     (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
                         None
                     }
-                    // The rounded truth may be refused in a box: its image numbers are twice as
-                    // large, and it also lists pairs of two images.
                     (
                         Answer::Right | Answer::Pairs(_),
                         Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),

@@ -65,7 +65,6 @@ struct Maker<'a> {
 
 #[derive(Clone, Copy)]
 struct Next {
-    /// The byte that chooses the method.
     how: u8,
     dim: usize,
     /// The position of the reference particle; without one, the offset.
@@ -241,7 +240,6 @@ impl<'a> Maker<'a> {
     }
 }
 
-/// Moves a number by `steps` units in the last place.
 fn nudged(x: f64, steps: i32) -> f64 {
     (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
 }

@@ -28,7 +28,6 @@ pub(super) struct Against<'a> {
     pub near: &'a Contacts,
     /// Pairs with at most this gap (a length) may be listed.
     pub skin: f64,
-    /// Maximum number of pairs kept of each kind.
     pub kept: usize,
 }
 
@@ -197,7 +196,6 @@ fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Di
     truth.for_each(|pair| each(Difference::Missed, pair));
 }
 
-/// The pairs with the largest error, and their total number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worst {
     /// Each pair with its depth in mean radii; negative for a gap.

@@ -54,7 +54,6 @@ impl Naming {
         }
     }
 
-    /// The index of a particle in a file of `n`, by its number in the list.
     fn place(&self, name: i64, n: usize) -> Option<u32> {
         match self {
             Naming::Base(base) => name
@@ -65,7 +64,6 @@ impl Naming {
         }
     }
 
-    /// The numbers of these pairs in the list.
     fn names(&self, places: &[[u32; 2]]) -> Vec<Couple> {
         let ids: HashMap<u32, i64> = match self {
             Naming::Ids(ids) if !places.is_empty() => ids.iter().map(|(&id, &k)| (k, id)).collect(),
@@ -103,7 +101,6 @@ pub(super) struct Taking<'a> {
 pub(super) struct Listing {
     pub contacts: Contacts,
     pub has_images: bool,
-    /// Pairs with a number that no particle has.
     pub unknown: Vec<Couple>,
     /// Pairs listed in one direction only, if both are expected.
     pub one_sided: Vec<Couple>,

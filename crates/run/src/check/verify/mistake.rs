@@ -10,7 +10,6 @@ use contactbench_terms::number::{number, plural};
 pub struct Reading {
     /// The assumed mistakes: in numbers, images, the definition of a contact, or the box.
     pub mistakes: Vec<Mistake>,
-    /// Number of different pairs in the list.
     pub listed: u64,
     pub wrong: u64,
 }
@@ -18,7 +17,6 @@ pub struct Reading {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mistake {
     Numbers(Meaning),
-    /// Every pair is listed as i,j and as j,i.
     BothSides,
     ImagesOfFirst,
     /// Images are relative to particles wrapped into the box.
@@ -29,7 +27,6 @@ pub enum Mistake {
     },
     Declared([bool; 3]),
     Rounded(Arithmetic),
-    /// Pairs that touch in exactly one point are missing.
     Strict,
     /// All differing pairs are tangent up to the last digits.
     Tangent,
@@ -116,7 +113,6 @@ impl Mistake {
     }
 }
 
-/// The axes in the form of `--periodic`.
 fn letters(axes: [bool; 3]) -> String {
     let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
     names.map(|(name, _)| name).collect()

@@ -79,7 +79,6 @@ pub struct Verification {
     /// Number of pairs that do not touch but are within the skin.
     pub within_skin: u64,
     pub taken: Taken,
-    /// Number of contacts and of listed pairs that were left out.
     pub left_out: [u64; 2],
 }
 

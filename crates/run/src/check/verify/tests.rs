@@ -19,7 +19,6 @@ fn row() -> AnyScene<'static> {
     Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
 }
 
-/// Discs in a box with these edges, periodic along both.
 fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static> {
     let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
     let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
@@ -153,7 +152,6 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     far.extend(apart(&pack, 99.0, none).into_iter().filter(|it| !close.contains(it)).take(2));
     let reading = read(&pack, &far).unwrap();
     assert!(matches!(reading.mistakes[..], [Mistake::Skin(_)]) && reading.wrong == 2);
-    // Random wrong pairs have no explanation.
     let mut wrong = right.clone();
     wrong.extend((0..200).map(|k| [k, (7 * k + 5) % 216]).filter(|[i, j]| i != j));
     assert_eq!(read(&pack, &wrong), None);
@@ -243,7 +241,6 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert_eq!((reading.mistakes, reading.wrong), (vec![Mistake::Skin(0.5)], 0));
 }
 
-/// Lists of pairs up to a gap of 0.2, with another box.
 #[test]
 fn a_skin_is_recognised_together_with_another_box() {
     let pack = Spec::parse("packed:dim=3,n=216,lattice=cubic").unwrap().make().unwrap();
@@ -265,7 +262,6 @@ fn a_skin_is_recognised_together_with_another_box() {
     assert!(skin(&mistakes[1..]), "{mistakes:?}");
 }
 
-/// The nearest image of a distant particle in a sheared box.
 #[test]
 fn the_nearest_image_is_found() {
     let scene = Scene::new(

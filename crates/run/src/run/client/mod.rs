@@ -44,12 +44,10 @@ impl Start {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The outcome, which is never `ok`.
     pub outcome: Outcome,
     pub reason: String,
 }
 
-/// A started runner. Dropping it ends the process.
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
@@ -372,7 +370,6 @@ impl Client {
         }
     }
 
-    /// Ends the process and its children: SIGTERM, a pause, SIGKILL.
     fn kill(&mut self) {
         #[cfg(unix)]
         if family::reap(&mut self.child).is_none() {

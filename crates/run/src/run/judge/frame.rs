@@ -25,7 +25,6 @@ pub(super) struct Frame<'a> {
 pub(super) struct Truths {
     /// The scene as the arithmetic stores it; in a box, the given scene.
     pub stored: Rc<Loaded<'static>>,
-    /// Contacts by the arithmetic's own contact test.
     pub own: Rc<Truth>,
     /// Contacts by exact decisions on the stored particles and images; `None` if they cannot be
     /// found in a box.

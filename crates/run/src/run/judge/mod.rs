@@ -332,7 +332,6 @@ impl<'a> Judge<'a> {
         self.frame.as_mut().map(|(_, frame)| frame).context("there is no frame")
     }
 
-    /// Returns the number of contacts by the arithmetic's own contact test, or why it is unknown.
     pub fn count(&mut self, arithmetic: Arithmetic) -> anyhow::Result<(Count, Option<Nothing>)> {
         match self.right(arithmetic, |_, _| Ok(())) {
             Ok(right) => {

@@ -2,7 +2,6 @@ use super::*;
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::{Lattice, Radii, Scene};
 
-/// Four unit discs in a row; neighbours touch.
 fn row() -> Scene<'static, f64, 2> {
     let centres = [0.0, 2.0, 4.0, 6.0].map(|x| nalgebra::Point::from([x, 0.0]));
     Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap()

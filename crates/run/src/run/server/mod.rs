@@ -33,7 +33,6 @@ pub struct Server {
     spec: TrackerSpec,
     arithmetic: Arithmetic,
     options: Options,
-    /// Keeps its buffers from scene to scene.
     searcher: Searcher,
     /// Used instead of `searcher`, if this is a tracker or the trajectory has several frames.
     tracker: Option<Box<dyn Tracker>>,
