@@ -116,8 +116,8 @@ pub struct Matrix {
 pub struct CaseLine {
     pub case: String,
     pub dims: Vec<u32>,
-    /// One entry per arithmetic: `right`, or the detectors that are not, with their errors; `None`
-    /// if not measured.
+    /// One entry per arithmetic: `right`, or the detectors with other answers and their errors;
+    /// `None` if not measured.
     pub answers: Vec<Option<Vec<String>>>,
 }
 

@@ -196,7 +196,7 @@ fn parameter(params: &BTreeMap<String, AxisValue>, name: &str) -> Option<AxisVal
     params.iter().find(|(param, _)| known(param)).map(|(_, value)| value.clone())
 }
 
-/// Prefix of a detector's parameter whose name is taken.
+/// Prefix for a detector's parameter that would share its name with another axis.
 const DETECTOR: &str = "detector_";
 
 fn prefixed(name: &str) -> String {

@@ -106,7 +106,7 @@ pub fn others(folder: &Path) -> Vec<Value> {
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
         .filter(|name| name.starts_with("provenance-") && name.ends_with(".json"))
         .collect();
-    // Part 10 comes after part 9.
+    // Sorting by length first puts part 10 after part 9.
     names.sort_by_key(|name| (name.len(), name.clone()));
     names
         .iter()

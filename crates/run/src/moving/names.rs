@@ -69,7 +69,7 @@ impl Names {
         ImagePair::new(name.i, name.j, times(add(name.image, apart), &self.back))
     }
 
-    /// Wi - Wj.
+    /// By how many box vectors i was moved more than j: Wi - Wj.
     fn apart(&self, pair: ImagePair) -> [i32; 3] {
         let of = |k: u32| self.brought.get(k as usize).copied().unwrap_or_default();
         add(of(pair.i), of(pair.j).map(i32::wrapping_neg))

@@ -82,7 +82,8 @@ impl<'a> Through<'a> {
         Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
     }
 
-    /// Additional distance before the step that the motion of the box allows.
+    /// How much farther apart a pair that meets in this step may be before it, because the box
+    /// moves the image of j.
     fn more(
         &self,
         ways: &[f64],

@@ -64,7 +64,7 @@ pub enum Reply {
     },
     /// The library behind the runner is not installed.
     Unavailable {
-        /// One sentence, with the command that installs it.
+        /// The reason in one sentence, with the command that installs what is missing.
         reason: String,
     },
     Error {

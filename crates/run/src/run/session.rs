@@ -71,7 +71,7 @@ pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<
 /// number of scenes; a shard may have none.
 ///
 /// # Errors
-/// Foreseeable errors, before anything is measured; later errors of the run.
+/// Errors that can be foreseen are returned before anything is measured.
 pub fn run(
     asked: &Asked,
     folder: &Path,

@@ -13,7 +13,7 @@ use crate::scalars::{Kind, Target};
 #[derive(Default)]
 pub(super) struct Layout {
     pub big: bool,
-    /// Bytes of the integers that give lengths.
+    /// Bytes of each integer that gives the length of an array.
     pub header: usize,
     /// Name of the compressor of binary arrays; text is never compressed.
     pub compressor: String,
