@@ -119,10 +119,8 @@ fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
         }
         let many = ["scene", "runner", "claim", "figure"].contains(&name);
         if many && matches!(value.get_ref(), DeValue::Table(_)) {
-            let words = format!(
-                "[{name}] is one of several, so its name needs two brackets: \
-                                 [[{name}]]"
-            );
+            let words =
+                format!("write [[{name}]] instead of [{name}]: there may be several such tables");
             return Err(Problem::new(at, words));
         }
     }

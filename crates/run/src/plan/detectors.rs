@@ -175,7 +175,7 @@ mod tests {
                     "streamed-nbs:form=dense,level=portable",
                     "streamed-nbs:level=portable,form=dense",
                 ],
-                "two runners named 'streamed-nbs:form=dense,level=portable'",
+                "two runners are named 'streamed-nbs:form=dense,level=portable'",
             ),
             (&["nsb"], "there is no detector 'nsb'"),
             (&["streamed-nbs:levle=avx2"], "levle"),

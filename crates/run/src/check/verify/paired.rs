@@ -262,7 +262,7 @@ mod tests {
             &[Some(10), None],
         ] {
             let error = of(&steps, lists).unwrap_err();
-            assert!(error.contains("l: a list without rows does not show its step"), "{error}");
+            assert!(error.contains("l: a list without rows has no step"), "{error}");
         }
         let more = of(&[0], &[Some(0), None]).unwrap_err();
         assert!(more.contains("l: the list of frame 1 (from 0) has no particles: p"), "{more}");
@@ -316,6 +316,6 @@ mod tests {
         assert!(paired(&five, "step,i,j\n5,7,8\n").unwrap_err().contains("the list of step 5"));
         assert!(paired(&five, "frame,i,j\n5,7,8\n").unwrap_err().contains("the list of frame 5"));
         let none = paired("1\n\nA 0 0 0\n", "step,i,j\n5,7,8\n").unwrap_err();
-        assert!(none.starts_with("l: the rows say their step, and p has no steps"), "{none}");
+        assert!(none.starts_with("l: the rows have steps, but p has none"), "{none}");
     }
 }
