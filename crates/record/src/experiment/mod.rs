@@ -250,6 +250,6 @@ impl Experiment {
 pub fn twice(name: &str) -> String {
     format!(
         "two runners are named '{name}'; rename one, because their rows could not be \
-             distinguished"
+         distinguished"
     )
 }

@@ -78,7 +78,7 @@ impl Shard {
             (true, Some(n)) => Ok(Shard { k: (job.k - 1) * size + rank + 1, n }),
             _ => Err(format!(
                 "rank {rank} of {size} is not valid, because ranks count from 0; give \
-                              --shard k/n"
+                 --shard k/n"
             )),
         }
     }

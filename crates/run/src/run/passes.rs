@@ -245,7 +245,7 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
             let names = Arithmetic::names();
             unavailable(format!(
                 "the runner's hello has arithmetic '{name}'; it must be one of \
-                                 {names}"
+                 {names}"
             ))
         })
     };
