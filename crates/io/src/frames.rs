@@ -126,8 +126,8 @@ impl Choice {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
             Frame::Only if !is_first => bail!(
-                "{}: a second frame begins; say which one to read, --frame 0 (the first) to \
-                 --frame last, or remove the others",
+                "{}: a second frame begins; choose one with --frame 0 (the first) to --frame last, \
+                 or remove the others",
                 place()
             ),
             Frame::Only | Frame::Last | Frame::All => Step::Keep,

@@ -169,7 +169,7 @@ mod tests {
     fn unknown_names_and_repeated_ones_are_refused() {
         for (names, words) in [
             (&["@boks"][..], "there is no group '@boks' (did you mean @book?); the groups are: "),
-            (&["nbs", "nbs"], "two runners named 'nbs'"),
+            (&["nbs", "nbs"], "two runners are named 'nbs'"),
             (
                 &[
                     "streamed-nbs:form=dense,level=portable",
