@@ -1,4 +1,4 @@
-//! Parameters of detectors, and the ranks of the detectors that establish the truth.
+//! Tests of detectors' parameters, and of the ranks of detectors that establish the truth.
 
 use contactbench_core::contact::Test;
 use contactbench_core::detect::table::{

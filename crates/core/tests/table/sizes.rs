@@ -44,7 +44,7 @@ fn radii() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// Edges of the box. Nearly all strips of cells have neighbours, or some strips, or few.
+/// Edges of the box, with which nearly all, some, or few strips of cells have neighbours.
 const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 
 fn specs() -> Vec<String> {

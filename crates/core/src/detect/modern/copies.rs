@@ -1,9 +1,9 @@
 //! Copies of the particles in a detector's own order, and decisions from these copies.
 //!
-//! Candidates are then adjacent in memory, even if the scene is in random order. [`Record`] is the
-//! copy: the centre in f64, the number, and the radius in f32, together 24 bytes in 2D and 32 in
-//! 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for each pair, and
-//! leaves nearly tangent pairs to [`Bodies::touch`].
+//! In copies, candidates are adjacent in memory, even if the scene is in random order. [`Record`]
+//! is the copy: the centre in f64, the number, and the radius in f32, together 24 bytes in 2D and
+//! 32 in 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for each pair,
+//! and leaves nearly tangent pairs to [`Bodies::touch`].
 //!
 //! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
 //! |e| <= 2^-24, |t| <= 2^-150. For the sum s of two radii and the sum s' of the stored ones, s <=
@@ -128,8 +128,8 @@ impl Nearness for Each {
     }
 }
 
-/// The roundings here, 3u relative, are covered: the reach is below s(1 + 5.5v) + 3√η, the slack is
-/// 8v and 4√η, and v >= u ([`crate::filter`], section 1). Without slack nothing is rounded.
+/// The relative rounding here is at most 3u, which is covered: the reach is below s(1 + 5.5v) +
+/// 3√η, the slack is 8v and 4√η, v >= u ([`crate::filter`], section 1). No slack, no rounding.
 #[inline(always)]
 fn half(radius: f64, slack: Slack) -> f64 {
     radius * (1.0 + slack.relative) + 0.5 * slack.absolute

@@ -8,9 +8,9 @@ use crate::sink::splitmix64;
 pub const CROWD: f64 = 24.0;
 /// Largest number of size classes.
 pub const CLASSES: usize = 32;
-/// Maximum size of a sample, which is one particle in 32.
+/// Maximum number of particles in a sample; it has one particle in 32.
 const SAMPLE: usize = 4096;
-/// Maximum size of a sample of up to 4096 particles.
+/// Maximum number of particles in the sample of a scene of up to 4096 particles.
 const FEW: usize = 128;
 /// In the sample of a class, up to this many ordered pairs in the same cell may be chance.
 const CHANCE: usize = 8;
@@ -24,7 +24,7 @@ pub fn company(
     bodies: impl Fn(usize) -> usize,
 ) -> [f64; CLASSES] {
     let mut company = [0.0; CLASSES];
-    // Clearing the large buffer would take longer than detecting a few hundred particles.
+    // Two buffers: clearing the large one takes longer than detecting a few hundred particles.
     let (mut few, mut many);
     let sample = match (n / 32).clamp(1, SAMPLE) {
         count @ ..=FEW => {

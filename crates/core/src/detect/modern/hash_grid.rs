@@ -5,7 +5,7 @@
 //! 1. Cells are grouped in bricks: 32 by 16 in 2D, 16 by 8 by 8 in 3D. A brick hashes to a first
 //!    bucket; its cells, row by row along x, use that bucket and the following ones. So
 //!    neighbouring cells of a row are one range of buckets and of copies, and neighbouring rows are
-//!    near. Bricks may overlap in any way.
+//!    near. Buckets of different bricks may overlap.
 //! 2. A counting sort by bucket: count the particles of each, compute where each begins, and copy
 //!    every particle to its place.
 //! 3. Every particle is tested against the rest of its cell, the cell to the right, and three cells

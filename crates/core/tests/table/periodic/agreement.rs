@@ -14,7 +14,7 @@ struct Seen {
     answers: usize,
     contacts: usize,
     own_images: usize,
-    /// Contacts with an image beyond the nearest ones.
+    /// Number of contacts with an image beyond the nearest images.
     far_images: usize,
     refused: usize,
 }

@@ -131,7 +131,7 @@ fn boxes_tilted_far_have_as_many_images() {
     let straight = find(&thousand(CUBE), &mut finder).sorted(1000, u64::MAX).unwrap();
     let images = finder.images();
     assert!((150..250).contains(&images), "{images}");
-    // Rows: other vectors of the lattice as multiples of the cube's, and the inverse matrix.
+    // Coefficients of other vectors of the lattice in the cube's vectors, and the inverse matrix.
     let shears: [(Rows, Rows); 4] = [
         ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [-1, 1, 0], [0, 0, 1]]),
         ([[1, 0, 0], [-1000, 1, 0], [0, 0, 1]], [[1, 0, 0], [1000, 1, 0], [0, 0, 1]]),

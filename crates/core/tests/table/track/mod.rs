@@ -102,7 +102,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
             for (k, entry) in TABLE.iter().filter(|it| it.role == Role::Detector).enumerate() {
                 for (m, arithmetic) in Arithmetic::ALL.into_iter().enumerate() {
                     for rule in ["half-skin", "top-two", "summed"] {
-                        // Two of the four skins; each meets every detector, arithmetic and rule.
+                        // Two of the four skins; each skin meets all detectors, arithmetics, rules.
                         let skins = ["0", "0.02", "0.5", "auto"].into_iter().enumerate();
                         for (_, skin) in skins.filter(|(j, _)| (j + k + m + seed) % 2 == 0) {
                             let text = format!("verlet({},skin={skin},rule={rule})", entry.name);
