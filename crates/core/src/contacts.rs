@@ -1,4 +1,4 @@
-//! Contacts of plain slices of numbers: the entry point for most programs.
+//! Finds contacts from plain slices of numbers: the entry point for most programs.
 
 use std::borrow::Cow;
 
@@ -9,13 +9,13 @@ use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Radii, Scene, SceneError, points};
 use crate::sink::smaller_first;
 
-/// Why [`contacts`] failed.
+/// Errors of [`contacts`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The centres and radii do not form a valid scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The detector cannot search this scene.
+    /// The detector refuses this scene.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
@@ -24,7 +24,7 @@ pub enum Error {
 /// rb, decided exactly for the given numbers.
 ///
 /// `radii` holds one radius per centre, in the same unit, or a single radius for all. A pair is two
-/// positions in `centres`, the smaller first. Each pair is returned once; the order of pairs is not
+/// indices into `centres`, the smaller first. Each pair is returned once; the order of pairs is not
 /// specified. To call this repeatedly, as a simulation does, keep a [`Contacts`].
 ///
 /// # Errors
@@ -40,8 +40,8 @@ where
     Ok(contacts.pairs)
 }
 
-/// Finds contacts as [`contacts`] does and keeps its buffers. A call for a scene of about the same
-/// size as before allocates next to nothing.
+/// Finds contacts as [`contacts`] does, and keeps its buffers. Another call for a scene of about
+/// the same size allocates next to nothing.
 pub struct Contacts<const D: usize> {
     detector: Box<dyn AnyDetector>,
     pairs: Vec<[u32; 2]>,
@@ -49,13 +49,13 @@ pub struct Contacts<const D: usize> {
 
 impl<const D: usize> Contacts<D> {
     /// Creates a finder with a memory limit and a number of threads. Threads of rayon's global pool
-    /// are used from 30,000 particles on.
+    /// are used if there are 30,000 particles or more.
     pub fn new(options: Options) -> Contacts<D> {
         Contacts { detector: table::fast(options), pairs: Vec::new() }
     }
 
-    /// Returns the touching pairs as [`contacts`] does; they are valid until the next call. Fails
-    /// as [`contacts`], with the memory limit of the options.
+    /// Returns the pairs that touch, as [`contacts`] does; they are valid until the next call.
+    /// Fails as [`contacts`], with the memory limit of the options.
     pub fn find(&mut self, centres: &[[f64; D]], radii: &[f64]) -> Result<&[[u32; 2]], Error>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,

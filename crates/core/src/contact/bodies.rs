@@ -1,5 +1,5 @@
-//! The view of a scene that detectors work on: positions for filters, and the contact test as a
-//! type.
+//! The view of a scene that detectors work on: positions for filters, and a contact test whose type
+//! is fixed at compile time.
 
 use nalgebra::Point;
 
@@ -21,13 +21,14 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     }
     /// Returns the centre of particle `i` in f64, without rounding.
     fn position(&self, i: u32) -> [f64; D];
-    /// Returns whether particles `i` and `j` touch, and counts one contact test.
+    /// Returns whether particles `i` and `j` touch. Each call counts as one contact test.
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool;
     /// Returns an upper bound for the true distance between the centres of any two particles that
     /// `touch` accepts.
     fn reach(&self) -> f64;
-    /// Returns the same bound for two particles with radii of at most `a` and `b`. For textbook
-    /// margins it is a + b, whatever the test accepts.
+    /// Returns an upper bound for the true distance between two particles that `touch` accepts,
+    /// with radii of at most `a` and `b`. For textbook margins it is a + b, whatever the test
+    /// accepts.
     fn class_reach(&self, a: f64, b: f64) -> f64 {
         match self.margin() {
             Margin::Safe => self.slack().reach(a, b),
@@ -39,26 +40,26 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     /// Returns the radius that all particles share, in f64 without rounding, or `None` if radii are
     /// stored one by one.
     fn uniform(&self) -> Option<f64>;
-    /// Returns how far the test's rounding can move the distance at which two particles touch.
+    /// Returns how much the test's rounding can change the distance at which two particles touch.
     fn slack(&self) -> Slack;
-    /// Returns whether filters may lose pairs to rounding.
+    /// Returns the margin of filters: safe, or the textbook's, which may lose pairs to rounding.
     fn margin(&self) -> Margin {
         Margin::Safe
     }
-    /// Returns the smallest and the largest coordinates, if they have been computed already.
+    /// Returns the smallest and the largest coordinate along each axis, if already computed.
     fn corners(&self) -> Option<Corners<D>> {
         None
     }
 }
 
-/// The smallest and the largest coordinate along each axis.
+/// The smallest and the largest coordinate along each axis: corners of a bounding box.
 pub type Corners<const D: usize> = ([f64; D], [f64; D]);
 
-/// The centres of a scene, in order.
+/// The centres of a scene, in the order of the particles.
 pub trait Centres<T: Real, const D: usize>: Copy + Sync {
     /// Returns the number of centres.
     fn count(&self) -> usize;
-    /// Returns centre `i`.
+    /// Returns the centre of particle `i`.
     fn at(&self, i: usize) -> &[T; D];
 }
 
@@ -73,11 +74,11 @@ impl<T: Real, const D: usize> Centres<T, D> for &[Point<T, D>] {
     }
 }
 
-/// Centres in two slices, so that images can follow the particles of a scene that is not copied.
+/// Centres in two slices, so that images can follow the particles of a scene without a copy.
 #[derive(Clone, Copy)]
 pub struct Pieces<'a, T: Real, const D: usize> {
     first: &'a [Point<T, D>],
-    /// Centres numbered after those of `first`.
+    /// Centres that are numbered after the centres of `first`.
     rest: &'a [Point<T, D>],
 }
 
@@ -95,7 +96,7 @@ impl<T: Real, const D: usize> Centres<T, D> for Pieces<'_, T, D> {
     }
 }
 
-/// A scene with its contact test as a type, for static dispatch.
+/// A scene with a contact test whose type is fixed at compile time, for static dispatch.
 #[derive(Clone, Copy)]
 pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
     centres: C,
@@ -159,20 +160,20 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     }
 }
 
-/// Work on a scene that is compiled separately for each type of contact test.
+/// Code that works on a scene and is compiled separately for each type of contact test.
 pub trait WithBodies<T: Real, const D: usize> {
-    /// Type of the result.
+    /// Type of the code's result.
     type Output;
-    /// Works on `bodies`.
+    /// Runs the code on `bodies`.
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output;
 }
 
-/// Picks the type of the contact test from radii and test, once per detection, and calls `then`
-/// with it. A rounded test is rounded in f64.
+/// Calls `then` with the type of contact test that fits the radii and `test`; this is chosen once
+/// per detection. A rounded test is rounded in f64.
 ///
 /// # Errors
 /// Returns [`Refusal::Overflow`] if the test is rounded and the square of the largest diameter
-/// overflows, and whatever error `then` returns.
+/// overflows, and any error that `then` returns.
 pub fn with_bodies<const D: usize, W, O>(
     scene: &Scene<'_, f64, D>,
     test: Test,
@@ -187,9 +188,9 @@ where
     }
 }
 
-/// Works as [`with_bodies`] on a scene in any storage. A rounded test is rounded in that storage;
-/// for the exact test the scene is widened to f64, so that this test is compiled for f64 only.
-/// Fails as [`with_bodies`].
+/// Calls `then` as [`with_bodies`] does, for a scene in any storage. A rounded test is rounded in
+/// that storage. For the exact test the scene is widened to f64, so that this test is compiled for
+/// f64 only. Fails as [`with_bodies`].
 pub fn with_stored<const D: usize, W, O>(
     scene: &Stored<'_, D>,
     test: Test,
@@ -242,9 +243,9 @@ where
     }
 }
 
-/// Returns the scene with a contact test that is chosen for each pair, for code that is not timed
-/// and for detectors that seldom call the test. Every storage works, also with the exact test.
-/// Fails with [`Refusal::Overflow`] as [`with_bodies`].
+/// Returns the scene with a contact test that is chosen anew for each pair. It serves code that is
+/// not timed and detectors that seldom call the test. Every storage works, even with the exact
+/// test. Fails with [`Refusal::Overflow`] as [`with_bodies`].
 pub fn any_bodies<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
@@ -280,7 +281,7 @@ pub struct Imaged<'a, const D: usize> {
     pub images: &'a [Point<f64, D>],
     /// Radii of the particles and then of the images.
     pub radii: &'a Radii<'a, f64>,
-    /// The largest radius.
+    /// The largest radius of all particles.
     pub largest_radius: f64,
     /// Corners of the box around all particles and images, if they are known.
     pub corners: Option<Corners<D>>,
@@ -291,15 +292,15 @@ pub struct Imaged<'a, const D: usize> {
 /// How contacts of a periodic scene are decided.
 #[derive(Clone, Copy)]
 pub enum Decided<'a> {
-    /// By a test of the stored positions.
+    /// A test of the stored positions decides.
     Test(Test),
-    /// By a callback that computes exactly from the true positions; the stored positions only
-    /// approximate them.
+    /// A callback decides, exactly from the true positions; stored positions only approximate
+    /// these.
     Asked(Asked<'a>),
 }
 
 impl<'a, const D: usize> Imaged<'a, D> {
-    /// Returns particles and images as detectors need them. Fails with [`Refusal::Overflow`] as
+    /// Returns a view of particles and images for detectors. Fails with [`Refusal::Overflow`] as
     /// [`with_bodies`].
     pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);
@@ -324,7 +325,8 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Refuses radii if the square of the largest diameter overflows `T`.
+    /// Creates the bounds of a test rounded in `T`; refuses a largest diameter whose square
+    /// overflows.
     fn rounded<T: Real>(r: T, margin: Margin) -> Result<Envelope, Refusal> {
         let (sum, diameter) = (r.plus(r), 2.0 * r.wide());
         if !(sum * sum).finite() {

@@ -3,7 +3,7 @@
 //!
 //! The depth is (ra + rb - |a - b|) / ((ra + rb) / 2). Evaluated in this form it loses all digits
 //! near tangency. Let s = ra + rb and d = |a - b|. The code computes 2(s² - d²) / (s(s + d))
-//! instead. Its only difference is that of the squares, and those are exact integers (see
+//! instead. The only difference in this is of two squares, and those are exact integers (see
 //! [`exact`]).
 //!
 //! **Error.** Let u = 2^-53. Each of the integers s², d² and |s² - d²| is cut to 63 or 64 bits and
@@ -26,7 +26,7 @@ use super::{exact, image};
 /// must be finite and radii must not be negative.
 pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f64 {
     if let Some((distance, reach)) = exact::short(a, b, ra, rb) {
-        // distance < 2^128 and reach >= 2^121: the roots and their product are normal doubles.
+        // As distance < 2^128 and reach >= 2^121, the roots and their product are normal doubles.
         let (s, d) = ((reach as f64).sqrt(), (distance as f64).sqrt());
         let depth = 2.0 * reach.abs_diff(distance) as f64 / (s * (s + d));
         return if reach < distance { -depth } else { depth };
@@ -34,7 +34,7 @@ pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f6
     image::with_squares(a, b, ra, rb, Shift::NONE, relative)
 }
 
-/// Returns the [`depth`] of the first particle and an image of the second; see [`image::compare`].
+/// Returns the [`depth`] for the first particle and an image of the second; see [`image::compare`].
 pub fn depth_of_image<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -64,7 +64,7 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     }
     let (d, s, power) = (d.sqrt(), s.sqrt(), (d_power - s_power) / 2);
     if power > 64 {
-        // The particles are far apart: d/s > 2^32, nothing cancels, and the result may be
+        // The particles are far apart, with d/s > 2^32: nothing cancels. The result may be
         // -infinity.
         return 2.0 * (1.0 - libm::scalbn(d / s, power));
     }
@@ -73,7 +73,7 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     sign * depth.max(f64::from_bits(1))
 }
 
-/// Returns (m, p) with value m·2^p, p even and m < 2^64, cut to at least 63 bits and then rounded.
+/// Returns (m, p) with a value of m·2^p, p even and m < 2^64, cut to 63 or 64 bits, then rounded.
 fn leading(words: &[u64]) -> (f64, i32) {
     let Some(top) = words.iter().rposition(|&word| word != 0) else {
         return (0.0, 0);
@@ -99,7 +99,7 @@ mod tests {
         // A gap of 2^-52 in a distance of 1, and an overlap of 2^-53.
         assert_eq!(depth(&[0.0, 0.0], &[1.0f64.next_up(), 0.0], 0.5, 0.5), -2.0f64.powi(-51));
         assert_eq!(depth(&[0.0, 0.0], &[1.0f64.next_down(), 0.0], 0.5, 0.5), 2.0f64.powi(-52));
-        // y² / 2 = 2^-201 too far apart: far below the spacing of doubles at the distance.
+        // The gap is y² / 2 = 2^-201, far below the spacing of doubles at this distance.
         let gap = depth(&[0.0, 2.0f64.powi(-100)], &[1.0, 0.0], 0.5, 0.5);
         assert_eq!(gap, -(2.0f64.powi(-200)));
     }
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(depth(&[0.0, 0.0], &[tiny, 0.0], tiny, tiny), 1.0);
         assert_eq!(depth(&[0.0, 0.0], &[huge, 0.0], tiny, 0.0), f64::NEG_INFINITY);
         assert_eq!(depth(&[0.0, 0.0], &[1e300, 0.0], 1e-5, 0.0), -2e305);
-        // (1e-300)² / 2 is below the smallest double, but not zero.
+        // The gap (1e-300)² / 2 is below the smallest double, but its depth is not zero.
         assert_eq!(depth(&[0.0, 1e-300], &[1.0, 0.0], 0.5, 0.5), -tiny);
         assert_eq!(depth(&[0.0, 0.0], &[1.0, 0.0], 1.0, 1e-300), 2e-300);
     }

@@ -3,11 +3,10 @@
 //! A binary floating-point number is an integer times a power of two. All numbers of one test are
 //! scaled by one common power of two. Their differences, sums and squares are then integers, and
 //! nothing is rounded: underflow and overflow cannot occur, and subnormals need no special case.
-//! The
-//! *short* form takes the differences `a[k] - b[k]` and the sum ra + rb in units of 2^-62 of the
-//! sum. If all of them are integers below 2^62, their squares fit in 128 bits; this holds for
-//! nearly every pair near tangency. Other pairs are decided like a contact with an image of shift
-//! 0: see [`super::image`]. Nothing here allocates.
+//! The *short* form takes the differences `a[k] - b[k]` and the sum ra + rb in units of 2^-62 of
+//! the sum, rounded to a power of two. If all of them are integers below 2^62, their squares fit in
+//! 128 bits; this holds for nearly every pair near tangency. Other pairs are decided like a contact
+//! with an image of shift 0: see [`super::image`]. Nothing here allocates.
 //!
 //! **The short form.** Knuth's two-sum computes h = fl(x ± y) and the error l, with x ± y = h + l
 //! exactly, for any order of magnitudes, unless a sum overflows (Dekker 1971,
@@ -17,13 +16,13 @@
 //! c lies in [2^2, 2^962) and is a double. As c > 1, the product c·x of a double x is exact or
 //! overflows to infinity.
 //!
-//! A value v = c·x passes two checks: |v| < 2^62, so that `v as i64` truncates and never saturates;
-//! and the integer converted back equals v, so that nothing was truncated. NaN and infinities fail.
-//! If the h and l of a sum pass, the sum in units of 1/c is the sum of their integers, at most
-//! 2^62 + 2^62 in magnitude, which does not overflow `i64`. An l is at most half an ulp of its h,
-//! so below 2^62 · 2^-53. The integers are therefore below 2^62 + 2^9, their squares below 2^124 +
-//! 2^73, and the sum of up to 15 squares below 2^128. Every step is exact, so the comparison is
-//! exact.
+//! A value v = c·x must pass two checks. First, |v| < 2^62, so that `v as i64` truncates and never
+//! saturates. Second, the integer converted back equals v, so that nothing was truncated. NaN and
+//! infinities fail. If the h and l of a sum pass, the sum in units of 1/c is the sum of their
+//! integers, at most 2^62 + 2^62 in magnitude, which does not overflow `i64`. An l is at most half
+//! an ulp of its h, so below 2^62 · 2^-53. The integers are therefore below 2^62 + 2^9, their
+//! squares below 2^124 + 2^73, and the sum of up to 15 squares below 2^128. Every step is exact, so
+//! the comparison is exact.
 
 use std::cmp::Ordering;
 
@@ -41,7 +40,7 @@ pub enum Label {
 }
 
 impl Label {
-    /// All labels, in the order of growing depth.
+    /// All labels, from the largest gap to the deepest overlap.
     pub const ALL: [Label; 3] = [Label::Apart, Label::Tangent, Label::Overlap];
 
     /// Returns the name used in records and tables.
@@ -53,14 +52,14 @@ impl Label {
         }
     }
 
-    /// Returns whether such particles touch. The contact test is closed: tangent particles touch.
+    /// Returns whether particles with this label touch. Tangent particles touch.
     pub fn touches(self) -> bool {
         self != Label::Apart
     }
 }
 
-/// Returns how particles of radii `ra` and `rb` at `a` and `b` lie to each other, exactly for the
-/// given numbers.
+/// Returns whether particles of radii `ra` and `rb` at `a` and `b` are apart, tangent or
+/// overlapping, exactly for the given numbers.
 ///
 /// All numbers must be finite and radii must not be negative.
 pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Label {
@@ -124,7 +123,7 @@ pub(super) fn short<const D: usize>(
     exact.then(|| (distance, square(sum)))
 }
 
-/// Returns (s, x + y - s) for s = fl(x + y); the second is exact unless a sum overflows.
+/// Returns s = fl(x + y) and its error x + y - s. The error is exact unless a sum overflows.
 #[inline(always)]
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
@@ -137,7 +136,7 @@ fn long<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Orderin
     with_squares(a, b, ra, rb, Shift::NONE, compare_words)
 }
 
-/// Splits a number of 256 bits into four words, lowest first.
+/// Splits a number of 256 bits into four words, the lowest first.
 pub(super) fn words((high, low): (u128, u128)) -> [u64; 4] {
     [low as u64, (low >> 64) as u64, high as u64, (high >> 64) as u64]
 }
@@ -158,7 +157,7 @@ pub(super) fn parts(x: f64) -> Parts {
     Parts { negative: x.is_sign_negative(), mantissa, exponent }
 }
 
-/// Returns x in units of 2^lowest. x must be a multiple of that unit and below 2^127 units.
+/// Returns x in units of 2^lowest. It must be a multiple of that unit and below 2^127 units.
 #[inline(always)]
 pub(super) fn integer(x: f64, lowest: i32) -> i128 {
     let Parts { negative, mantissa, exponent } = parts(x);
@@ -166,13 +165,13 @@ pub(super) fn integer(x: f64, lowest: i32) -> i128 {
         return 0; // its exponent says nothing
     }
     let shift = exponent - lowest;
-    // Bits below `lowest` are zero in every mantissa, so the right shift is exact.
+    // The bits below `lowest` are zero in every mantissa, so the right shift loses nothing.
     let magnitude =
         if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };
     if negative { -magnitude } else { magnitude }
 }
 
-/// Returns x² as (high, low).
+/// Returns x² as its high and its low 128 bits.
 pub(super) fn square256(x: u128) -> (u128, u128) {
     let (h, l) = (x >> 64, x & u128::from(u64::MAX));
     let middle = h * l; // below 2^126 for x below 2^127: its double does not overflow
@@ -185,7 +184,7 @@ pub(super) fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
     (a.0 + b.0 + u128::from(carry), low)
 }
 
-/// Returns |x| in units of 2^-1074, in W >= 33 words.
+/// Returns |x| as an integer in units of 2^-1074, in W >= 33 words.
 pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let Parts { mantissa, exponent, .. } = parts(x);
     let shift = (exponent + 1074) as usize;
@@ -200,7 +199,7 @@ pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     words
 }
 
-/// Compares two numbers with the same number of words.
+/// Compares two integers that have the same number of words.
 pub(super) fn compare_words(a: &[u64], b: &[u64]) -> Ordering {
     a.iter().rev().cmp(b.iter().rev())
 }
@@ -215,7 +214,7 @@ pub(super) fn sum<const W: usize>(a: &[u64; W], b: &[u64; W]) -> [u64; W] {
     out
 }
 
-/// Writes a - b to `out`, for a >= b and equal lengths.
+/// Writes a - b to `out`. Requires a >= b and equal numbers of words.
 pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
     let mut borrow = false;
     for ((a, b), out) in a.iter().zip(b).zip(out) {
@@ -226,14 +225,14 @@ pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
     }
 }
 
-/// Returns a² in twice as many words.
+/// Returns a², in twice the number of words of a.
 pub(super) fn square<const W: usize, const S: usize>(a: &[u64; W]) -> [u64; S] {
     const { assert!(S == 2 * W) };
     let mut out = [0; S];
     for i in (0..W).filter(|&i| a[i] != 0) {
         let mut carry = 0u128;
         for j in 0..W {
-            // At most (2^64-1)² + 2(2^64-1) = 2^128 - 1: no overflow.
+            // The sum is at most (2^64-1)² + 2(2^64-1) = 2^128 - 1, so it does not overflow.
             carry += u128::from(a[i]) * u128::from(a[j]) + u128::from(out[i + j]);
             out[i + j] = carry as u64;
             carry >>= 64;
@@ -280,8 +279,8 @@ mod tests {
         assert_eq!(compare(&[1e300, tiny], &[1e300, 0.0], tiny, 0.0), Ordering::Equal);
     }
 
-    /// Tests each condition of the short form at its limit: inside it is right, outside it returns
-    /// `None`.
+    /// Tests each condition of the short form at its limit: numbers within the limit give the true
+    /// result, numbers beyond it `None`.
     #[test]
     fn the_short_form_declines_numbers_too_large_for_it() {
         let power = |k: i32| f64::from_bits(((1023 + k) as u64) << 52);
@@ -290,13 +289,13 @@ mod tests {
             assert_eq!(short(&[0.0, 0.0], &[2.0 * r, 0.0], r, r).is_some(), inside, "{r:e}");
             assert_eq!(compare(&[0.0, 0.0], &[2.0 * r, 0.0], r, r), Ordering::Equal);
         }
-        // The sum is 2, the unit 2^-60.
+        // The sum of the radii is 2, so the unit is 2^-60.
         assert!(short(&[0.0, power(-60)], &[2.0, 0.0], 1.0, 1.0).is_some());
         assert!(short(&[0.0, power(-61)], &[2.0, 0.0], 1.0, 1.0).is_none());
         assert!(short(&[4.0f64.next_down(), 0.0], &[0.0, 0.0], 1.0, 1.0).is_some());
         assert!(short(&[4.0, 0.0], &[0.0, 0.0], 1.0, 1.0).is_none());
         assert!(short(&[f64::MAX, 0.0], &[-f64::MAX, 0.0], 1.0, 1.0).is_none());
-        // A difference and a sum that each need a second double.
+        // The difference and the sum each have an error that needs a second double.
         assert!(short(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0).is_some());
         assert_eq!(compare(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Less);
         assert_eq!(compare(&[-power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Greater);

@@ -1,10 +1,10 @@
 //! The sign of |a - b - S·H|² - (ra + rb)² in exact arithmetic: the contact test between a particle
 //! and an image of another.
 //!
-//! S is three 32-bit integers, H three vectors of doubles. The difference along an axis is a sum of
-//! five terms, each a double or an integer times a double. As in [`exact`], all terms become
-//! integers in one unit and nothing is rounded. The shifted centre, which may not fit a double, is
-//! never computed. Two widths are used:
+//! The shift S is three 32-bit integers, and H is three vectors of doubles. The difference along an
+//! axis is a sum of five terms, each a double or an integer times a double. As in [`exact`], all
+//! terms become integers in one unit and nothing is rounded. The shifted centre, which may not fit
+//! a double, is never computed. Two widths are used:
 //!
 //! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
 //!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) for s >= 1, and below 2^(m+1) without a
@@ -20,20 +20,20 @@ use super::exact::{
     self, add256, compare_words, fixed, integer, parts, square, square256, subtract, sum, words,
 };
 
-/// The image at b + S·H of a particle at b: the sum of S\[v\] times vector v is added.
+/// A shift by integer multiples of vectors. It takes a particle at b to its image at b + S·H.
 #[derive(Clone, Copy, Debug)]
 pub struct Shift<'a, const D: usize> {
-    /// Shift S: how often each vector is added.
+    /// Shift S: the multiple of each vector.
     pub image: [i32; 3],
     /// Vectors H, one per row. All numbers must be finite.
     pub vectors: &'a [[f64; D]; 3],
 }
 
 impl<const D: usize> Shift<'_, D> {
-    /// Shift 0: the particle itself.
+    /// Shift 0, which stands for the particle itself.
     pub const NONE: Shift<'static, D> = Shift { image: [0; 3], vectors: &[[0.0; D]; 3] };
 
-    /// Returns whether the shift is 0: the particle itself.
+    /// Returns whether the shift is 0, which stands for the particle itself.
     pub fn is_none(&self) -> bool {
         self.image == [0; 3]
     }
@@ -61,8 +61,8 @@ pub fn compare<const D: usize>(
     with_squares(a, b, ra, rb, shift, compare_words)
 }
 
-/// Calls `then` with |a - b - S·H|² and (ra + rb)² as integers in one unit: words, lowest first,
-/// the same number of words for both.
+/// Calls `then` with |a - b - S·H|² and (ra + rb)² as integers in one unit. Both have the same
+/// number of words, the lowest first.
 pub(super) fn with_squares<O, const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -94,7 +94,7 @@ pub(super) fn with_squares<O, const D: usize>(
     }
 }
 
-/// Returns both squares in units of 2^(2·lowest), as (high, low).
+/// Returns |a - b - S·H|² and (ra + rb)² in units of 2^(2·lowest), each as high and low 128 bits.
 fn narrow<const D: usize>(
     a: &[f64; D],
     b: &[f64; D],
@@ -114,9 +114,9 @@ fn narrow<const D: usize>(
     (distance, square256((integer(ra) + integer(rb)).unsigned_abs()))
 }
 
-/// Words for a sum of terms, in units of 2^-1074.
+/// Number of words for a sum of terms, in units of 2^-1074.
 const WORDS: usize = 34;
-/// Words for the square of such a sum.
+/// Number of words for the square of a sum of terms.
 pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
 type Word = [u64; WORDS];
 type Square = [u64; SQUARE_WORDS];
@@ -130,7 +130,7 @@ fn wide<const D: usize>(
 ) -> (Square, Square) {
     let mut distance: Square = [0; SQUARE_WORDS];
     for k in 0..D {
-        // Sums of the positive and of the negative terms.
+        // Sum of the positive terms, and sum of the magnitudes of the negative terms.
         let mut sums: [Word; 2] = [[0; WORDS]; 2];
         let mut add = |count: i64, x: f64| {
             let negative = (count < 0) != x.is_sign_negative();
@@ -151,11 +151,11 @@ fn wide<const D: usize>(
     (distance, square(&sum(&fixed::<WORDS>(ra), &fixed(rb))))
 }
 
-/// Adds `count` times |x|; `count` is at most 2^31.
+/// Adds `count` times |x| to `sum`; `count` is at most 2^31.
 fn add_times(sum: &mut Word, count: u64, x: f64) {
     let mut carry = 0u128;
     for (to, word) in sum.iter_mut().zip(fixed::<WORDS>(x)) {
-        // Below 2^95 + 2^65: no overflow.
+        // The sum is below 2^95 + 2^65, so it does not overflow.
         carry += u128::from(word) * u128::from(count) + u128::from(*to);
         *to = carry as u64;
         carry >>= 64;
@@ -188,7 +188,7 @@ mod tests {
         assert!(narrow > 300, "{narrow}");
     }
 
-    /// Covers numbers from far inside the narrow form to beyond it, tangent and not.
+    /// Tests numbers from far inside the range of the narrow form to beyond it, tangent and not.
     #[test]
     fn the_narrow_form_declines_numbers_too_large_for_it() {
         let mut narrow = 0;
@@ -217,7 +217,7 @@ mod tests {
         let compare = |a: [f64; 2], b, ra, rb, image| {
             compare(&a, &b, ra, rb, Shift { image, vectors: &vectors })
         };
-        // The shifts cancel except for one vector, or completely.
+        // The shifts cancel in all but one vector, or completely.
         assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 1, 0]).is_eq());
         assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 2, 0]).is_gt());
         assert!(compare([tiny, 0.0], [0.0; 2], tiny, 0.0, [i32::MIN, i32::MIN, 0]).is_eq());

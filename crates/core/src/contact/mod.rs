@@ -9,11 +9,11 @@
 //! * *exact*: the sign of |xi - xj|² - (ri + rj)² for the given binary numbers. A filter in f64
 //!   decides nearly all pairs, [`exact::compare`] the rest.
 //!
-//! **The exact test's filter.** Let u = 2^-53, d2 and s2 the computed |xi - xj|² and (ri + rj)²,
-//! and d², s² the true ones. A difference or sum of two doubles has a relative error of at most u
-//! (it never underflows); a product has u plus an absolute 2^-1075. So d2 = d²(1 + e) + t with |e|
-//! <= (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075, and s2 = s²(1 + e') + t'
-//! with |e'| < 4u.
+//! **The exact test's filter.** Let u = 2^-53, d2 and s2 the computed values of |xi - xj|² and (ri
+//! + rj)², and d², s² the true ones. A difference or sum of two doubles has a relative error of at
+//! most u (it never underflows); a product has u plus an absolute 2^-1075. So d2 = d²(1 + e) + t
+//! with |e| <= (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075, and s2 = s²(1 +
+//! e') + t' with |e'| < 4u.
 //!
 //! * If d2 > s2(1 + 16u) + 2^-960 as computed (two more roundings), then d² > s²: apart.
 //! * If d2 <= s2(1 - 16u) - 2^-960, then d² < s²: overlap.
@@ -21,17 +21,17 @@
 //!   overflow means s² < 2^1024(1 - 9u): apart.
 //! * An overflowing s2 never decides.
 //!
-//! Exact arithmetic decides everything between. Finite input never yields NaN.
+//! Exact arithmetic decides all other pairs. Finite input never yields NaN.
 //!
-//! [`slack`] derives how far apart two accepted particles can be at most; [`crate::filter`] derives
-//! what cells, boxes and keys must add to that.
+//! [`slack`] derives the largest distance of two accepted particles. [`crate::filter`] derives what
+//! cells, boxes and keys must add to that distance.
 //!
 //! **Images.** In a periodic box the second centre is shifted by integer multiples of the box's
 //! vectors. The exact test adds the shift as further terms of the difference and never rounds a
 //! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
 //! rounding: [`Imaged`], made by [`crate::periodic`].
 //!
-//! **Steps.** Whether two moving particles touch between two frames is decided exactly, too:
+//! **Steps.** Whether two moving particles touch between two frames is also decided exactly:
 //! [`swept`].
 
 pub mod bodies;

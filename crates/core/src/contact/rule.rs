@@ -1,4 +1,4 @@
-//! How the contact test is evaluated: rounded or exact, for one radius or one per particle.
+//! Types of contact tests: rounded or exact, for one radius or one per particle.
 
 use std::cmp::Ordering;
 
@@ -6,7 +6,7 @@ use super::{Slack, exact};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Real};
 
-/// Two particles: their numbers and centres.
+/// Two particles, given by their numbers and centres.
 #[derive(Clone, Copy)]
 pub struct Couple<'a, T, const D: usize> {
     /// Numbers of the particles, from 0.
@@ -40,7 +40,7 @@ fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
     sum
 }
 
-/// The rounded test for one radius; the square of the diameter is computed once.
+/// The rounded test for particles of one radius; the square of the diameter is computed once.
 #[derive(Clone, Copy)]
 pub struct RoundedUniform<T: Real> {
     /// Square of the diameter.
@@ -61,7 +61,7 @@ impl<T: Real> Rule<T> for RoundedUniform<T> {
     }
 }
 
-/// The rounded test for one radius per particle.
+/// The rounded test for particles with individual radii.
 #[derive(Clone, Copy)]
 pub struct RoundedEach<'a, T> {
     pub(super) radii: &'a [T],
@@ -76,12 +76,13 @@ impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     }
 }
 
-/// Relative half-width of the band in which the filter does not decide: 16u, u = 2^-53.
+/// Relative half-width of the band of squares in which the filter does not decide: 16u, u = 2^-53.
 const BAND: f64 = 16.0 / (1u64 << 53) as f64;
-/// Absolute half-width of the band: 2^-960.
+/// Absolute half-width of the band of squares in which the filter does not decide: 2^-960.
 const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
 
-/// Returns (undecided above this, apart above this) for the computed square of a sum of radii.
+/// Returns two limits for squared distances from the computed square of a sum of radii: particles
+/// overlap up to the first limit and are apart above the second.
 #[inline(always)]
 fn band(square: f64) -> (f64, f64) {
     let overlap = if square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
@@ -108,7 +109,7 @@ fn decide<const D: usize, P: Probe>(
     exact::compare(a, b, ra, rb) != Ordering::Greater
 }
 
-/// The exact test for one radius; the filter's band is computed once.
+/// The exact test for particles of one radius; the limits of the filter are computed once.
 #[derive(Clone, Copy)]
 pub struct ExactUniform {
     radius: f64,
@@ -129,7 +130,7 @@ impl Rule<f64> for ExactUniform {
     }
 }
 
-/// The exact test for one radius per particle.
+/// The exact test for particles with individual radii.
 #[derive(Clone, Copy)]
 pub struct ExactEach<'a> {
     pub(super) radii: &'a [f64],
@@ -153,19 +154,19 @@ fn decide_each<const D: usize, P: Probe>(
     decide(a, b, || (ra, rb), band(sum * sum), probe)
 }
 
-/// A test of approximate positions; a callback decides the pairs that they leave open.
+/// A test of approximate positions. A callback decides the pairs that the positions leave open.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
-    /// How far the positions can mislead: particles with sum of radii s touch if their positions
-    /// are at most s(1 - relative) - absolute apart, and do not touch beyond s(1 + relative) +
-    /// absolute. A relative part of at least 8u, 1% of the absolute part, or no slack at all,
-    /// covers the roundings of code that computes with the slack (see [`super::slack`]).
+    /// How much the errors of the positions can mislead: particles with sum of radii s touch if
+    /// their positions are at most s(1 - relative) - absolute apart, and do not touch beyond s(1 +
+    /// relative) + absolute. A relative part of at least 8u, 1% of the absolute part, or no slack
+    /// at all, covers the roundings of code that computes with the slack (see [`super::slack`]).
     pub slack: Slack,
-    /// Number of the first image. Two images are reported apart without a test, because callers do
-    /// not use such pairs.
+    /// Number of particles; images have this number or a higher one. Two images count as apart
+    /// without a test, because callers drop such pairs.
     pub owners: u32,
-    /// Returns whether two particles or images touch. It is called for pairs that the positions do
-    /// not decide, and must not contradict the slack.
+    /// Returns whether two particles or images touch. It is called for pairs that the positions
+    /// leave open, and must not contradict the slack.
     pub decide: Decide<'a>,
 }
 
@@ -173,8 +174,8 @@ pub struct Asked<'a> {
 pub type Decide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
 
 impl Asked<'_> {
-    /// Decides from the positions as far as the slack allows, as derived at
-    /// [`Near`](crate::filter::Near).
+    /// Decides from the positions if the slack allows it, as derived at
+    /// [`Near`](crate::filter::Near), else by the callback.
     fn touch<const D: usize, P: Probe>(
         &self,
         of: Couple<'_, f64, D>,
@@ -201,20 +202,20 @@ impl Asked<'_> {
     }
 }
 
-/// Any of the tests, chosen again for each pair. Results are the same and slower; detectors are
+/// Any contact test, chosen anew for each pair. Results are equal, but slower; detectors are
 /// compiled once instead of once per test. For the exact test, other storages are widened to f64
 /// without rounding.
 #[derive(Clone, Copy)]
 pub enum AnyRule<'a, T: Real> {
-    /// Rounded, one radius.
+    /// Rounded test for particles of one radius.
     RoundedUniform(RoundedUniform<T>),
-    /// Rounded, one radius per particle.
+    /// Rounded test for particles with individual radii.
     RoundedEach(RoundedEach<'a, T>),
-    /// Exact, one radius.
+    /// Exact test for particles of one radius.
     ExactUniform(ExactUniform),
-    /// Exact, one radius per particle.
+    /// Exact test for particles with individual radii.
     ExactEach(&'a [T]),
-    /// Approximate positions with a callback, one radius or one per particle.
+    /// Test of approximate positions with a callback, for one radius or one per particle.
     Asked(Asked<'a>, &'a Radii<'a, T>),
 }
 

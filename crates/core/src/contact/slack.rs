@@ -1,4 +1,4 @@
-//! How far rounding moves the contact test, which filters must allow for.
+//! How much rounding changes the contact test. Filters must allow for that.
 //!
 //! Here u = 2^-53. Positions and radii convert to f64 without error from every storage
 //! ([`Real::wide`]).
@@ -26,27 +26,27 @@
 //!
 //! **Acceptance.** A rounded test accepts if d²(1+v)^7 + 4η <= s²(1-v)^3 - η. For this, d <= s(1 -
 //! 8v) - 4√η is enough: with a = s(1 - 5.2v) >= d + 3√η, d² <= (a - 3√η)² = a² - 6a√η + 9η <= a² -
-//! 9η. Both bounds together are the test's [`Slack`].
+//! 9η. The bounds for reach and acceptance together are the test's [`Slack`].
 //!
 //! **Rounded positions.** If each position is off by at most E, the exact test has a slack of 2E in
-//! the same sense, where distances are those of the positions: see [`crate::periodic`], which also
+//! this sense, with distances between the rounded positions: see [`crate::periodic`], which also
 //! bounds what remains after all roundings.
 
 use crate::scene::Real;
 
-/// How far a contact test may be from the exact one. Particles with sum of radii s are accepted if
-/// their true distance is at most s(1 - relative) - absolute, and refused beyond s(1 + relative) +
-/// absolute.
+/// Largest deviation of a contact test from the exact one. Particles with sum of radii s are
+/// accepted if their true distance is at most s(1 - relative) - absolute, and refused beyond s(1 +
+/// relative) + absolute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slack {
-    /// Part relative to the sum of the radii.
+    /// Part of the deviation relative to the sum of the radii.
     pub relative: f64,
-    /// Part in units of length.
+    /// Part of the deviation that does not depend on the radii, as a length.
     pub absolute: f64,
 }
 
 impl Slack {
-    /// Slack of the exact test: none.
+    /// Slack of the exact test, which has no deviation.
     pub const NONE: Slack = Slack { relative: 0.0, absolute: 0.0 };
 
     /// Returns the slack of the test rounded in `T`.

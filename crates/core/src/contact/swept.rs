@@ -11,14 +11,15 @@
 //!   above 0. (If a = 0, neither moves, and the ends have decided.)
 //!
 //! A pair that satisfies only the last condition is a *tunnelled* contact. A program that tests at
-//! the ends of steps misses it with any list; a smaller time step finds it.
+//! the ends of steps misses it with any neighbour list; a smaller time step finds it.
 //!
 //! A filter decides in f64. Let S be the sum of R and of the magnitudes of all coordinates of p and
-//! q. Then |a|, |b|, |c| <= 4 S², and each is computed with at most ten roundings of terms that sum
-//! to no more, so its error is below E = 64u S². The error of b² - ac is below E (2|b| + a + |c|) +
-//! 2E², and two products and a difference add less than E (|b| + a). It vanishes with a and b, so
-//! particles that hardly move are decided here, too. Integers of unlimited length decide all pairs
-//! nearer to a limit than that, and numbers whose fourth powers leave the range of f64.
+//! q. Then |a|, |b|, |c| <= 4 S², and each is computed with at most ten roundings of terms whose
+//! sum has the same bound, so its error is below E = 64u S². The error of b² - ac is below E (2|b|
+//! + a + |c|) + 2E², and two products and a difference add less than E (|b| + a). The error
+//! vanishes with a and b, so the filter also decides particles that hardly move. Integers of
+//! unlimited length decide all pairs nearer to a limit than the error, and numbers whose fourth
+//! powers leave the range of f64.
 
 use num_bigint::BigInt;
 
@@ -28,8 +29,8 @@ use super::exact::{compare, parts};
 const U: f64 = 1.0 / (1u64 << 53) as f64;
 
 /// Returns whether two particles touch at any time of a step in which each centre moves at constant
-/// velocity from its first point to its second. The test is closed, and exact for the given
-/// numbers.
+/// velocity from its first point to its second. Tangent particles touch. The result is exact for
+/// the given numbers.
 ///
 /// All numbers must be finite and radii must not be negative.
 pub fn touches_within<const D: usize>(
@@ -44,7 +45,7 @@ pub fn touches_within<const D: usize>(
     filtered(a, b, ra + rb).unwrap_or_else(|| exact(a, b, ra, rb))
 }
 
-/// Decides in f64, or returns `None` if that is too close to a limit.
+/// Decides in f64, or returns `None` if a number is too close to a limit.
 fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) -> Option<bool> {
     let difference = |end: usize| -> [f64; D] { std::array::from_fn(|k| a[end][k] - b[end][k]) };
     let (p, q) = (difference(0), difference(1));
@@ -63,7 +64,7 @@ fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) ->
     if first <= error || last <= error {
         return None;
     }
-    // Apart at both ends; the minimum within the step decides.
+    // The particles are apart at both ends, so the minimum within the step decides.
     if product > error || product < -square - error {
         return Some(false);
     }
@@ -80,7 +81,7 @@ fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) ->
 fn exact<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], ra: f64, rb: f64) -> bool {
     let all = a.iter().chain(&b).flat_map(|point| point.iter()).chain([&ra, &rb]);
     let lowest = all.map(|&x| parts(x).exponent).min().unwrap_or(0);
-    // Returns x in units of the lowest bit of all numbers.
+    // Returns x as an integer in units of the lowest bit of all numbers.
     let whole = |x: f64| {
         let parts = parts(x);
         let magnitude = BigInt::from(parts.mantissa) << (parts.exponent - lowest) as usize;
@@ -120,7 +121,7 @@ mod tests {
     }
 
     /// A disc flies past a resting one, on a line one unit in the last place nearer or farther than
-    /// tangency.
+    /// the line of tangency.
     #[test]
     fn a_graze_is_a_contact_and_a_miss_by_the_last_bit_is_none() {
         let mut grazes = 0;
@@ -151,7 +152,7 @@ mod tests {
         assert!(!both([[5e-324, 5e-324], [-5e-324, 5e-324]], rest, 0.0, 0.0));
     }
 
-    /// Ends a few units in the last place from tangency, in random directions, in 2D and 3D.
+    /// Tests steps that end a few units in the last place from tangency, in 2D and 3D.
     #[test]
     fn ends_near_tangency_are_decided_alike_in_every_direction() {
         let mut state = 7;
@@ -181,8 +182,8 @@ mod tests {
         assert!(touching > all / 3 && touching < all * 9 / 10, "{touching} of {all}");
     }
 
-    /// All flights between integer points, against the nearest point of a segment in integer
-    /// arithmetic.
+    /// Compares all flights between integer points with the nearest point of a segment, computed in
+    /// integers.
     #[test]
     fn all_flights_on_a_lattice_agree_with_the_nearest_point_of_a_segment() {
         let (mut touching, mut tunnelled) = (0, 0);
@@ -196,7 +197,7 @@ mod tests {
             );
             for reach in 0..4 {
                 let at = |point: [i64; 2]| point[0] * point[0] + point[1] * point[1];
-                // The nearest point is at t = product / square, clamped to the segment; its
+                // The nearest point is at t = product / square, clamped to the segment. Its
                 // distance from the line is cross / |way|.
                 let cross = p[0] * way[1] - p[1] * way[0];
                 let truth = match square {

@@ -66,8 +66,7 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Reach {
     }
 }
 
-/// Finds pairs that only rounding accepts, the farthest apart for each radius; the reach must cover
-/// them.
+/// Finds, for each radius, the farthest pair that only rounding accepts; the reach must cover it.
 #[test]
 fn the_reach_covers_pairs_that_rounding_accepts() {
     let mut beyond = 0;
@@ -86,7 +85,7 @@ fn the_reach_covers_pairs_that_rounding_accepts() {
                     .unwrap();
             with_stored(&Stored::F32(scene), Test::Rounded, Reach).unwrap()
         };
-        // Bisection on the bits of x, for particles at (0, 0) and (x, x).
+        // The search bisects the bits of x, for particles at (0, 0) and (x, x).
         let (mut low, mut high) = (0.0f32.to_bits(), (4.0 * r + 1e-3).to_bits());
         while high - low > 1 {
             let middle = low + (high - low) / 2;
@@ -111,8 +110,8 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ClassReach {
     }
 }
 
-/// Places two particles of different radii as far apart as the test accepts. The reach of their
-/// classes covers the distance in every arithmetic, and is far below that of the larger class with
+/// Places two particles of different radii at the largest distance that the test accepts. The reach
+/// of their classes covers it in every arithmetic, and is far below that of the larger class with
 /// itself.
 #[test]
 fn the_reach_of_two_classes_covers_accepted_pairs() {

@@ -1,10 +1,10 @@
-//! Cells: integerised coordinates, with cells so wide that touching particles are never two cells
-//! apart.
+//! Cells: integerised coordinates, with cells wide enough that touching particles are never two
+//! cells apart.
 //!
-//! The book uses cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact
-//! arithmetic two particles that touch are then at most one cell apart per axis. After rounding
-//! they can be two cells apart, and a textbook filter loses the contact. Example: three discs of
-//! radius 1/2 at x = 0, 1 - 2^-53 and 2.
+//! The book uses cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In real
+//! numbers two particles that touch are then at most one cell apart per axis. After rounding they
+//! can be two cells apart, and a textbook filter loses the contact. Example: three discs of radius
+//! 1/2 at x = 0, 1 - 2^-53 and 2.
 //!
 //! **The margin.** The code computes q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s =
 //! fl((1 - 2^-18) / reach). Let u = 2^-53, and Q the largest q; scenes with Q >= 2^31 are refused.
@@ -15,14 +15,14 @@
 //! differ by less than 1 - 2^-18 + 2^-19.9 < 1, and floor(b) <= floor(a) + 1 whenever a <= b <= a +
 //! 1. The wider cells, by 4 parts in a million, have no measurable cost.
 //!
-//! Cells are computed in f64 for f32 scenes, too: the conversion is exact, so the same proof holds.
+//! Cells of f32 scenes are computed in f64, too: the conversion is exact, so the proof holds.
 //!
 //! **Without the margin.** [`Margin::Textbook`] selects the book's cells, i = 1 + Int((x - xmin) /
-//! d), with a division instead of a product, to show which contacts are lost without the margin.
+//! d), with a division instead of a product. It shows which contacts are lost without the margin.
 //!
 //! **Borders.** Cell numbers start at 1 (one of the book's two conventions). Each axis has one
-//! empty cell at either end, so that mask cells need no bounds checks. `count` includes both: "nx"
-//! in every memory formula is the number of other cells plus 2.
+//! empty cell at either end, so that code that reads the neighbours of a cell needs no bounds
+//! checks. `count` includes both: "nx" in every memory formula is the number of other cells plus 2.
 
 use super::bounds;
 use crate::contact::{Bodies, Margin};
@@ -30,31 +30,31 @@ use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
 use crate::scene::Real;
 
-/// Limit of cell numbers on every axis: scenes that need 2^31 or more are refused.
+/// Limit for cell numbers along each axis: scenes that need 2^31 or more cells are refused.
 pub const MOST_CELLS: f64 = (1u64 << 31) as f64;
 
-/// The grid of a scene: its origin, cell width and numbers of cells.
+/// The grid of a scene: its origin, the width of its cells and their number along each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells<const D: usize> {
     origin: [f64; D],
     scale: f64,
-    /// Edge of textbook cells.
+    /// Edge of a cell if the grid is the textbook's, without the margin.
     textbook: Option<f64>,
-    /// Cells per axis, including two border cells.
+    /// Number of cells along each axis, including two border cells.
     pub count: [u32; D],
 }
 
 impl<const D: usize> Cells<D> {
     /// Creates the grid with the smallest cells for `bodies`: the edge is the reach of the contact
-    /// test, widened by the margin.
+    /// test plus the margin.
     pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
         let (low, high) = bounds(bodies);
         Cells::spanning(low, high, cell_reach(bodies, low, high), bodies.margin())
     }
 
-    /// Creates the grid of a size class in a box with radii of at most `largest`. The edge is the
-    /// reach of two such particles, or `least` if that is more. If such cells could not be
-    /// numbered, they are wider, up to the reach of all particles.
+    /// Creates the grid of a size class with radii of at most `largest`, between two corners. The
+    /// edge is the reach of two particles of that radius, or `least` if that is more. If there were
+    /// too many such cells, they are wider, up to the reach of all particles.
     pub fn of_class<T: Real, B: Bodies<T, D>>(
         bodies: &B,
         (low, high): ([f64; D], [f64; D]),
@@ -66,14 +66,14 @@ impl<const D: usize> Cells<D> {
         Cells::spanning(low, high, reach, bodies.margin())
     }
 
-    /// Creates the grid over a box for a given reach (see [`Bodies::reach`]).
+    /// Creates the grid between two corners for a given reach (see [`Bodies::reach`]).
     pub fn spanning(
         low: [f64; D],
         high: [f64; D],
         reach: f64,
         margin: Margin,
     ) -> Result<Cells<D>, Refusal> {
-        // The reach is infinite if a diameter overflows; a finite extent is then at most two cells.
+        // The reach is infinite if a diameter overflows; there are then at most two cells.
         let reach = reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / reach;
         let mut cells = Cells {
@@ -103,15 +103,15 @@ impl<const D: usize> Cells<D> {
         Ok(cells)
     }
 
-    /// Returns the number of the cell with coordinate `x` along axis `k`, from 1 to `count[k] - 2`.
+    /// Returns the number of the cell that contains `x` along axis `k`, from 1 to `count[k] - 2`.
     #[inline(always)]
     pub fn index<P: Probe>(&self, x: f64, k: usize, probe: &mut P) -> u32 {
         probe.count(Op::Integerise);
-        // The quotient is in 0..2^31 for every particle of the box, so truncation is floor.
+        // The quotient is in 0..2^31 for every particle of the scene, so truncating rounds down.
         self.quotient(x, k) as i64 as u32 + 1
     }
 
-    /// Returns the index of a point's cell in an array of all cells, x running fastest.
+    /// Returns the index of a point's cell in an array of all cells, in which x varies fastest.
     #[inline(always)]
     pub fn place<P: Probe>(&self, position: [f64; D], probe: &mut P) -> usize {
         (0..D).rev().fold(0, |place, axis| {
@@ -119,13 +119,13 @@ impl<const D: usize> Cells<D> {
         })
     }
 
-    /// Returns the first two cell numbers for an index of an array of all cells.
+    /// Returns the cell numbers along x and y of an index in an array of all cells.
     pub fn of_place(&self, place: usize) -> [u32; 2] {
         let [nx, ny] = [self.count[0] as usize, self.count.get(1).map_or(1, |&ny| ny as usize)];
         [(place % nx) as u32, (place / nx % ny) as u32]
     }
 
-    /// Returns the lower corner of the cells with number 1.
+    /// Returns the lower corner of the cell with number 1 along every axis.
     pub fn origin(&self) -> [f64; D] {
         self.origin
     }
@@ -143,14 +143,14 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// Returns the product of the numbers of cells; it saturates.
+    /// Returns the number of all cells: the product over the axes, at most 2^64 - 1.
     pub fn volume(&self) -> u64 {
         self.count.iter().fold(1, |product, &n| product.saturating_mul(u64::from(n)))
     }
 }
 
-/// Returns the width that the smallest cells for `bodies` must span: the reach of the contact test.
-/// Points touch only where they coincide (or underflow), so larger cells are safe: about one point
+/// Returns the least width that cells for `bodies` must have: the reach of the contact test. Points
+/// touch only if they coincide (or squares underflow), so larger cells are used: about one point
 /// per cell.
 pub fn cell_reach<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
@@ -161,15 +161,14 @@ pub fn cell_reach<T: Real, const D: usize>(
     if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() }
 }
 
-/// Out of line, so that the compiler does not compute this division for other arithmetic and
-/// discard it.
+/// Divides out of line, so that the compiler does not also divide for other arithmetics.
 #[cold]
 #[inline(never)]
 fn divided(distance: f64, edge: f64) -> f64 {
     distance / edge
 }
 
-/// Returns the spacing of `count` points that fill a cube around a box evenly.
+/// Returns the spacing of `count` points that evenly fill a cube around the corners.
 pub fn spacing<const D: usize>(low: [f64; D], high: [f64; D], count: usize) -> f64 {
     extent(low, high) / libm::pow(count.max(1) as f64, 1.0 / D as f64)
 }
@@ -197,7 +196,7 @@ mod tests {
 
     #[test]
     fn pairs_exactly_one_reach_apart_are_at_most_one_cell_apart() {
-        // Three sweeps in which a textbook grid loses up to 10% of the pairs.
+        // Each of three sweeps of distances makes a textbook grid lose up to 10% of the pairs.
         let mut lost_by_the_book = 0;
         for (low, d) in [
             (0.0, 1.0),
@@ -211,7 +210,7 @@ mod tests {
             for border in 1..4000 {
                 let at = low + d * border as f64;
                 for x in [at.next_down().next_down(), at.next_down(), at, at.next_up()] {
-                    // The largest y with a true distance from x of at most d.
+                    // Largest y with a true distance from x of at most d.
                     let mut y = (x + d).next_up();
                     while exact::compare(&[x, 0.0], &[y, 0.0], d / 2.0, d / 2.0).is_gt() {
                         y = y.next_down();
@@ -229,9 +228,9 @@ mod tests {
         assert!(lost_by_the_book > 0, "this test must hold cases that a textbook grid loses");
     }
 
-    /// Pairs exactly at reach, the left particle near the right border of its cell, in cells so far
-    /// from the origin that quotients have few bits left. A margin of 2^-22 instead of 2^-18 loses
-    /// about one in a thousand of these.
+    /// Tests pairs exactly at reach, the left particle near the right border of its cell, in cells
+    /// so far from the origin that quotients have few bits left. A margin of 2^-22 instead of 2^-18
+    /// loses about one in a thousand of these pairs.
     #[test]
     fn the_largest_addressable_domain_keeps_its_margin() {
         let mut random = ChaCha8Rng::seed_from_u64(7);

@@ -1,9 +1,9 @@
 //! Safe filters: how much a cell, a box, a key or a sweep must be widened to lose no pair that the
 //! contact test accepts.
 //!
-//! A detector filters: it looks only at pairs that are near each other by some cheap measure. The
+//! A detector filters: it tests only pairs that are near each other by some cheap measure. The
 //! measure is computed in floating point and the contact test may be exact, so a filter that is
-//! right for real numbers loses pairs to rounding: up to 10% of the pairs that are exactly a
+//! correct for real numbers loses pairs to rounding: up to 10% of the pairs that are exactly a
 //! diameter apart. This page derives once, for all detectors, what is safe. It assumes only IEEE
 //! 754 arithmetic in f64, rounding to nearest, and finite coordinates and radii, as every
 //! [`crate::scene::Scene`] has them. u = 2^-53; fl(..) is the result computed in f64. Positions are
@@ -24,24 +24,25 @@
 //!   overflowing bound is infinite and compares correctly.
 //!
 //! **3. Cells need a margin,** since floor is not a comparison: quotients that differ by at most 1
-//! in real numbers may differ by more when computed, and the cells by 2. [`cells`] widens cells by
-//! 4 parts in a million, proves that this suffices below 2^31 cells per axis, and refuses more.
+//! in real numbers may differ by more when computed, and the cell numbers by 2. [`cells`] widens
+//! cells by 4 parts in a million, proves that this suffices below 2^31 cells per axis, and refuses
+//! more cells.
 //!
-//! **4. Keys.** A key made of cell numbers is as safe as 3 if it is injective: two numbers below
-//! 2^31 fit a u64, three do not. A detector that packs three must refuse 2^21 cells per axis or use
-//! 128 bits. A detector that hashes must compare the cells themselves on a collision. No key is
-//! made of an f32.
+//! **4. Keys.** A key made of cell numbers is as safe as cells (3) if it is injective: two numbers
+//! below 2^31 fit a u64, three do not. A detector that packs three must refuse 2^21 cells per axis
+//! or use 128 bits. A detector that hashes must compare the cells themselves on a collision. Keys
+//! are not made from an f32.
 //!
 //! **5. Squared distances** that prune (a point against a box): the computed square of a distance
-//! in up to three dimensions is at most (1 + 6u) times the true one plus 2^-1073. So it is safe to
-//! prune if it exceeds R²(1 + 16u) + 2^-960, by the argument of the exact test's own filter
+//! in up to three dimensions is at most (1 + 6u) times the true one plus 2^-1073. So a pair can be
+//! pruned safely if it exceeds R²(1 + 16u) + 2^-960, by the argument of the exact test's own filter
 //! ([`crate::contact`]). In the other direction, the true square is at most (1 + 8u) times the
 //! computed one plus 2^-1072: five factors of at least 1 - u, and three products that may
 //! underflow.
 //!
-//! **6. Copies.** A detector that copies centres, to have neighbours adjacent in memory, may decide
-//! clear cases from the copies and leave the rest to `touch`: [`Near`], by 1 and 5. So its pairs
-//! are those that `touch` accepts, in every arithmetic.
+//! **6. Copies.** A detector that copies centres, so that neighbours are adjacent in memory, may
+//! decide clear cases from the copies and leave the other pairs to `touch`: [`Near`], by 1 and 5.
+//! So its pairs are those that `touch` accepts, in every arithmetic.
 //!
 //! **7. Lists kept while particles move** ([`crate::track`]). The contact test accepts no pair
 //! farther apart than ri + rj + e, where e = 2·rmax·relative + absolute follows from its [`Slack`]
@@ -100,21 +101,21 @@ pub use cells::Cells;
 
 use crate::contact::Slack;
 
-/// Decides a contact from the computed square of a distance, if it is clear enough: section 6.
+/// Limits that decide contacts from computed squares of distances, if clear enough: section 6.
 #[derive(Clone, Copy, Debug)]
 pub struct Near {
-    /// The test accepts up to this square.
+    /// Pairs touch if the computed square of their distance is at most this.
     pub inner: f64,
-    /// The test refuses beyond this square.
+    /// Pairs do not touch if the computed square of their distance exceeds this.
     pub outer: f64,
 }
 
 impl Near {
-    /// Computes the limits for this sum of two radii (as computed in f64).
+    /// Computes the limits for a sum of two radii, itself computed in f64.
     #[inline(always)]
     pub fn new(sum: f64, slack: Slack) -> Near {
-        // 16u includes the sum's own rounding: squares of sums and distances together have less
-        // than 6u + 4u.
+        // The band of 16u covers the rounding of the sum, too: squares of sums and distances
+        // together take less than 6u + 4u.
         const BAND: f64 = 16.0 / (1u64 << 53) as f64;
         const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
         let (low, high) = (
@@ -128,7 +129,7 @@ impl Near {
     }
 
     /// Returns the decision for a computed square of a distance, Σ fl(fl(xi - xj)²), or `None` if
-    /// it is too close.
+    /// the square is between the limits.
     #[inline(always)]
     pub fn verdict(&self, square: f64) -> Option<bool> {
         if square > self.outer {
@@ -138,15 +139,15 @@ impl Near {
     }
 }
 
-/// Returns whether `low` <= `high` are so far apart that no pair with this reach touches: section
-/// 2.
+/// Returns whether `low` <= `high` are so far apart that a pair with this reach cannot touch
+/// (section 2).
 #[inline(always)]
 pub fn beyond(low: f64, high: f64, reach: f64) -> bool {
     high - low > reach
 }
 
 /// Returns the bounds of a particle at `x` along one axis, where `half` is half of a pair's reach.
-/// Pairs whose intervals do not overlap do not touch: section 2.
+/// Pairs whose intervals do not overlap do not touch (section 2).
 #[inline(always)]
 pub fn interval(x: f64, half: f64) -> [f64; 2] {
     [x - half, x + half]
@@ -178,8 +179,8 @@ mod tests {
         }
     }
 
-    /// Around tangency, and at scales where squares vanish or overflow, the test confirms every
-    /// decision made from a copy.
+    /// The contact test confirms every decision from a copy: around tangency, and at scales where
+    /// squares vanish or overflow.
     #[test]
     fn decisions_from_copies_agree_with_the_test() {
         for arithmetic in Arithmetic::ALL {
@@ -208,8 +209,8 @@ mod tests {
         }
     }
 
-    /// Pairs exactly at reach and one unit in the last place around it, at offsets where every sum
-    /// is rounded.
+    /// Tests pairs exactly at reach and one unit in the last place around it, at offsets where
+    /// every sum is rounded.
     #[test]
     fn comparisons_lose_no_touching_pair() {
         let (mut touching, mut at_reach) = (0, 0);

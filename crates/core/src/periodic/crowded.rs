@@ -20,7 +20,7 @@ use crate::sink::{Sink, splitmix64};
 
 /// Least number of images for an estimate; for fewer it would cost more than it saves.
 const FEW: u64 = 1024;
-/// Most images per particle in a box at least as large as the reach of the contact test.
+/// Largest number of images per particle in a box that is at least as large as the reach.
 const EACH: u64 = 16;
 /// Number of pairs of two images that a detector tests in the time of one test here.
 const CHEAPER: f64 = 8.0;

@@ -77,8 +77,8 @@ impl Finder {
         self.found
     }
 
-    /// Appends all contacts as [`Finder::list`] does. With a tally, it also counts all operations,
-    /// including the images made.
+    /// Appends all contacts as [`Finder::list`] does. If a tally is given, all operations are
+    /// counted, including the images made.
     pub fn find(
         &mut self,
         periodic: &Periodic<'_>,

@@ -1,4 +1,4 @@
-//! A scene of any dimension, in any storage.
+//! A scene whose dimension or storage is chosen at run time.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use super::{CellF32, Radii, Real, Scene, SceneError};
 pub enum Stored<'a, const D: usize> {
     /// Coordinates and radii in f32.
     F32(Scene<'a, f32, D>),
-    /// Coordinates and radii in f64: what generators and readers return.
+    /// Coordinates and radii in f64, as generators and readers return them.
     F64(Scene<'a, f64, D>),
     /// Each coordinate as a cell number and an f32 offset, in units of the cell edge.
     Cell(Scene<'a, CellF32, D>),
@@ -26,7 +26,7 @@ pub enum AnyScene<'a> {
     Space(Stored<'a, 3>),
 }
 
-/// Runs an expression on the [`Scene`] inside a [`Stored`], whatever its storage.
+/// Evaluates an expression for the [`Scene`] inside a [`Stored`], whatever its storage.
 #[macro_export]
 macro_rules! with_stored {
     ($stored:expr, $scene:ident => $body:expr) => {
@@ -38,7 +38,7 @@ macro_rules! with_stored {
     };
 }
 
-/// Runs an expression on the [`Scene`] inside an [`AnyScene`], whatever its type.
+/// Evaluates an expression for the [`Scene`] inside an [`AnyScene`], whatever its type.
 #[macro_export]
 macro_rules! with_scene {
     ($any:expr, $scene:ident => $body:expr) => {
@@ -78,7 +78,7 @@ impl<'a> From<Stored<'a, 3>> for AnyScene<'a> {
 }
 
 impl<'a, const D: usize> Stored<'a, D> {
-    /// Returns the scene in f64, without rounding; copies it unless it is stored in f64.
+    /// Returns the scene in f64, without rounding. It is copied unless it is stored in f64.
     pub fn widened(&self) -> Cow<'_, Scene<'a, f64, D>> {
         match self {
             Stored::F64(scene) => Cow::Borrowed(scene),
@@ -105,7 +105,7 @@ impl<'a, const D: usize> Stored<'a, D> {
 }
 
 impl<'a> AnyScene<'a> {
-    /// Returns 2 for discs and 3 for spheres.
+    /// Returns the dimension: 2 for discs and 3 for spheres.
     pub fn dim(&self) -> usize {
         match self {
             AnyScene::Plane(_) => 2,
@@ -128,7 +128,7 @@ impl<'a> AnyScene<'a> {
         self.len() == 0
     }
 
-    /// Returns whether one radius is stored for all particles.
+    /// Returns whether all particles share one stored radius.
     pub fn uniform(&self) -> bool {
         with_scene!(self, scene => matches!(scene.radii(), Radii::Uniform(_)))
     }
@@ -139,7 +139,7 @@ impl<'a> AnyScene<'a> {
         with_scene!(self, scene => scene.largest_radius().wide())
     }
 
-    /// Returns a copy of the scene in another storage, given directly or by an
+    /// Returns a copy of the scene in this storage, or in that of an
     /// [`Arithmetic`](crate::contact::Arithmetic).
     ///
     /// # Errors
@@ -153,8 +153,8 @@ impl<'a> AnyScene<'a> {
         })
     }
 
-    /// Returns the scene in another storage, borrowed if it is already stored in f64 and f64 is
-    /// wanted. Fails as [`AnyScene::stored`].
+    /// Returns the scene in this storage. It is borrowed instead of copied if it is in f64 already
+    /// and stays so. Fails as [`AnyScene::stored`].
     pub fn as_stored(
         &self,
         storage: impl Into<Storage>,
@@ -166,7 +166,7 @@ impl<'a> AnyScene<'a> {
         }
     }
 
-    /// Returns a copy with the particles in another order: its particle k is particle `order[k]`.
+    /// Returns a copy with reordered particles: particle k of the copy is particle `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> AnyScene<'static> {
         match self {
             AnyScene::Plane(scene) => AnyScene::Plane(scene.reordered(order)),

@@ -1,8 +1,9 @@
 //! Scenes: sets of discs (2D) or spheres (3D).
 //!
-//! A scene holds centres and radii. Its type states the dimension, the precision, and whether all
-//! particles share one radius, so simple scenes cost nothing extra. A [`Scene`] is always valid:
-//! coordinates are finite, radii finite and not negative, and there are at most 2^32 - 1 particles.
+//! A scene holds centres and radii. Its type states the dimension and the precision, and one radius
+//! for all particles is stored once, so simple scenes cost nothing extra. A [`Scene`] is always
+//! valid: coordinates are finite, radii finite and not negative, and there are at most 2^32 - 1
+//! particles.
 
 pub mod any;
 pub mod lattice;
@@ -21,7 +22,7 @@ pub fn array<T: nalgebra::Scalar, const D: usize>(p: &Point<T, D>) -> &[T; D] {
     &p.coords.data.0[0]
 }
 
-/// Reinterprets rows of coordinates as points, without copying.
+/// Returns rows of coordinates as points, without copying.
 pub fn points<const D: usize>(rows: &[[f64; D]]) -> &[Point<f64, D>] {
     const { assert!(size_of::<Point<f64, D>>() == size_of::<[f64; D]>()) };
     const { assert!(align_of::<Point<f64, D>>() == align_of::<[f64; D]>()) };
@@ -31,19 +32,19 @@ pub fn points<const D: usize>(rows: &[[f64; D]]) -> &[Point<f64, D>] {
     unsafe { std::slice::from_raw_parts(rows.as_ptr().cast(), rows.len()) }
 }
 
-/// Discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
+/// A scene of discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene<'a, T: Real, const D: usize> {
     centres: Cow<'a, [Point<T, D>]>,
     radii: Radii<'a, T>,
 }
 
-/// One radius for all particles, or one for each.
+/// One radius for all particles, or one radius for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Radii<'a, T: Clone> {
     /// All particles have this radius.
     Uniform(T),
-    /// Particle k has the k-th radius.
+    /// Particle k has radius k of this list.
     Each(Cow<'a, [T]>),
 }
 
@@ -77,7 +78,7 @@ pub(crate) fn extremes<T: Copy + PartialOrd>(n: usize, at: impl Fn(usize) -> T) 
     Some((rest.clone().chain(least).fold(first, smaller), rest.chain(largest).fold(first, larger)))
 }
 
-/// Why centres and radii do not form a scene. Particles are numbered from 0.
+/// Why centres and radii do not form a scene. Particle numbers start at 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum SceneError {
@@ -93,13 +94,13 @@ pub enum SceneError {
          or mend the particle"
     )]
     Radius { index: usize, value: f64 },
-    /// The radius of all particles is NaN, infinite or negative.
+    /// The radius that all particles share is NaN, infinite or negative.
     #[error("the radius of all particles is {value}; it must be finite and not negative")]
     UniformRadius { value: f64 },
     /// The numbers of centres and radii differ.
     #[error("{centres} centres but {radii} radii; give one radius per particle, or one for all")]
     Lengths { centres: usize, radii: usize },
-    /// Cell numbers and offsets cannot represent the coordinates.
+    /// The scene spans more cells than cell numbers allow.
     #[error(
         "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); \
          storage by cells holds fewer: use f64 or exact"
@@ -153,12 +154,12 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Ok(Scene { centres, radii })
     }
 
-    /// Returns the centres, in the order in which they were given.
+    /// Returns the centres, in their given order.
     pub fn centres(&self) -> &[Point<T, D>] {
         &self.centres
     }
 
-    /// Returns the shared radius, or one radius per particle.
+    /// Returns the radius that all particles share, or one radius per particle.
     pub fn radii(&self) -> &Radii<'a, T> {
         &self.radii
     }
@@ -188,7 +189,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         }
     }
 
-    /// Returns a copy with the particles in another order: its particle k is particle `order[k]`.
+    /// Returns a copy with reordered particles: particle k of the copy is particle `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> Scene<'static, T, D> {
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(*r),
@@ -197,7 +198,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Scene { centres: order.iter().map(|&k| self.centres[k as usize]).collect(), radii }
     }
 
-    /// Rounds the scene to another precision.
+    /// Returns a copy of the scene, rounded to another precision.
     ///
     /// # Errors
     /// Returns [`SceneError::Coordinate`] or [`SceneError::Radius`] if a number overflows.
@@ -215,7 +216,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Scene { centres: self.centres.iter().map(wide).collect(), radii }
     }
 
-    /// Maps every coordinate (with its axis) and every radius.
+    /// Returns a copy with every coordinate (passed with its axis) and every radius converted.
     fn map<U: Real>(
         &self,
         coordinate: impl Fn(f64, usize) -> U,
@@ -234,9 +235,9 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 
 impl<const D: usize> Scene<'_, f64, D> {
     /// Stores the scene by cells, in units of the cell's edge. The edge is the smallest power of
-    /// two that is at least the largest diameter and 2^-1022; for points, the scene spans 2^20
-    /// cells. Cells are numbered from the one with the lowest coordinate. Cell numbers are exact;
-    /// offsets are rounded by at most 2^-25 of an edge.
+    /// two that is at least the largest diameter and 2^-1022; for points, the scene spans up to
+    /// 2^20 cells. Cells are numbered from the cell of the lowest coordinate. Cell numbers are
+    /// exact; offsets are rounded by at most 2^-25 of an edge.
     ///
     /// # Errors
     /// Returns [`SceneError::Cells`] if there are 2^28 or more cells along an axis.
@@ -252,7 +253,7 @@ impl<const D: usize> Scene<'_, f64, D> {
     }
 }
 
-/// Converts coordinates and lengths to storage by cells: see [`Scene::by_cells`].
+/// Conversion of coordinates and lengths to storage by cells: see [`Scene::by_cells`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ByCells<const D: usize> {
     edge: f64,
@@ -260,14 +261,14 @@ pub(crate) struct ByCells<const D: usize> {
 }
 
 impl<const D: usize> ByCells<D> {
-    /// Creates the conversion for a scene between these corners.
+    /// Creates the conversion for a scene between two corners.
     pub fn new(
         (low, high): ([f64; D], [f64; D]),
         largest_radius: f64,
         empty: bool,
     ) -> Result<ByCells<D>, SceneError> {
         let diameter = 2.0 * largest_radius;
-        // Halved, so that the extent does not overflow.
+        // Coordinates are halved, so that the extent does not overflow.
         let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max)
             * (1.0 / (1u64 << 19) as f64);
         let edge =
@@ -275,7 +276,7 @@ impl<const D: usize> ByCells<D> {
         let first = low.map(|x| (x / edge).floor());
         for k in 0..D {
             let cells = (high[k] / edge).floor() - first[k];
-            // Also true if a quotient overflows and the difference is NaN.
+            // The condition is also true if a quotient overflows and the difference is NaN.
             if !(cells < CellF32::MOST_CELLS || empty) {
                 return Err(SceneError::Cells {
                     axis: ["x", "y", "z"][k.min(2)],
@@ -298,7 +299,7 @@ impl<const D: usize> ByCells<D> {
     }
 }
 
-/// Returns the smallest power of two of at least `x` within the normal numbers.
+/// Returns the smallest power of two that is at least `x` and a normal number.
 fn power_of_two(x: f64) -> f64 {
     let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
     if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }

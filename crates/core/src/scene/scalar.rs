@@ -7,15 +7,14 @@ use std::ops::{Add, Mul};
 pub trait Real:
     nalgebra::Scalar + Copy + PartialOrd + Default + Send + Sync + sealed::Sealed
 {
-    /// Type in which differences, sums and their squares are computed.
+    /// Type in which differences and sums of two numbers, and squares of these, are computed.
     type Work: Work;
     /// Name of the precision, for messages.
     const NAME: &'static str;
-    /// Half the distance from 1 to the next number of [`Real::Work`]: the largest relative rounding
-    /// error of one operation.
+    /// Largest relative rounding error of one operation: half the distance from 1 to the next
+    /// number of [`Real::Work`].
     const UNIT: f64;
-    /// A bound of at least four times the square root of half the smallest subnormal of
-    /// [`Real::Work`].
+    /// At least four times the square root of half the smallest subnormal of [`Real::Work`].
     const UNDERFLOW: f64;
     /// Returns the value in f64, without rounding.
     fn wide(self) -> f64;
@@ -33,7 +32,7 @@ pub trait Real:
     fn plus(self, other: Self) -> Self::Work;
 }
 
-/// A floating-point type for computations.
+/// A floating-point type in which contact tests compute.
 pub trait Work:
     Copy + PartialOrd + Default + Add<Output = Self> + Mul<Output = Self> + Send + Sync
 {
@@ -87,7 +86,7 @@ floating_point!(f32, f64::from_bits((1023 - 73) << 52)); // 4·√(2^-150) = 2^-
 floating_point!(f64, f64::from_bits((1023 - 535) << 52)); // 4·√(2^-1075) < 2^-535
 
 /// A coordinate stored as the number of a cell of edge 1 and an `f32` offset from the cell's
-/// origin, as codes do that keep particles in single precision far from the origin or in a large
+/// origin. Codes do so to keep particles in single precision far from the origin or in a large
 /// domain.
 ///
 /// Offsets of coordinates are multiples of 2^-24 in [0, 1); cell numbers are below 2^28 in
@@ -105,12 +104,12 @@ impl CellF32 {
     pub const MOST_CELLS: f64 = (1u64 << 28) as f64;
     const STEPS: f64 = (1u64 << 24) as f64;
 
-    /// Creates the coordinate `offset` (from 0 to 1) beyond the origin of `cell`, an integer; the
-    /// result is not finite if the cell number is too large.
+    /// Creates the coordinate that is `offset` (from 0 to 1) beyond the origin of `cell`, an
+    /// integer. The result is not finite if the cell number is too large.
     pub fn at(cell: f64, offset: f64) -> CellF32 {
-        // At most 2^24 steps, and f32 represents all integers up to there.
+        // There are at most 2^24 steps, and f32 represents all integers up to 2^24.
         let steps = (offset * CellF32::STEPS).round();
-        // Unique representation: an offset that rounds to 1 becomes the origin of the next cell.
+        // An offset that rounds to 1 becomes the origin of the next cell, for unique results.
         let (cell, steps) = if steps == CellF32::STEPS { (cell + 1.0, 0.0) } else { (cell, steps) };
         if cell.is_nan() || cell.abs() >= CellF32::MOST_CELLS {
             return CellF32 { cell: 0, offset: f32::INFINITY };
@@ -134,7 +133,7 @@ impl Real for CellF32 {
         CellF32 { cell: 0, offset: x as f32 }
     }
 
-    /// The result is not finite if the cell number is too large.
+    /// Rounds a coordinate. The result is not finite if the cell number is too large.
     fn place(x: f64) -> CellF32 {
         CellF32::at(x.floor(), x - x.floor())
     }

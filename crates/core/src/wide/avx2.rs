@@ -1,15 +1,15 @@
-//! AVX2: two registers of 8 floats; a permutation from a table packs ids.
+//! AVX2: two registers of 8 floats each. A permutation from a table packs ids.
 
 use std::arch::x86_64::*;
 
 use super::{HALF, Kernel, LANES, Spot, Wide};
 
-/// A processor with AVX2, FMA, BMI and POPCNT. Only [`Avx2::detect`] creates it.
+/// Proof that the processor has AVX2, FMA, BMI and POPCNT. Only [`Avx2::detect`] creates it.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
 
 impl Avx2 {
-    /// Returns `Some` on a processor that has the instructions.
+    /// Returns the proof if the processor has all these instructions.
     pub fn detect() -> Option<Avx2> {
         (is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")
@@ -26,7 +26,7 @@ fn compiled<K: Kernel>(wide: Avx2, kernel: K) -> K::Output {
     kernel.run(wide)
 }
 
-/// For every mask of 8 lanes: the selected lanes, moved to the front.
+/// Order of lanes for each mask of 8 lanes: the selected lanes come first.
 static PACKED: [[u32; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut mask = 0;
@@ -44,12 +44,12 @@ static PACKED: [[u32; 8]; 256] = {
     table
 };
 
-/// For every mask of four pairs: the lanes of the selected pairs, moved to the front.
+/// Order of lanes for each mask of four pairs: the lanes of the selected pairs come first.
 static PACKED_PAIRS: [[u32; 8]; 16] = {
     let mut table = [[0; 8]; 16];
     let mut mask = 0;
     while mask < 16 {
-        // Both lanes of a pair, or neither.
+        // The mask selects both lanes of a pair, or neither.
         let spread = mask & 1 | (mask & 2) << 1 | (mask & 4) << 2 | (mask & 8) << 3;
         table[mask] = PACKED[3 * spread];
         mask += 1;
@@ -57,8 +57,8 @@ static PACKED_PAIRS: [[u32; 8]; 16] = {
     table
 };
 
-// A value of this type exists only if `detect` found the instructions: "found" in SAFETY comments
-// below. Loads and stores are unaligned, except for spots, which are aligned.
+// A value of this type exists only if `detect` found the instructions; SAFETY comments below call
+// these instructions found. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx2 {
     #[inline(always)]
     fn each(
@@ -79,8 +79,8 @@ impl Avx2 {
         }
     }
 
-    /// Loads one side of pairs r and 4 + r. Four such vectors, transposed in blocks of 4x4 lanes,
-    /// yield the pairs in order.
+    /// Loads the points of one side of pairs r and 4 + r. Four such vectors, transposed in blocks
+    /// of 4x4 lanes, yield the pairs in order.
     ///
     /// # Safety
     /// The places of the pairs must be below the number of spots.
@@ -94,7 +94,7 @@ impl Avx2 {
         }
     }
 
-    /// Computes eight of [`Wide::couples`].
+    /// Computes the squared distances and the numbers of eight pairs, for [`Wide::couples`].
     ///
     /// # Safety
     /// The places must be below the number of spots.
@@ -107,7 +107,7 @@ impl Avx2 {
             let (a1, b1) = (two(1, 0), two(1, 1));
             let (a2, b2) = (two(2, 0), two(2, 1));
             let (a3, b3) = (two(3, 0), two(3, 1));
-            // The fourth lane of each keeps the particle number of b.
+            // The fourth lane of each difference keeps the number of particle b.
             let off0 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a0, b0), b0);
             let off1 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a1, b1), b1);
             let off2 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a2, b2), b2);
@@ -197,7 +197,7 @@ impl Wide for Avx2 {
     #[inline(always)]
     fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]) {
         let (low, high) = ids.split_at(HALF);
-        // Both halves have eight lanes, by the split.
+        // The split gives two halves of eight lanes each.
         let (Ok(low), Ok(high)) = (low.try_into(), high.try_into()) else { unreachable!() };
         self.pack_two(low, high, mask, to);
     }

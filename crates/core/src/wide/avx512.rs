@@ -4,13 +4,13 @@ use std::arch::x86_64::*;
 
 use super::{HALF, Kernel, LANES, Spot, Wide};
 
-/// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Only [`Avx512::detect`]
-/// creates it.
+/// Proof that the processor has AVX-512 F, BW, DQ and VL, FMA, BMI and POPCNT. Only
+/// [`Avx512::detect`] creates it.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(());
 
 impl Avx512 {
-    /// Returns `Some` on a processor that has the instructions.
+    /// Returns the proof if the processor has all these instructions.
     pub fn detect() -> Option<Avx512> {
         (is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
@@ -30,8 +30,8 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
     kernel.run(wide)
 }
 
-// A value of this type exists only if `detect` found the instructions: "found" in SAFETY comments
-// below. Loads and stores are unaligned, except for spots, which are aligned.
+// A value of this type exists only if `detect` found the instructions; SAFETY comments below call
+// these instructions found. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx512 {
     #[inline(always)]
     fn packed(self, ids: __m512i, mask: u32, to: &mut [u32; HALF]) {
@@ -43,8 +43,8 @@ impl Avx512 {
         }
     }
 
-    /// Loads one side of pairs r, 4 + r, 8 + r and 12 + r. Four such vectors, transposed in blocks
-    /// of 4x4 lanes, yield the pairs in order.
+    /// Loads the points of one side of pairs r, 4 + r, 8 + r and 12 + r. Four such vectors,
+    /// transposed in blocks of 4x4 lanes, yield the pairs in order.
     ///
     /// # Safety
     /// The places of the pairs must be below the number of spots.
@@ -185,7 +185,7 @@ impl Wide for Avx512 {
             let (a1, b1) = (four(1, 0), four(1, 1));
             let (a2, b2) = (four(2, 0), four(2, 1));
             let (a3, b3) = (four(3, 0), four(3, 1));
-            // The fourth lane of each keeps the particle number of b.
+            // The fourth lane of each difference keeps the number of particle b.
             let off0 = _mm512_mask_sub_ps(b0, 0x7777, a0, b0);
             let off1 = _mm512_mask_sub_ps(b1, 0x7777, a1, b1);
             let off2 = _mm512_mask_sub_ps(b2, 0x7777, a2, b2);

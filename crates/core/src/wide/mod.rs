@@ -1,9 +1,9 @@
 //! Sixteen floats at a time: an abstraction over vector instructions.
 //!
 //! A kernel is written once, over [`Wide`], and compiled for every instruction set. [`Level::best`]
-//! selects the widest one that the processor has at run time, so one binary serves all machines. A
-//! value of an implementing type proves that its instructions may be used: only [`Level`] creates
-//! one, after checking the processor.
+//! selects the widest set that the processor has at run time, so one binary serves all machines. A
+//! value of a type that implements [`Wide`] proves that its instructions may be used: only
+//! [`Level`] creates one, after checking the processor.
 //!
 //! | level | registers | instructions |
 //! |---|---|---|
@@ -13,7 +13,7 @@
 //!
 //! Levels may round differently (a fused multiply-add rounds once), by less than one part in 2^22
 //! in a sum of three squares. Detectors leave pairs that this could change to the contact test, so
-//! their pairs are the same on every level.
+//! their pairs do not depend on the level.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -29,23 +29,23 @@ pub use portable::Portable;
 
 /// Number of lanes of a vector.
 pub const LANES: usize = 16;
-/// Half the number of lanes.
+/// Half the number of lanes of a vector.
 pub const HALF: usize = LANES / 2;
 
 /// A point and its number, adjacent in memory. In two dimensions the last coordinate is 0.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub struct Spot {
-    /// Coordinates.
+    /// Coordinates of the point, in single precision.
     pub at: [f32; 3],
-    /// Number of the point.
+    /// Number by which callers know the point, usually of a particle.
     pub id: u32,
 }
 
 const _: () = assert!(size_of::<Spot>() == 16 && align_of::<Spot>() == 16);
 
 impl Spot {
-    /// Returns the squared distance, with the rounding of [`Wide::couples`].
+    /// Returns the squared distance of two points, rounded as in [`Wide::couples`].
     #[inline(always)]
     pub fn square(&self, other: &Spot) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.at[axis] - other.at[axis]);
@@ -56,75 +56,76 @@ impl Spot {
 /// Vectors of [`LANES`] floats in one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest bit.
 pub trait Wide: Copy + Send + Sync {
-    /// Whether single numbers are faster than sixteen lanes if only a few lanes are needed.
+    /// Whether a few single numbers are computed faster one by one than in sixteen lanes.
     const NARROW: bool = false;
-    /// A vector of floats.
+    /// Type of a vector of [`LANES`] floats.
     type Floats: Copy;
     /// Returns a vector with the same number in every lane.
     fn all(self, x: f32) -> Self::Floats;
     /// Loads sixteen floats.
     fn load(self, from: &[f32; LANES]) -> Self::Floats;
-    /// Loads eight lanes from one place and eight from another.
+    /// Loads the lower eight lanes from `low` and the upper eight from `high`.
     fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> Self::Floats;
-    /// Returns a + b.
+    /// Returns a + b in each lane.
     fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// Returns a - b.
+    /// Returns a - b in each lane.
     fn sub(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// Returns a · b.
+    /// Returns a · b in each lane.
     fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// Returns a · b + c, rounded once or twice.
+    /// Returns a · b + c in each lane, rounded once or twice.
     fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
-    /// Returns the larger of a and b, or b if a is NaN.
+    /// Returns the larger of a and b in each lane, or b if a is NaN.
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// Returns a mask of the lanes with a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
-    /// Writes the `ids` selected by `mask`, at most eight, to the front of `to`; the rest of `to`
-    /// is unspecified.
+    /// Writes the `ids` that `mask` selects to the front of `to`; the rest of `to` is unspecified.
+    /// The mask may select at most eight.
     fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]);
-    /// Works as [`Wide::pack`] with ids from two places.
+    /// Works as [`Wide::pack`] with the lower eight ids from `low` and the upper eight from `high`.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
-    /// Writes the pairs (i, ids\[k\]).
+    /// Writes the pair (i, ids\[k\]) to `to`\[k\], for each k.
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]);
-    /// A vector of sixteen pairs of numbers.
+    /// Type of a vector of sixteen pairs of numbers.
     type Pairs: Copy;
-    /// Loads sixteen pairs.
+    /// Loads sixteen pairs of numbers.
     fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs;
-    /// Returns the squared distances of sixteen pairs of places in `spots`, rounded after every
-    /// step so that all levels agree, and the pairs of their numbers.
+    /// Returns the squared distances of sixteen pairs of points, and the numbers of the points. A
+    /// pair in `couples` holds two indices into `spots`. Every step is rounded, so that all levels
+    /// agree.
     ///
     /// # Panics
-    /// Panics if a place is beyond `spots`.
+    /// Panics if an index is beyond `spots`.
     fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs);
-    /// Writes the pairs selected by `mask` to the front of `to`; the rest of `to` is unspecified.
+    /// Writes the pairs that `mask` selects to the front of `to`; the rest of `to` is unspecified.
     fn pack_pairs(self, pairs: Self::Pairs, mask: u32, to: &mut [[u32; 2]; LANES]);
     /// Runs a kernel compiled for these instructions.
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
-/// Code over any [`Wide`], inlined where the instructions are known. Implementations should be
-/// `#[inline(always)]`.
+/// Code that is written over any [`Wide`] and compiled for each instruction set. Implementations
+/// should be `#[inline(always)]`.
 pub trait Kernel {
-    /// Type of the result.
+    /// Type of the code's result.
     type Output;
-    /// Runs the code with a proof of the instructions.
+    /// Runs the code; `wide` proves that its instructions may be used.
     fn run<W: Wide>(self, wide: W) -> Self::Output;
 }
 
-/// An instruction set that this processor has.
+/// An instruction set that this processor has; its value is the proof.
 #[derive(Clone, Copy, Debug)]
 pub enum Level {
-    /// AVX-512.
+    /// AVX-512: one register of 16 floats.
     #[cfg(target_arch = "x86_64")]
     Avx512(Avx512),
-    /// AVX2.
+    /// AVX2: two registers of 8 floats.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
-    /// Plain Rust.
+    /// Plain Rust, for any processor.
     Portable(Portable),
 }
 
 impl Level {
-    /// Returns all levels of this processor, the widest first.
+    /// Returns all levels that this processor has, the widest first.
     pub fn all() -> Vec<Level> {
         let mut levels = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -136,7 +137,7 @@ impl Level {
         levels
     }
 
-    /// Returns the widest level.
+    /// Returns the widest level that this processor has.
     pub fn best() -> Level {
         #[cfg(target_arch = "x86_64")]
         {
@@ -150,7 +151,7 @@ impl Level {
         Level::Portable(Portable)
     }
 
-    /// Returns the name, for messages and parameters.
+    /// Returns the name of the level, for messages and parameters.
     pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -161,7 +162,7 @@ impl Level {
         }
     }
 
-    /// Runs a kernel on this level.
+    /// Runs a kernel, compiled for the instructions of this level.
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -180,7 +181,7 @@ mod tests {
     struct Everything;
     impl Kernel for Everything {
         type Output = Vec<u64>;
-        /// All operations on numbers that no level rounds.
+        /// Runs all operations, on numbers that are not rounded at any level.
         #[inline(always)]
         fn run<W: Wide>(self, w: W) -> Vec<u64> {
             let a: [f32; LANES] = std::array::from_fn(|k| (k * k) as f32 - 37.0);
@@ -189,7 +190,7 @@ mod tests {
             let (va, vb) = (w.load(&a), w.load(&b));
             let mut all = Vec::new();
             let mut see = |v: W::Floats| {
-                // Reads a vector through comparisons: the ranks of its lanes.
+                // Each vector is recorded through comparisons, as the ranks of its lanes.
                 all.extend(
                     (-3000..3000).step_by(7).map(|x| u64::from(w.at_most(v, w.all(x as f32)))),
                 );
@@ -216,8 +217,7 @@ mod tests {
                 pairs,
                 [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
             );
-            // Differences, squares and sums that are rounded, of numbers with all bits set at
-            // random.
+            // The coordinates have many bits, so that differences, squares and sums are rounded.
             let spots: [Spot; 19] = std::array::from_fn(|k| Spot {
                 at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),
                 id: (k as u32 + 1).wrapping_mul(0x9e37_79b9),
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(Level::best().name(), Level::all()[0].name());
     }
 
-    /// In every lane, on either side.
+    /// Tests an index beyond the spots in every lane and on either side of the pair.
     #[test]
     fn places_beyond_the_spots_are_never_read() {
         struct Couples([[u32; 2]; LANES]);

@@ -1,12 +1,12 @@
-//! The level for any processor: loops over arrays that the compiler may vectorise.
+//! Vectors for any processor: loops over arrays, which the compiler may vectorise.
 
 use super::{HALF, Kernel, LANES, Spot, Wide};
 
-/// The level for any processor.
+/// The instruction set of any processor: plain Rust.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
-/// An explicit loop, because the compiler may leave the closure of `std::array::from_fn` as a call.
+/// Fills an array in a loop, because the closure of `std::array::from_fn` may remain a call.
 #[inline(always)]
 fn lanes<A: Copy + Default>(mut f: impl FnMut(usize) -> A) -> [A; LANES] {
     let mut lanes = [A::default(); LANES];
@@ -63,7 +63,7 @@ impl Wide for Portable {
 
     #[inline(always)]
     fn at_most(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
-        // An array first, because the compiler vectorises this form.
+        // The bits go to an array first, because the compiler vectorises this form.
         let bits = lanes(|k| if a[k] <= b[k] { 1u32 << k } else { 0 });
         bits.iter().fold(0, |mask, bit| mask | bit)
     }
@@ -115,7 +115,7 @@ impl Wide for Portable {
     #[inline(always)]
     fn pack_pairs(self, pairs: [[u32; 2]; LANES], mask: u32, to: &mut [[u32; 2]; LANES]) {
         let mut packed = 0;
-        // Without branches, because the mask is unpredictable.
+        // The loop has no branches, because the mask is unpredictable.
         for (k, pair) in pairs.into_iter().enumerate() {
             to[packed % LANES] = pair;
             packed += (mask >> k & 1) as usize;

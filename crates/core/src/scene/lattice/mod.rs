@@ -1,18 +1,18 @@
-//! Periodic boxes: which images a particle has.
+//! Periodic boxes: the vectors along which a scene repeats.
 
 mod reduced;
 
 pub use reduced::Numbers;
 pub(crate) use reduced::{AS_GIVEN, shifted};
 
-/// The lattice of a periodic box: three vectors, and along which of them the scene repeats. Discs
-/// use the first two.
+/// The lattice of a periodic box: three vectors, of which some or all are periodic, so that the
+/// scene repeats along them. Discs use the first two.
 ///
 /// The image of a point x by integers S is x + S·H, the sum of S\[a\] times vector a over the
 /// periodic vectors. Vectors may have any direction. Simulation codes write them in lower
 /// triangular form: the first along x, the second in the xy plane, with the tilt in the
 /// off-diagonal numbers. Particles may be outside the box: the scene contains all their images, so
-/// it does not matter which image is given.
+/// any image may be given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     vectors: [[f64; 3]; 3],
@@ -27,7 +27,7 @@ pub enum LatticeError {
     /// A number of the box is NaN or infinite.
     #[error("the box has a number {value}; vectors and corner must be finite: mend the box")]
     Finite { value: f64 },
-    /// A vector is zero or, up to rounding, in the span of the others.
+    /// A periodic vector is zero or, up to rounding, a combination of the other ones.
     #[error(
         "the periodic vectors of the box enclose nothing: the distance of its faces along vector \
          {} is {}; mend the box, or make that axis open",
@@ -41,7 +41,7 @@ pub enum LatticeError {
         vector + 1, shown(*length)
     )]
     Range { vector: usize, length: f64 },
-    /// The box of discs leaves their plane.
+    /// A periodic vector of a box of discs is not in their plane.
     #[error(
         "vector {} of the box leaves the plane of the discs: its z is {value}, and must be 0",
         vector + 1
@@ -49,24 +49,24 @@ pub enum LatticeError {
     Plane { vector: usize, value: f64 },
 }
 
-/// Smallest distance of faces relative to their vector's length, after reduction to the shortest
+/// Smallest height of a box relative to the vector's length, after reduction to the shortest
 /// vectors. Below it the dual vectors, which filters need, would have few correct digits.
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
-    /// Open space: a box without periodic vectors.
+    /// Open space: a box that is not periodic along any vector.
     pub const OPEN: Lattice = Lattice {
         vectors: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         periodic: [false; 3],
         origin: [0.0; 3],
     };
 
-    /// Creates a box from three vectors, periodic along the marked ones, with its corner at
-    /// `origin`. Contact tests ignore the other vectors.
+    /// Creates a box from three vectors, of which `periodic` marks the periodic ones, with its
+    /// corner at `origin`. Contact tests ignore vectors that are not periodic.
     ///
     /// # Errors
-    /// Fails if a number is not finite, or if the periodic vectors are linearly dependent: the
-    /// shortest vectors of the same lattice are tested, with a tolerance of 2^-30.
+    /// Fails if a number is not finite, or if the periodic vectors are linearly dependent. The test
+    /// uses the shortest vectors of the same lattice, with a tolerance of 2^-30.
     pub fn new(
         vectors: [[f64; 3]; 3],
         periodic: [bool; 3],
@@ -77,11 +77,11 @@ impl Lattice {
             return Err(LatticeError::Finite { value });
         }
         let lattice = Lattice { vectors, periodic, origin };
-        // Heights are those of the reduced lattice, so that the tilt of the box does not matter.
+        // The heights of the reduced lattice do not depend on the tilt of the box.
         let (reduced, _) = lattice.reduced();
         for vector in (0..3).filter(|&vector| periodic[vector]) {
             let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));
-            // Also true if a square overflows or underflows, which makes it NaN.
+            // Also true if a square overflows or underflows, which makes the height NaN.
             if !(height > FLATTEST * length && height.is_normal()) {
                 let most = |v: usize| vectors[v].into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
                 let mut lengths = (0..3).filter(|&v| periodic[v]).map(|v| (v, most(v)));
@@ -89,7 +89,8 @@ impl Lattice {
                 if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
                     return Err(LatticeError::Range { vector, length });
                 }
-                // A zero vector makes the others' heights undefined, and is the one to report.
+                // A zero vector is reported, because it makes the heights of the other vectors
+                // undefined.
                 let none = (0..3).find(|&v| periodic[v] && most(v) == 0.0);
                 let height = if height.is_nan() { 0.0 } else { height };
                 return Err(LatticeError::Flat { vector: none.unwrap_or(vector), height });
@@ -98,17 +99,17 @@ impl Lattice {
         Ok(lattice)
     }
 
-    /// Creates a box with edges along the axes and its corner at the origin. Fails as
+    /// Creates a box with its edges along the axes and its corner at the origin. Fails as
     /// [`Lattice::new`].
     pub fn along_axes(lengths: [f64; 3], periodic: [bool; 3]) -> Result<Lattice, LatticeError> {
         let [x, y, z] = lengths;
         Lattice::new([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], periodic, [0.0; 3])
     }
 
-    /// Returns the same box for discs, without the third vector.
+    /// Returns this box for discs: its third vector is not periodic.
     ///
     /// # Errors
-    /// Returns [`LatticeError::Plane`] if another periodic vector leaves the plane.
+    /// Returns [`LatticeError::Plane`] if a periodic vector of the other two is not in the plane.
     pub fn flat(self) -> Result<Lattice, LatticeError> {
         let periodic = [self.periodic[0], self.periodic[1], false];
         for vector in (0..2).filter(|&vector| periodic[vector]) {
@@ -125,7 +126,7 @@ impl Lattice {
         &self.vectors
     }
 
-    /// Returns along which vectors the scene repeats.
+    /// Returns for each vector whether the scene repeats along it.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
@@ -140,21 +141,20 @@ impl Lattice {
         self.origin
     }
 
-    /// Returns whether any periodic vector is not along its axis.
+    /// Returns whether any periodic vector is not along the axis with its index.
     pub fn is_tilted(&self) -> bool {
         (0..3).any(|a| self.periodic[a] && (0..3).any(|k| k != a && self.vectors[a][k] != 0.0))
     }
 
     /// Returns the distance between the two faces that a periodic vector connects, with an error of
-    /// a few ulps relative to the vector's length, or infinity if the box is open. A particle with
-    /// a smaller reach does not touch its own image by that vector.
+    /// a few ulps of the vector's length, or infinity if the box is open along it. A particle whose
+    /// diameter is smaller does not touch its own image by that vector.
     pub fn height(&self, vector: usize) -> f64 {
         if self.periodic[vector] { norm(self.normal(vector)) } else { f64::INFINITY }
     }
 
-    /// Returns the dual of a periodic vector: its product with the vector is 1, with the other
-    /// periodic vectors 0. Its length is 1 / [`Lattice::height`], and its error is that of the
-    /// height.
+    /// Returns the dual of a periodic vector: its product with the vector is 1, and with the other
+    /// periodic vectors 0. Its length is 1 / [`Lattice::height`], with the same relative error.
     pub fn dual(&self, vector: usize) -> [f64; 3] {
         let normal = self.normal(vector);
         let square = dot(normal, normal);
@@ -173,7 +173,7 @@ impl Lattice {
         if let Some(second) = second {
             span[1] = unit(without(self.vectors[second], span[0]));
         }
-        // Twice, because rounding of a long part leaves a remainder the first time.
+        // Subtracted twice, because rounding of a long part leaves a remainder the first time.
         for direction in [span[0], span[1], span[0], span[1]] {
             left = without(left, direction);
         }
@@ -212,7 +212,7 @@ mod tests {
         let cube = Lattice::along_axes([2.0, 3.0, 4.0], [true, true, false]).unwrap();
         assert_eq!([0, 1, 2].map(|a| cube.height(a)), [2.0, 3.0, f64::INFINITY]);
         assert!(cube.repeats() && !cube.is_tilted());
-        // A shear changes the height along the first vector, not along the second.
+        // The shear changes the height along the first vector, but not along the second.
         let sheared = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let sheared = Lattice::new(sheared, [true; 3], [0.0; 3]).unwrap();
         assert!((sheared.height(0) - 0.5f64.sqrt()).abs() < 1e-15);

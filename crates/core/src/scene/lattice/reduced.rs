@@ -1,34 +1,35 @@
 //! Short vectors of a lattice, as integer combinations of long ones.
 //!
 //! A box tilted by many box lengths has the same images as one with little tilt. The reduction
-//! subtracts integer multiples of other vectors while that makes a vector shorter: first in pairs,
-//! as Gauss did, then the sum or difference of the other two. The result is Minkowski-reduced: in
-//! up to three dimensions no basis of the lattice is shorter, and its shortest vector is the
-//! shortest of the lattice (Nguyen and Stehlé 2009, doi:10.1145/1597036.1597050, section 3).
+//! subtracts integer multiples of other vectors while that makes a vector shorter: first multiples
+//! of one vector, as Gauss did, then the sum or difference of two vectors. The result is
+//! Minkowski-reduced: in up to three dimensions no basis of the lattice is shorter, and its
+//! shortest vector is the shortest of the lattice (Nguyen and Stehlé 2009,
+//! doi:10.1145/1597036.1597050, section 3).
 //!
-//! **Exactness.** The integers are exact sums of such steps, so the vectors span the same lattice,
-//! whatever was rounded. Lengths are those of vectors recomputed from the integers and the given
-//! vectors ([`shifted`]), so they have full precision. Rounding may only leave a vector that could
-//! be shorter by a few ulps.
+//! **Exactness.** The integers are exact sums of such steps, so the short vectors span the same
+//! lattice, whatever was rounded. Lengths are those of vectors recomputed from the integers and the
+//! given vectors ([`shifted`]), so they have full precision. Because of rounding, a vector may
+//! remain that could be shorter by a few ulps.
 
 use super::{Lattice, dot, norm};
 
-/// Limit for the magnitudes of the integers.
+/// Limit for the magnitudes of the integers that combine vectors.
 const MOST: i64 = 1 << 29;
-/// A vector is only replaced if the square falls below this part of its own, so that rounding
+/// A vector is replaced only if the square of its length falls below this part, so that rounding
 /// cannot cause a cycle.
 const SHORTER: f64 = 1.0 - 1.0 / (1u64 << 30) as f64;
 
-/// Integers, one row per vector.
+/// Integers that combine new vectors from the given ones, one row per new vector.
 pub type Numbers = [[i32; 3]; 3];
 
-/// The integers of unchanged vectors.
+/// Integers that leave all vectors unchanged.
 pub const AS_GIVEN: Numbers = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 impl Lattice {
     /// Returns the same lattice with its shortest vectors, rounded, and the integers that combine
-    /// them from the given vectors. Vectors along which the box is open are unchanged, and so are
-    /// some whose integers would exceed 2^29.
+    /// these from the given vectors. Vectors along which the box is open are unchanged, and so are
+    /// some whose integers would reach 2^29.
     pub fn reduced(&self) -> (Lattice, Numbers) {
         let mut basis = Basis { given: self, numbers: AS_GIVEN, vectors: self.vectors };
         // Each turn makes some square shorter, and a square can be halved less than 4096 times.
@@ -53,7 +54,7 @@ impl Lattice {
 struct Basis<'a> {
     given: &'a Lattice,
     numbers: Numbers,
-    /// Rounded.
+    /// The short vectors, rounded.
     vectors: [[f64; 3]; 3],
 }
 
@@ -64,7 +65,7 @@ impl Basis<'_> {
             for b in (0..3).filter(|&b| b != a && periodic[b]) {
                 let (a_b, b_b) = self.products(a, b);
                 let times = (a_b / b_b).round();
-                // NaN fails both tests.
+                // If the quotient is NaN, the condition is false.
                 if times.abs() < MOST as f64 && times != 0.0 {
                     let mut by = [0; 3];
                     by[b] = -(times as i64);
@@ -91,10 +92,11 @@ impl Basis<'_> {
         (dot(self.vectors[a], self.vectors[b]), dot(self.vectors[b], self.vectors[b]))
     }
 
-    /// Adds multiples of the other vectors to vector `a`, if that makes it shorter.
+    /// Adds multiples of the other vectors to vector `a` if that shortens it; returns whether it
+    /// did.
     fn add(&mut self, a: usize, by: [i64; 3]) -> bool {
         let row = self.numbers.map(|row| row.map(i64::from));
-        // At most three times 2^29 · 2^29.
+        // A sum is at most 2^29 plus three times 2^29 · 2^29, so it does not overflow.
         let sum: [i64; 3] =
             std::array::from_fn(|k| row[a][k] + (0..3).map(|b| by[b] * row[b][k]).sum::<i64>());
         if sum.iter().any(|number| number.abs() >= MOST) {
@@ -110,7 +112,7 @@ impl Basis<'_> {
     }
 }
 
-/// Returns x + S·H, rounded; not finite if it overflows. `periodic/frame.rs` bounds the error.
+/// Returns x + S·H, rounded, or infinite if it overflows. `periodic/frame.rs` bounds the error.
 pub(crate) fn shifted<const D: usize>(
     x: &[f64; D],
     image: [i32; 3],
@@ -166,12 +168,12 @@ mod tests {
         assert_eq!(lattice(cube, [true; 3]).reduced(), (lattice(cube, [true; 3]), AS_GIVEN));
         assert_eq!(lattice(cube, [false, false, true]).shortest(), 4.0);
         assert_eq!(lattice(cube, [false; 3]).shortest(), f64::INFINITY);
-        // Face-centred and body-centred cubic.
+        // Short vectors of the face-centred and of the body-centred cubic lattice.
         let fcc = [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
         assert_eq!(lattice(fcc, [true; 3]).shortest(), 2.0f64.sqrt());
         let bcc = [[1.0, 1.0, 1.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         assert_eq!(lattice(bcc, [true; 3]).shortest(), 3.0f64.sqrt());
-        // Reduced in pairs, but the sum of all three vectors is shorter than each.
+        // The sum of all three vectors is shorter than at least one of them.
         let star = [[2.0, 0.0, 0.0], [-1.0, 2.0, 0.0], [-0.9, -0.9, 2.0]];
         assert!((lattice(star, [true; 3]).shortest() - 2.0).abs() < 1e-15);
         let star = [[1.0, -0.5, -0.5], [-0.5, 1.0, -0.45], [-0.45, -0.5, 1.0]];
@@ -181,8 +183,8 @@ mod tests {
         assert_eq!(lattice(tilted, [true, false, true]).reduced().1[1], [0, 1, 0]);
     }
 
-    /// No small combination of vectors is shorter, and the integers have determinant 1 or -1, so
-    /// the lattice is unchanged.
+    /// Small combinations of the reduced vectors are not shorter. The integers have determinant 1
+    /// or -1, so the lattice is unchanged.
     #[test]
     fn no_vector_of_a_lattice_is_shorter() {
         let random = &mut ChaCha8Rng::seed_from_u64(21);
