@@ -91,7 +91,7 @@ impl Columns {
         Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
-    /// Of `count` unnamed columns, the first two are the pair. If two or three more follow, they
+    /// Takes the first two of `count` unnamed columns as the pair. If two or three more follow, they
     /// are the image.
     pub fn bare(count: usize) -> Columns {
         let guessed = [4, 5].contains(&count);
