@@ -7,7 +7,7 @@ use contactbench_record::cells::{Cell, FIELDS};
 use contactbench_record::record::column::{BUILDING, COLUMNS, FIRST, MEDIAN_STEP, WORST_STEP};
 use contactbench_record::stats::interval::{mad, median};
 
-/// Returns one line per cell. Columns that no cell has (copies, quiet times, steps, counts) are
+/// Returns one line per cell. Optional columns that all cells lack, such as copies and counts, are
 /// left out.
 pub fn summary(cells: &[Cell]) -> Table {
     let params: BTreeSet<String> = cells
@@ -26,7 +26,7 @@ pub fn summary(cells: &[Cell]) -> Table {
         .filter(|column| column.repeats())
         .map(|column| &*column.name)
         .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)));
-    // Times stay empty unless all blocks ended well.
+    // The time columns are empty unless all blocks of the cell ended well.
     let timed = |cell: &Cell, value: fn(&[f64]) -> Option<f64>| {
         let times: Vec<f64> = cell.times.values().map(|&time| time as f64).collect();
         cell.time().and_then(|_| value(&times))

@@ -1,4 +1,4 @@
-//! Pictures of scenes ([`draw`]), frames that play ([`film`]), and the steps of the book's
+//! Pictures of scenes ([`draw`]), pages that play frames ([`film`]), and the steps of the book's
 //! detectors ([`trace`]), as SVG and self-contained HTML pages.
 
 pub mod draw;
@@ -16,7 +16,7 @@ fn px(x: f64) -> String {
     if text == "-0" { "0".into() } else { text }
 }
 
-/// Appends `M x y L x y` to the data of a path.
+/// Appends `M x y L x y` to the data of an SVG path.
 fn segment(path: &mut String, a: [f64; 2], b: [f64; 2]) {
     let _ = write!(path, "M{} {}L{} {}", px(a[0]), px(a[1]), px(b[0]), px(b[1]));
 }

@@ -12,7 +12,7 @@ fn block_text(block: &Block) -> String {
         Block::Paragraph(text) => words(text) + "\n",
         Block::Warning(text) => format!("> Warning: {}\n", words(text)),
         Block::List(items) => items.iter().map(|item| format!("* {}\n", words(item))).collect(),
-        // The fence is longer than any in the text.
+        // The fence must be longer than any fence in the text.
         Block::Code(text) => format!("````text\n{}\n````\n", text.replace("````", "'")),
         Block::Table(table) => table.markdown(),
         Block::Figure { title, path } => {
@@ -29,7 +29,7 @@ fn words(text: &Text) -> String {
     })
 }
 
-/// Escapes what Markdown would take for markup, and line breaks.
+/// Escapes line breaks and characters that Markdown would read as markup.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -61,7 +61,8 @@ impl Text {
         self
     }
 
-    /// Writes the words with `around` each style except the plain one; `escape` escapes words.
+    /// Returns the words. Each style but the plain one puts its two parts of `around` around them;
+    /// `escape` escapes them.
     fn written(&self, around: [[&str; 2]; 3], escape: impl Fn(Style, &str) -> String) -> String {
         let span = |(style, text): &(Style, String)| {
             let [open, close] = match style {

@@ -1,8 +1,8 @@
 use super::{Block, Text};
 use contactbench_terms::number::wrap;
 
-/// Formats blocks for a terminal of this many columns, with an empty line between two. Figures are
-/// left out.
+/// Formats blocks for a terminal of this many columns, separated by empty lines. Figures are left
+/// out.
 pub fn plain(blocks: &[Block], width: usize) -> String {
     let texts: Vec<String> =
         blocks.iter().map(|block| block_text(block, width)).filter(|it| !it.is_empty()).collect();

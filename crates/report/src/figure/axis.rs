@@ -10,11 +10,11 @@ pub struct Axis {
 pub type Tick = (f64, Option<String>);
 
 impl Axis {
-    /// Makes an axis that holds these values with some room. A logarithmic axis ignores values that
+    /// Makes an axis that holds these values and a margin. A logarithmic axis ignores values that
     /// are not positive.
     pub fn new(values: impl Iterator<Item = f64>, log: bool) -> Axis {
         let usable = |value: &f64| value.is_finite() && (!log || *value > 0.0);
-        // Clamped, so that neither the room nor the width of the range overflows.
+        // Values are clamped, so that neither the margin nor the width of the range overflows.
         let values = values
             .filter(usable)
             .map(|v| if log { v.clamp(1e-140, 1e140) } else { v.clamp(-1e140, 1e140) });
@@ -29,7 +29,7 @@ impl Axis {
             let room = (0.04 * decades).max(0.06).max(0.3 - decades / 2.0);
             return Axis { log, low: low * 10f64.powf(-room), high: high * 10f64.powf(room) };
         }
-        // A linear axis shows zero, unless the values are far from it.
+        // A linear axis includes zero, unless the smallest value is above 0.6 times the largest.
         let low = if low > 0.0 && low < 0.6 * high { 0.0 } else { low };
         let room = if high > low { 0.05 * (high - low) } else { 0.5 * high.abs().max(1.0) };
         Axis { log, low: if low == 0.0 { 0.0 } else { low - room }, high: high + room }
@@ -54,7 +54,7 @@ impl Axis {
         }
     }
 
-    /// Returns ticks for an axis of this length whose labels need `room` each.
+    /// Returns ticks for an axis of this length, on which each label needs the length `room`.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         let most = (length / room.max(1.0)).floor().max(2.0);
         if !self.log {
@@ -66,7 +66,8 @@ impl Axis {
             let mut ticks = Vec::new();
             for power in first - 1..=last {
                 for digit in 1..10 {
-                    // Parsed, because 10^-k times a digit is not the nearest number.
+                    // The text is parsed because 10^-k times a digit is not always the nearest
+                    // number.
                     let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
                     if value >= self.low && value <= self.high {
                         ticks.push((value, matches!(digit, 1 | 2 | 5).then(|| plain(value))));
@@ -117,7 +118,7 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// `10⁻³`.
+/// Formats the exponent -3 as `10⁻³`.
 fn power_of_ten(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',

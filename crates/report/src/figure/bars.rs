@@ -1,5 +1,5 @@
-//! Figures of bars: a panel per scene and N, a bar per subject, as long as its time over that of
-//! the reference.
+//! Bar charts: a panel per scene and N, and a bar per subject, whose length is its time over that
+//! of the reference.
 
 use crate::figure::About;
 use crate::figure::axis::Axis;
@@ -13,11 +13,11 @@ use contactbench_terms::number::{number, times, wrap};
 
 const WIDTH: f64 = 1400.0;
 const GAP: f64 = 36.0;
-/// Height of a bar with the room around it, and heights above and below the bars.
+/// Height of a bar with its margins, then heights above and below the bars of a panel.
 const BAR: f64 = 25.0;
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 34.0;
-/// Room for the numbers beside a bar.
+/// Width reserved for the numbers beside a bar.
 const SAID: f64 = 168.0;
 const NAME: Text = Text::new(16.0, INK).ending();
 
@@ -34,7 +34,7 @@ struct Bar<'a> {
 }
 
 impl<'a> Bar<'a> {
-    /// `None` for a control.
+    /// Returns `None` for controls and for subjects without anything to show.
     fn new(name: &'a str, detector: &'a str, entry: &'a Entry, n: u64) -> Option<Bar<'a>> {
         let per = |time: f64| format!("{} ns", number(time / n.max(1) as f64));
         let said = match (entry.outcome, entry.ratio, entry.time_ns) {
@@ -49,7 +49,8 @@ impl<'a> Bar<'a> {
         Some(Bar { name, detector, entry, said })
     }
 
-    /// Wrong answers come after right ones, and subjects without a time last.
+    /// Returns the length by which bars are sorted: wrong answers come after right ones, subjects
+    /// without a time last.
     fn length(&self) -> f64 {
         match self.entry.ratio {
             Some(ratio) if self.entry.outcome.is_good() => ratio.median,
@@ -117,7 +118,7 @@ pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> 
 struct Sheet<'a> {
     styles: &'a Styles,
     axis: Axis,
-    /// Room for names, and width of a panel.
+    /// Width reserved for names, then width of a panel.
     names: f64,
     across: f64,
 }
@@ -127,7 +128,7 @@ impl Sheet<'_> {
         let (from, room) = (left + self.names, self.across - self.names - SAID);
         let at = |ratio: f64| from + room * self.axis.place(ratio).unwrap_or(0.0).clamp(0.0, 1.0);
         let (first, last) = (top + ABOVE, top + ABOVE + BAR * panel.bars.len() as f64);
-        // A long title begins above the names, or is smaller.
+        // A long title begins above the names, or has a smaller font.
         let wide = width(&panel.title, 19.0, true);
         let begin = from.min(left + self.across - wide).max(left);
         let title = HEADING.of_size(19.0 * (self.across / wide).min(1.0));

@@ -1,4 +1,4 @@
-//! Lines, shapes and text in layout units, as plotters writes them into an SVG.
+//! Draws lines, shapes and text into an SVG, with coordinates in layout units.
 
 use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -17,7 +17,7 @@ pub struct Text {
     colour: Colour,
     bold: bool,
     anchor: HPos,
-    /// Reads from bottom to top.
+    /// True for text that runs from bottom to top.
     upright: bool,
 }
 
@@ -48,7 +48,7 @@ impl Text {
 /// The surface that a figure is drawn on. Drawing cannot fail: plotters writes to a string.
 pub struct Canvas<'a>(SVGBackend<'a>);
 
-/// Draws an SVG on a white ground: viewers may have a dark one.
+/// Draws an SVG on a white background, because a viewer may have a dark one.
 pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String {
     let (mut text, size) = (String::new(), (width as u32, height as u32));
     let mut canvas = Canvas(SVGBackend::with_string(&mut text, size));
@@ -83,7 +83,8 @@ impl Canvas<'_> {
         };
     }
 
-    /// Draws a line; `dash` holds the drawn and the skipped length, and is `None` for a solid line.
+    /// Draws a line. `dash` holds the lengths of a dash and of the gap after it; `None` is a solid
+    /// line.
     pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Point>) {
         match dash {
             None => self.line(points, colour, width),
@@ -133,7 +134,7 @@ impl Canvas<'_> {
         self.line(&[c, d], colour, 2.0);
     }
 
-    /// Draws a detector's marker, with a white rim that keeps crossing lines apart.
+    /// Draws a detector's marker with a white rim, which separates it from lines behind it.
     pub fn marker(&mut self, (x, y): Point, r: f64, marker: Marker, colour: Colour) {
         let shape = |r: f64, corners: &[Point]| -> Vec<Point> {
             corners.iter().map(|corner| (x + corner.0 * r, y + corner.1 * r)).collect()
@@ -155,7 +156,7 @@ impl Canvas<'_> {
     }
 }
 
-/// Returns the end points of the two lines of an x; `upright` returns those of a plus.
+/// Returns the end points of the two lines of an x-shaped marker.
 pub fn slanted((x, y): Point, r: f64) -> [Point; 4] {
     [(x - r, y - r), (x + r, y + r), (x - r, y + r), (x + r, y - r)]
 }
@@ -168,7 +169,7 @@ fn corners(low: Point, high: Point) -> [Point; 5] {
     [low, (high.0, low.1), high, (low.0, high.1), low]
 }
 
-/// Saturates; NaN becomes 0.
+/// Rounds to pixels. Large values saturate; NaN becomes 0.
 fn pixel((x, y): Point) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }

@@ -1,5 +1,5 @@
-//! The width of a text in DejaVu Sans, the font that figures are laid out for: letters stand at
-//! their advance widths, without kerning.
+//! The width of a text in DejaVu Sans, the font that figures are laid out for: the sum of the
+//! letters' advance widths, without kerning.
 
 use std::sync::LazyLock;
 

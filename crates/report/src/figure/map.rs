@@ -1,6 +1,7 @@
-//! Maps: a panel per scene, a tile per place with the fastest detector and the time of the
-//! runner-up over its own. Each detector has a colour, deeper where it is farther ahead. Undecided
-//! tiles are striped; a line separates tiles where another detector becomes the fastest.
+//! Maps: a panel per scene, and a tile for each x and y. A tile names the fastest detector and the
+//! time of the runner-up over that detector's. Each detector has a colour, which is darker if its
+//! lead is larger. Undecided tiles are striped; a line separates tiles with different fastest
+//! detectors.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,7 @@ use contactbench_record::findings::map::{Answer, Map, Panel, STEPS, Spot};
 use contactbench_terms::number::{times, wrap};
 
 const WIDTH: (f64, f64) = (1400.0, 760.0);
-/// Height of a tile, and its width for short and for long names.
+/// Height of a tile, then its width for short and for long names.
 const HIGH: f64 = 64.0;
 const WIDE: (f64, f64) = (112.0, 164.0);
 const ROOM: f64 = 18.0;
@@ -27,8 +28,8 @@ const VALUE: Text = Text::new(SIZE, INK);
 const NOTE: Text = Text::new(SIZE, FAINT);
 const AXIS: Text = Text::new(16.0, FAINT).centred();
 
-/// Share of white in a detector's colour, by how clearly it wins: one for each of [`STEPS`], and
-/// for less than the first.
+/// Share of white in a detector's colour, by its lead: first for a lead below all [`STEPS`], then
+/// for each step.
 const WHITENESS: [f64; STEPS.len() + 1] = [0.72, 0.5, 0.25, 0.0];
 
 /// Returns the figure as SVG; `None` if no cell has a time.
@@ -130,7 +131,7 @@ impl Sheet<'_> {
         for (i, j) in all() {
             self.tile(canvas, spot(i, j), (across(i), down(j)));
         }
-        // No detector may be the fastest on both sides.
+        // A line is drawn if no detector may be the fastest in both tiles.
         let front = |i: usize, j: usize| spot(i, j).map(Spot::front).unwrap_or_default();
         let parted = |[a, b]: [(usize, usize); 2]| {
             let (a, b) = (front(a.0, a.1), front(b.0, b.1));
@@ -184,7 +185,7 @@ impl Sheet<'_> {
         canvas.frame((x, y), (right, low), 1.0, GRID);
     }
 
-    /// Paints a tile, and returns the colour under its letters.
+    /// Paints a tile, and returns the colour behind its text.
     fn ground(&self, canvas: &mut Canvas, spot: Option<(&Spot, Answer)>, (x, y): Point) -> Colour {
         let (right, low) = (x + self.tile, y + HIGH);
         let front = spot.map(|(spot, _)| spot.front()).unwrap_or_default();
@@ -208,7 +209,7 @@ impl Sheet<'_> {
     }
 }
 
-/// Returns the size at which a line fits into this width.
+/// Returns the font size at which a line fits into the width `room`.
 fn fitted(line: &str, room: f64, size: f64, bold: bool) -> f64 {
     (size * room / width(line, size, bold).max(room)).max(7.0)
 }
@@ -216,7 +217,7 @@ fn fitted(line: &str, room: f64, size: f64, bold: bool) -> f64 {
 fn stripes(canvas: &mut Canvas, (x, y): Point, wide: f64, colour: Colour) {
     let mut start = -HIGH;
     while start < wide {
-        // A stripe begins at the lower edge from `start` to half a step further, and leans right.
+        // A stripe reaches from `start` to `end` on the lower edge, and leans to the right.
         let end = start + STRIPE / 2.0;
         let cut = |at: f64, t: f64| (x + at + t, y + HIGH - t);
         let inside = |at: f64| (f64::max(0.0, -at), f64::min(HIGH, wide - at));

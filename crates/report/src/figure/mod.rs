@@ -1,8 +1,8 @@
-//! Figures from the record: one SVG per figure of an experiment, whose text stays text.
+//! Draws the figures of an experiment from the record, each as an SVG that keeps its text as text.
 //!
-//! `lines`, `bars`, `speed_error` and `map` are the kinds: each turns cells into data, and lays
-//! them out. `axis` chooses ranges and ticks, `style` fixes colour and marker per detector,
-//! `canvas` is the thin layer over plotters.
+//! The modules `lines`, `bars`, `speed_error` and `map` each draw one kind of figure: they turn
+//! cells into data, and lay them out. `axis` chooses ranges and ticks, `style` defines colour and
+//! marker of each detector, and `canvas` calls plotters.
 
 mod axis;
 mod bars;
@@ -42,7 +42,7 @@ impl About<'_> {
     }
 
     /// Returns the figure as SVG; `None` if no cell has anything to show. Fails if the record lacks
-    /// a variable or value.
+    /// a variable or value that the figure needs.
     fn svg(&self) -> anyhow::Result<Option<String>> {
         match &self.figure.kind {
             FigureKind::Lines(options) => lines::svg(self, options),
@@ -52,8 +52,8 @@ impl About<'_> {
         }
     }
 
-    /// Returns the name of the file, `experiment-figure.svg`, with letters that are safe in names
-    /// and links.
+    /// Returns the file name `experiment-figure.svg`. Letters that are unsafe in file names and
+    /// links are replaced.
     fn file(&self) -> String {
         let (experiment, figure) = (&*self.experiment.name, &*self.figure.name);
         let experiment = match figure.starts_with(experiment) {

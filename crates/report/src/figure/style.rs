@@ -2,11 +2,11 @@
 //!
 //! The first colours are those of Okabe and Ito, which people with a common colour blindness can
 //! distinguish. The others come from Okabe and Ito and from Tol, and differ in lightness. Markers
-//! make a figure readable in grey print. Controls are grey, thin and dashed.
+//! keep a figure readable in grey print. Controls are grey, thin and dashed.
 //!
-//! The name of a detector decides which style it prefers, so that it mostly looks the same in all
-//! reports. If a style is taken, a detector gets the next free one. Detectors without parameters
-//! choose first.
+//! The name of a detector decides which style it prefers, so that it usually looks the same in all
+//! reports. If the style is taken, the detector gets the next free one. Detectors without
+//! parameters choose first.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,11 +20,11 @@ pub const INK: Colour = (40, 40, 40);
 pub const FAINT: Colour = (110, 110, 110);
 pub const GRID: Colour = (228, 228, 228);
 pub const FRAME: Colour = (170, 170, 170);
-/// Lines at the N where the coordinates outgrow a cache.
+/// Colour of lines at the N where the coordinates outgrow a cache.
 pub const CACHE: Colour = (170, 160, 200);
 pub const CACHE_NAME: Colour = (115, 100, 160);
 pub const CONTROL: Colour = (150, 150, 150);
-/// Background of the strip for cells without a value.
+/// Background of the strip that marks cells without a value.
 pub const STRIP: Colour = (246, 246, 244);
 
 /// Mixes a colour with this share of white, 0 to 1.
@@ -33,7 +33,7 @@ pub fn lightened(colour: Colour, white: f64) -> Colour {
     (mix(colour.0), mix(colour.1), mix(colour.2))
 }
 
-/// Returns the colour of letters on this ground.
+/// Returns the colour of text on this background.
 pub fn ink_on(ground: Colour) -> Colour {
     let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
     if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }
@@ -92,7 +92,7 @@ const RULES: [(&str, Colour, Marker); 5] = [
     ("lammps-", (230, 159, 0), Marker::Diamond),
     ("every-", (213, 94, 0), Marker::Down),
 ];
-/// Style of `skin=auto`; no detector has it, since both stand in one figure.
+/// Style of `skin=auto`. No detector has it, because figures show both.
 const AUTO: (&str, Colour, Marker) = ("auto", (0, 0, 0), Marker::Down);
 
 #[derive(Clone, Debug, Default)]
@@ -130,8 +130,8 @@ impl Styles {
         Styles(styles)
     }
 
-    /// Returns colours for the detectors of a map: their own if free, else the colour farthest from
-    /// those taken.
+    /// Returns colours for the detectors of a map: a detector's usual colour if free, else the one
+    /// that differs most from those taken.
     pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
         let mut taken: Vec<Colour> = Vec::new();
         let mut own = |name: &String| {
@@ -150,33 +150,34 @@ impl Styles {
         found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
     }
 
-    /// Returns the style of a detector; the one that its name prefers if [`Styles::new`] did not
-    /// see it.
+    /// Returns the style of a detector. A detector that [`Styles::new`] did not get has the style
+    /// that its name prefers.
     pub fn get(&self, name: &str) -> Style {
         let known = self.0.get(name).copied().or_else(|| of_rule(name));
         known.unwrap_or_else(|| of_place(preferred(&detector(name))))
     }
 }
 
-/// The style at a place of the palette; behind its end, the same colours with other markers.
+/// Returns the style at an index of the palette; past its end, the colours repeat with other
+/// markers.
 fn of_place(place: usize) -> Style {
     let (round, (colour, own)) = (place / PALETTE.len(), PALETTE[place % PALETTE.len()]);
     let first = MARKERS.iter().position(|marker| *marker == own).unwrap_or(0);
     Style { colour, marker: MARKERS[(first + round) % MARKERS.len()], control: false }
 }
 
-/// Returns the place in the palette that a name prefers, by its FNV-1a hash.
+/// Returns the palette index that a name prefers, from its FNV-1a hash.
 fn preferred(name: &str) -> usize {
     let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
     (name.bytes().fold(0x811c_9dc5, step) >> 8) as usize % PALETTE.len()
 }
 
-/// Returns the largest difference of the three channels.
+/// Returns the largest difference among the three colour channels.
 fn apart(a: Colour, b: Colour) -> u8 {
     a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
 }
 
-/// Returns the style of a tracker's rule if its name holds no skin, or `skin=auto`.
+/// Returns the style of a tracker's rule, if the name has no skin or `skin=auto`.
 fn of_rule(name: &str) -> Option<Style> {
     let (_, params) = split_contender(name);
     let text = |key: &str| params.get(key).map(|value| value.to_string());
@@ -189,7 +190,7 @@ fn of_rule(name: &str) -> Option<Style> {
     Some(Style { colour, marker, control: false })
 }
 
-/// Returns the name that has the style: a tracker without a rule has that of its detector.
+/// Returns the name that a style belongs to: for a tracker without a rule, that of its detector.
 fn detector(name: &str) -> String {
     let (_, params) = split_contender(name);
     match params.get(OVER).filter(|_| !params.contains_key("rule")) {
@@ -213,7 +214,7 @@ pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     }
 }
 
-/// Returns names in the order of legends: controls last.
+/// Returns names in the order of the legend, with controls last.
 pub fn ranked<'a>(
     cells: impl IntoIterator<Item = &'a Cell>,
     name: impl Fn(&Cell) -> String,

@@ -1,4 +1,4 @@
-//! Figures of made-up rows: what no committed record shows.
+//! Figures of made-up rows, for situations that occur in no committed record.
 
 use super::*;
 use contactbench_record::cells;
@@ -66,7 +66,7 @@ fn threads_and_arithmetics_are_lines_and_failures_marks() {
     }
     lab.threads(1).detector("nbs").fail(Pass::Time, Outcome::OutOfMemory, "6 GiB");
     let found = texts(&drawn(&lab.rows(), LINES)[0]);
-    // 64 KiB are 4096 discs; 32 MiB are two million.
+    // The coordinates of 4096 discs fill 64 KiB; those of two million fill 32 MiB.
     let caches = ["> L2", "L2 (64 KiB)", "L3 (32 MiB): no scene"];
     all_in(&found, &caches);
     all_in(&found, &["direct", "direct, 2 threads", "dashed: several threads", "memory limit"]);
@@ -147,7 +147,7 @@ fn a_map_stripes_what_is_undecided_and_needs_times() {
     let found = texts(&map[0]);
     all_in(&found, &["Who <is> the fastest", "2.00", "2.00 to 2.00", "or sorting", "1.5 to 2.5"]);
     assert_eq!(drawn(&[], MAP), [None]);
-    // Without the tile in which both detectors take as long.
+    // Removes the tile in which both detectors are equally fast.
     let polygons = |map: &[Option<String>]| map[0].as_ref().unwrap().matches("<polygon").count();
     lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
     let clear = drawn(&lab.rows(), MAP);

@@ -10,7 +10,7 @@ use contactbench_record::findings::winners::{Contender, Contest, Winners};
 use contactbench_terms::number::{short, with_interval};
 use contactbench_terms::text::html as escape;
 
-/// Ratio at the right edge of a picture; larger ratios stand there, too.
+/// Ratio at the right edge of a picture. Larger ratios are drawn at the edge.
 const EDGE: f64 = 16.0;
 const SIZE: (f64, f64) = (240.0, 22.0);
 const PICTURE: usize = 3;
@@ -37,7 +37,7 @@ pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
             let (k, marker) = marks.find(&contest.first.line.detector);
             marks::chip(k, marker)
         }
-        // A narrow page hides the head, so each picture has its own axis.
+        // A narrow page hides the table's head, so each picture has its own axis.
         (Some(contest), PICTURE) => picture(contest, marks) + &ruler("strip own"),
         _ => String::new(),
     })

@@ -38,7 +38,7 @@ fn names<'a>(cells: &[&'a Cell], name: impl Fn(&'a Cell) -> &'a str) -> String {
     escape(&names.into_iter().collect::<Vec<_>>().join(", "))
 }
 
-/// Returns the class of the card, and how many answers are right.
+/// Returns the class of the card, and the number of right answers in words.
 fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     let all: Vec<&Cell> = parts.iter().flat_map(|part| &part.cells).copied().collect();
     let such = |wanted: &dyn Fn(&&Cell) -> bool| -> Vec<&Cell> {
@@ -86,7 +86,7 @@ fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     (class, said)
 }
 
-/// Returns the class of the card, and how many claims hold.
+/// Returns the class of the card, and the number of claims that hold in words.
 fn claims(facts: &Facts<'_>) -> (&'static str, String) {
     let verdicts = &facts.verdicts;
     let count = |status: Status| verdicts.iter().filter(|it| it.status == status).count();

@@ -32,7 +32,7 @@ const MEASURES: [&str; 17] = [
 const WORDS: [&str; 7] =
     ["experiment", "scene", "order", "arithmetic", "detector", "outcome", "reason"];
 
-/// Returns the number in its shortest form; null for `None` and for values that JSON lacks.
+/// Returns the number in its shortest form; null for `None` and for numbers that JSON cannot hold.
 fn number(value: Option<f64>) -> Value {
     match value {
         Some(value) if value == value.trunc() && value.abs() < 9e15 => json!(value as i64),
@@ -55,8 +55,8 @@ fn measure(cell: &Cell, name: &str) -> Option<f64> {
     }
 }
 
-/// Returns `detectors` with their marks, names and titles of `experiments`, `columns`, `texts` and
-/// `rows`. Words in rows are indices into `texts`; missing values are null.
+/// Returns `detectors` with their markers, names and titles of `experiments`, `columns`, `texts`
+/// and `rows`. Texts in rows are indices into `texts`; missing values are null.
 pub fn json(
     experiments: &[(&str, &str)],
     cells: &[Cell],
@@ -71,7 +71,7 @@ pub fn json(
         |name: &str| WORDS.contains(&name) || swept.iter().any(|it| it == name) && has_text(name);
     let keys = ["experiment", "scene", "dim"].into_iter().chain(swept.iter().map(String::as_str));
     let keys = keys.chain(["order", "n", "seed", "detector", "arithmetic", "threads"]);
-    // Name; whether it belongs to the id of the cell; whether it holds words.
+    // Name of a column, whether it belongs to the id of the cell, and whether it holds text.
     let columns: Vec<(&str, bool, bool)> = keys
         .map(|name| (name, true, is_word(name)))
         .chain(MEASURES.map(|name| (name, false, is_word(name))))

@@ -1,4 +1,4 @@
-//! Maps on a page: tables with coloured places that show their row on hover, press and focus.
+//! Maps on a page: tables of coloured tiles that show their row on hover, press and focus.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,8 @@ use contactbench_terms::number::times;
 use contactbench_terms::text::html as escape;
 
 const SCRIPT: &str = include_str!("../../assets/report/map.js");
-/// Share of a detector's colour in a place, by how clearly it wins; letters must stay readable.
+/// Percentage of a detector's colour in a tile, by its lead: first below all [`STEPS`]. Text must
+/// stay readable.
 const DEPTHS: [u32; STEPS.len() + 1] = [10, 20, 32, 46];
 
 pub fn section(maps: &[&Drawn], styles: &Styles) -> String {
@@ -76,7 +77,7 @@ fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -
     );
 }
 
-/// Lets a name break before its parenthesis.
+/// Allows a line break before the parenthesis of a name.
 fn broken(name: &str) -> String {
     escape(name).replace('(', "<wbr/>(")
 }

@@ -1,12 +1,12 @@
-//! Colours and markers of the figures for a page: CSS variables, lighter on dark ground, and small
-//! pictures.
+//! Colours and markers of the figures for a page: CSS variables, with lighter colours on a dark
+//! background, and small pictures.
 
 use std::fmt::Write as _;
 
 use crate::figure::style::{Colour, Marker, Styles, lightened};
 
 const DARK: Colour = (22, 24, 29);
-/// Least contrast of a line to its ground: WCAG 2.2, success criterion 1.4.11.
+/// Least contrast of a line with its background: WCAG 2.2, success criterion 1.4.11.
 const CONTRAST: f64 = 3.0;
 
 /// Returns the outline of a marker with radius 1 around 0, as an SVG path.
@@ -36,7 +36,7 @@ fn contrast(a: Colour, b: Colour) -> f64 {
     if a > b { a / b } else { b / a }
 }
 
-/// Mixes a colour with white until it has enough contrast on dark ground.
+/// Mixes a colour with white until it has enough contrast with the dark background.
 pub fn on_dark(colour: Colour) -> Colour {
     let mixed = |step: u32| lightened(colour, f64::from(step) / 20.0);
     (0..=20).map(mixed).find(|&c| contrast(c, DARK) >= CONTRAST).unwrap_or((255, 255, 255))
@@ -46,8 +46,8 @@ pub fn hex((r, g, b): Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Returns the colours of detectors 0, 1, ... as `--d0`, `--d1`, ..., for light and for dark
-/// ground.
+/// Returns the colours of detectors 0, 1, ... as `--d0`, `--d1`, ..., for a light and a dark
+/// background.
 pub fn css(names: &[&str], styles: &Styles) -> String {
     let list = |change: fn(Colour) -> Colour| {
         let entry =

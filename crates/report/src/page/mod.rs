@@ -35,7 +35,7 @@ const UPLOT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
 
-/// Bytes of figures that a page contains; further figures are linked.
+/// Limit of the bytes of figures inside a page; further figures are linked.
 const FIGURE_BYTES: usize = 2_500_000;
 
 pub fn html(facts: &Facts<'_>) -> String {
@@ -113,7 +113,7 @@ fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
         head.extend(sections::answer::blocks(&part.verdicts, true));
         out += &format!("<article>\n{}", document::html(&head));
         let asked = part.asks_fastest && contests;
-        // The card of a single experiment holds the sentence already.
+        // If there is only one experiment, the card already holds the sentence.
         if parts.len() > 1 && asked {
             let sentence = document::inline_html(&part.sentence());
             out += &format!("<p class=\"lead\">{sentence}</p>\n");

@@ -31,7 +31,7 @@ fn judge(lab: &Lab, claim: &str) -> (Verdict, String) {
     (verdict, words)
 }
 
-/// Kind; fields; detector; verdict; a part of the evidence.
+/// Each line: kind; fields; detector; verdict; part of the evidence.
 const KINDS: &str = "
 constant; value = 'list_push / n', within = 0.01; nbs; holds; from 2 to 2.003 (n = 100 to 30000)
 constant; value = 'list_push / n', within = 0.001; nbs; FAILS; 2 at n = 100

@@ -31,13 +31,13 @@ use contactbench_record::record::row::Row;
 
 pub struct Report {
     pub verdicts: Vec<Verdict>,
-    /// Subjects that were wrong, crashed or could not be started, each once.
+    /// Subjects that were wrong, crashed or could not be started, each listed once.
     pub culprits: Vec<Culprit>,
     pub terminal: Vec<Block>,
     pub figures: Vec<PathBuf>,
     pub path: PathBuf,
     pub page: PathBuf,
-    /// Sentences about what was left out: the given ones, and those about figures that could not be
+    /// Sentences about what was left out: those passed in, and one per figure that could not be
     /// drawn.
     pub warnings: Vec<String>,
 }
@@ -52,7 +52,7 @@ pub struct Facts<'a> {
     pub alerts: Vec<Block>,
     /// Sentences about subjects that are wrong or crashed.
     pub wrong: Vec<String>,
-    /// The sentence that the record has all of its plan.
+    /// A sentence if the record has all of its plan.
     pub whole: Option<String>,
     pub warnings: Vec<String>,
 }
@@ -64,7 +64,7 @@ pub struct Part<'a> {
     pub verdicts: Vec<Verdict>,
     pub winners: Winners,
     pub asks_fastest: bool,
-    /// How the reference compares with libraries.
+    /// Comparison of the reference with libraries, in words.
     pub answer: Option<Text>,
     pub matrix: Option<Matrix>,
     /// Title and file of each figure.
@@ -83,8 +83,8 @@ pub struct Origin {
     pub ledger: Ledger,
 }
 
-/// Writes the report of these experiments into `folder`. Rows of other experiments are in
-/// `summary.csv` only. A figure that cannot be drawn is a warning; a file that cannot be written is
+/// Writes the report of these experiments into `folder`. Rows of other experiments only appear in
+/// `summary.csv`. A figure that cannot be drawn causes a warning; a file that cannot be written is
 /// an error.
 pub fn write(
     folder: &Path,
@@ -249,7 +249,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Returns the cells of an experiment; cells are sorted by experiment.
+/// Returns the cells of an experiment. The input must be sorted by experiment.
 fn of<'a>(experiment: &Experiment, cells: &'a [Cell]) -> &'a [Cell] {
     let name = &experiment.name;
     let start = cells.partition_point(|cell| cell.id.experiment < *name);

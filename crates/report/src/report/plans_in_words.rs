@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 const ALL: [u64; 9] = [1, 2, 5, 10, 20, 50, 100, 150, 200];
 
-/// Nine spacings, of which a quick run takes four; two detectors, seven blocks.
+/// A plan of nine spacings (a quick run takes four), two detectors and seven blocks.
 fn experiment(more: &str) -> Experiment {
     let text = format!(
         "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 7\ndetectors = ['nbs', \
@@ -94,7 +94,7 @@ fn a_part_is_not_covered_and_says_which() {
     for words in ["5 of 9 scenes and 10 of 18 cells", "missing: 8 cells (stopped)"] {
         assert!(held.words.contains(words), "{}", held.words);
     }
-    // Nothing is missing from a claim about the measured part.
+    // A claim about the measured part is fully covered.
     let near = "name = 'n'\nkind = { constant = { value = 'list_push' } }\nwhere = { s = '<= 20' }";
     let filter = toml::from_str::<Claim>(near).unwrap().filter;
     let near = experiment("");

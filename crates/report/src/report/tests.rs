@@ -54,7 +54,7 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     let summary = std::fs::read_to_string(folder.join("summary.csv")).unwrap();
     assert_eq!(summary.lines().count(), 7);
     assert!(!folder.join("verdicts.csv").exists());
-    // A report that is made again is the same.
+    // Writing the report again gives the same text.
     assert_eq!(written(folder, experiment, &lab).1[0], markdown);
 }
 

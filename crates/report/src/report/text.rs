@@ -68,7 +68,7 @@ impl Facts<'_> {
         out
     }
 
-    /// Title; warnings; each question with its answer; where the record is from.
+    /// Returns title, warnings, each question with its answer, and the origin of the record.
     fn head(&self) -> Vec<Block> {
         let warning = |text: &String| Block::Warning(text.as_str().into());
         let mut out = vec![Block::heading(1, self.title())];
@@ -122,7 +122,7 @@ impl Facts<'_> {
     }
 }
 
-/// Names date and program of a record: a reader sees how old it is.
+/// Returns the date and the program of a record, from which a reader sees its age.
 fn program(fields: &Value) -> String {
     let text = |name: &str| fields.get(name).and_then(Value::as_str).unwrap_or_default();
     let date = text("date_utc").split('T').next().filter(|date| !date.is_empty());

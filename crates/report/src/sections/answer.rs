@@ -4,7 +4,7 @@ use crate::document::{Block, Text};
 use crate::sections::claims::{evidence, score};
 use contactbench_record::findings::claim::{Status, Verdict};
 
-/// Claims without `answers` are listed one by one up to this many.
+/// Maximum number of claims that are listed one by one if none has `answers`.
 const FEW: usize = 3;
 
 pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
@@ -33,8 +33,8 @@ pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
     out
 }
 
-/// Returns the claims that answer the question. If none is marked so, returns all if they are few,
-/// else those that do not hold.
+/// Returns the claims that answer the question. If none is marked with `answers`, returns all if
+/// they are few, else those that do not hold.
 fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
     let answers = |verdict: &&Verdict| !verdict.answers.is_empty();
     let open = |verdict: &&Verdict| verdict.status != Status::Holds;
@@ -47,7 +47,7 @@ fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
     }
 }
 
-/// Returns the answer that the experiment gives for a claim that holds, else the verdict.
+/// Returns the experiment's answer if the claim holds, else the verdict.
 fn word(verdict: &Verdict) -> String {
     let word = match verdict.status {
         Status::Holds if verdict.answers.is_empty() => "holds",

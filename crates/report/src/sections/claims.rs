@@ -5,7 +5,7 @@ use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{plural, short};
 
-/// `All 26 claims hold`, or `26 claims: 24 hold, 1 fails, 1 not covered`.
+/// Formats a score such as `All 26 claims hold`, or `26 claims: 24 hold, 1 fails, 1 not covered`.
 pub fn score(verdicts: &[Verdict]) -> String {
     let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
     let all = verdicts.len();
@@ -51,7 +51,7 @@ pub fn evidence(evidence: &Evidence) -> String {
     format!("{cut}; in {rest}: {there}")
 }
 
-/// `; 4 of 7 cells have no value: 3 refused, 1 timeout`.
+/// Formats text such as `; 4 of 7 cells have no value: 3 refused, 1 timeout`.
 fn left_out(without: &Without) -> String {
     let part = |(outcome, count): (&Option<_>, &usize)| match outcome {
         Some(outcome) => format!("{count} {}", Outcome::name(*outcome)),

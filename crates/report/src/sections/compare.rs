@@ -8,7 +8,7 @@ use contactbench_record::record::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};
 use contactbench_terms::number::{number, percent, plural, with_ends};
 
-/// `digest 0x01 -> 0x02`.
+/// Formats a change such as `digest 0x01 -> 0x02`.
 pub fn change(Change { what, a, b }: &Change) -> String {
     format!("{what} {a} -> {b}")
 }
@@ -34,7 +34,7 @@ pub fn moved(name: &str, factor: f64) -> String {
     )
 }
 
-/// Describes a machine by name and processor: the name of a virtual machine is not enough.
+/// Describes a machine by name and processor, since virtual machines may share a name.
 pub fn machine(Machine { name, hardware }: &Machine) -> String {
     let name = if name.is_empty() { "an unnamed machine" } else { name };
     let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
@@ -50,7 +50,7 @@ pub fn machines(machines: &[Machine; 2]) -> String {
     format!("two machines: {a} and {b}{same}")
 }
 
-/// Formats a size as `480 MiB`; other text stays as it is.
+/// Formats a cache size as `480 MiB`; other text stays as it is.
 fn cache(size: &str) -> String {
     match size_of(size) {
         Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),
@@ -96,7 +96,7 @@ pub fn pairing(how: &Options) -> String {
     }
 }
 
-/// Describes how equal code differed when two builds took turns.
+/// Describes how far the times of equal code differed while two builds took turns.
 pub fn floor(experiment: &str, noise: &Noise) -> String {
     let sum = |count: fn(&Twin) -> usize| -> usize { noise.twins.iter().map(count).sum() };
     format!(
@@ -108,18 +108,19 @@ pub fn floor(experiment: &str, noise: &Noise) -> String {
     )
 }
 
-/// `1.012 (1.003 to 1.021)`: three decimals, since differences of interest are small.
+/// Formats `1.012 (1.003 to 1.021)`. Three decimals show the small differences of interest.
 pub fn ratio(timing: &Timing) -> String {
     with_ends(&timing.ratio, |ratio| format!("{ratio:.3}"))
 }
 
-/// Returns the verdict of a cell, with a mark if a difference within the band is certain.
+/// Returns the verdict of a cell, marked if it has a certain difference within the band.
 fn verdict(timing: &Timing) -> String {
     let but = if timing.is_small() { ", not 1" } else { "" };
     format!("{}{but}", timing.judgement.name())
 }
 
-/// Makes the table of cells that became slower or faster, or of all; the largest change first.
+/// Makes the table of the cells that became slower or faster, or of all cells, sorted by verdict
+/// and then by descending ratio.
 pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     let shown =
         |timing: &Timing| all || matches!(timing.judgement, Judgement::Slower | Judgement::Faster);
@@ -139,7 +140,7 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
         (Some(_), None) => format!("{} ns", number(ns)),
     };
     let cell = |timing: &Timing, place: &str| match note(timing, how) {
-        // Builds are named above the table; machines and twins have a line of their own.
+        // Builds are named above the table; notes on machines and twins are on lines of their own.
         note if note.is_empty()
             || how.builds.is_some()
             || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
@@ -157,7 +158,7 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
         .into()
 }
 
-/// Formats the smallest slowdown that a comparison finds: `by 12%`, `of 47 times`.
+/// Formats the smallest slowdown that a comparison can detect: `by 12%`, `of 47 times`.
 fn seen(least: f64) -> String {
     match least < 2.0 {
         true => format!("by {}", percent(least - 1.0)),
@@ -205,7 +206,7 @@ pub fn placement() -> String {
     )
 }
 
-/// Returns two lines: what must be the same, and the times with their gate.
+/// Returns two lines: one about values that must be the same, and one about times and their gate.
 pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let verdict = match found.changed {
         0 => "the same everywhere".into(),

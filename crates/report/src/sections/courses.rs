@@ -56,7 +56,7 @@ fn misses(found: &Courses) -> Vec<Block> {
 }
 
 /// Returns the rows of trackers that missed contacts or had a dangerous build. Dangerous builds
-/// without a miss show how good the flag is.
+/// without a missed contact show how reliable this flag is.
 fn missed<'a>(found: &'a Courses<'_>) -> Vec<Missed<'a>> {
     let mut all = Vec::new();
     for course in &found.courses {

@@ -14,7 +14,7 @@ pub fn whole_or_partial<'a>(
     ((parts.is_empty() && !found.is_empty()).then(|| whole(&found)), parts)
 }
 
-/// `The record has all of the plan: 9 scenes, 54 cells.`
+/// Formats a sentence such as `The record has all of the plan: 9 scenes, 54 cells.`
 fn whole(found: &[&Summary]) -> String {
     let sum = |count: fn(&Summary) -> usize| -> usize { found.iter().map(|it| count(it)).sum() };
     let (scenes, cells) = (sum(|found| found.scenes[1]), sum(|found| found.cells[1]));
@@ -65,7 +65,7 @@ pub fn partial(found: &Summary) -> Option<String> {
     Some(format!("{experiment}: {}. {whole}", said.join("; ")))
 }
 
-/// `12 cells got 3 of their 15 blocks (quick run)`.
+/// Formats text such as `12 cells got 3 of their 15 blocks (quick run)`.
 fn short(found: &Summary) -> Option<String> {
     let part = |(why, short): (&Why, &Short)| {
         let [low, high] = short.blocks;
@@ -82,7 +82,7 @@ fn short(found: &Summary) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// `20 cells (stopped), 4 (unavailable)`.
+/// Formats reasons such as `20 cells (stopped), 4 (unavailable)`.
 fn reasons(why: &BTreeMap<Why, usize>) -> String {
     let part = |(k, (why, count)): (usize, (&Why, &usize))| {
         let count = if k == 0 { plural(*count, "cell") } else { count.to_string() };
@@ -91,7 +91,7 @@ fn reasons(why: &BTreeMap<Why, usize>) -> String {
     why.iter().enumerate().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
+/// Formats text such as `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
 pub fn uncovered(found: &Uncovered) -> String {
     let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
     let names = found.unavailable.iter().cloned().collect::<Vec<_>>().join(", ");
@@ -108,7 +108,7 @@ pub fn uncovered(found: &Uncovered) -> String {
     format!("not in this record: {gaps}{count} ({})", why.join(", "))
 }
 
-/// `s = 2 to 20 of 2 to 200`.
+/// Formats a gap such as `s = 2 to 20 of 2 to 200`.
 fn gap(gap: &Gap) -> String {
     let Gap { name, missing, planned } = gap;
     let number = planned.iter().all(|value| value.number().is_some());

@@ -29,7 +29,7 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     Some(Section::new("Against the exact truth", blocks))
 }
 
-/// Returns what rounding costs in contacts and saves in time, in a sentence each.
+/// Returns one sentence on the contacts that rounding costs, and one on the time that it saves.
 pub fn answer(cells: &[&Measured]) -> Option<Text> {
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     for line in ErrorTable::new(cells)?.lines {
@@ -91,8 +91,8 @@ fn table(found: &ErrorTable) -> Table {
         .into()
 }
 
-/// Formats three missed and two spurious pairs as `3 / 2`, with repeated and self pairs if there
-/// are any; `0` for none.
+/// Formats three missed and two spurious pairs as `3 / 2`, followed by repeated pairs and
+/// self-pairs if there are any; no errors are `0`.
 fn counts(errors: &Errors) -> String {
     if errors.wrong() == 0 {
         return "0".into();

@@ -6,7 +6,7 @@ use contactbench_record::findings::map::{Answer, Map, Panel, Spot};
 use contactbench_record::findings::winners::Contender;
 use contactbench_terms::number::{number, times, with_interval};
 
-/// Makes a table for each panel, with x in the head and y from the top down.
+/// Makes a table for each panel, with x in the head and y in the first column.
 pub fn blocks(map: &Map) -> Vec<Block> {
     map.panels.iter().map(|panel| Block::Table(table(map, panel))).collect()
 }
@@ -35,7 +35,7 @@ pub struct Drawn {
 impl Drawn {
     pub fn all(experiment: &Experiment, own: &[contactbench_record::cells::Cell]) -> Vec<Drawn> {
         let drawn = |figure: &Figure| match &figure.kind {
-            // The figure reports why a map cannot be drawn.
+            // A map that fails is left out here; the figure reports the reason.
             FigureKind::Map(axes) => Some(Drawn {
                 name: figure.name.clone(),
                 title: figure.title.clone(),
@@ -69,14 +69,14 @@ fn brief(spot: &Spot) -> Cell {
     }
 }
 
-/// `nbs or sorting or 2 more`.
+/// Formats names such as `nbs or sorting or 2 more`.
 pub fn either(front: &[&str]) -> String {
     let (named, more) = front.split_at(front.len().min(2));
     let more = (!more.is_empty()).then(|| format!("{} more", more.len()));
     named.iter().map(|name| name.to_string()).chain(more).collect::<Vec<_>>().join(" or ")
 }
 
-/// Describes all numbers of a place.
+/// Describes all numbers of a tile.
 pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
     let [x, y] = &map.axes;
     let (across, up) = (&x.values[spot.at[0]], &y.values[spot.at[1]]);

@@ -34,7 +34,7 @@ pub struct About<'a> {
 pub struct Section {
     pub heading: String,
     pub blocks: Vec<Block>,
-    /// Name and table of a CSV file. The tables of all experiments make one file.
+    /// Name and table of a CSV file. Tables of all experiments with the same name form one file.
     pub csv: Option<(&'static str, Table)>,
 }
 
@@ -50,7 +50,7 @@ pub const SPEED: &[Make] = &[
     |about| Vec::from_iter(retired(about)),
 ];
 
-/// The tables of all cells. An experiment with a table of verdicts leaves them out.
+/// Sections with the tables of all cells. An experiment with a table of verdicts leaves them out.
 pub const DETAILS: &[Make] = &[
     courses::sections,
     |about| Vec::from_iter(operations::section(about)),

@@ -44,7 +44,7 @@ fn sentence(twin: &Twin) -> String {
         twin.cells,
         percent(twin.by_chance),
     );
-    // The machine may have been in one state only.
+    // The times by state are absent if the machine was only quiet or only slow.
     match &twin.states {
         [Some(quiet), Some(slow)] => format!(
             "{said} While the machine was quiet, the twin takes {} times as long; while it was \

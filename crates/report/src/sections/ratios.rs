@@ -122,7 +122,7 @@ fn cell(n: u64, entry: &Entry) -> Cell {
         (_, Some(_), Some(time)) if entry.is_base => format!("1 = {}", per(time)).into(),
         (Outcome::Lossy, Some(ratio), _) => format!("{} lossy", with_interval(&ratio)).into(),
         (_, Some(ratio), _) => ratio.into(),
-        // It has a time, but no ratio.
+        // This subject has a time, but no ratio.
         (_, None, Some(time)) => per(time).into(),
         (_, None, None) => Cell::Absent,
     }

@@ -15,7 +15,7 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     })
 }
 
-/// Returns the sentences about detectors, without twins.
+/// Returns one sentence per detector, without twins.
 pub fn answer(cells: &[&Measured]) -> Vec<Block> {
     let own: Vec<&Measured> =
         cells.iter().filter(|cell| !cell.role.is_control()).copied().collect();
@@ -63,7 +63,7 @@ fn table(found: &Threads) -> Table {
         .into()
 }
 
-/// `93% (91% to 96%)`.
+/// Formats a fraction as `93% (91% to 96%)`.
 fn percents(fraction: &Interval) -> Cell {
     with_ends(fraction, percent).into()
 }

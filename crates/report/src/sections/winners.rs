@@ -17,7 +17,7 @@ pub fn blocks(winners: &Winners, cold: bool) -> Vec<Block> {
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
-/// Returns the table of all scenes, if the answer leaves some out or shows no table.
+/// Returns the table of all scenes, if the answer at the top shows no table or not all scenes.
 pub fn section(about: &About<'_>) -> Option<Section> {
     let (winners, asked) = (about.winners, about.experiment.asks_fastest());
     let all: Vec<&Contest> = winners.contests.iter().collect();
@@ -92,7 +92,7 @@ pub fn sentence(winners: &Winners) -> Text {
     out.plain(format!(".{rest}{end}"))
 }
 
-/// `nbs is the only one with a right answer (my-det was wrong).`
+/// Formats a sentence such as `nbs is the only one with a right answer (my-det was wrong).`
 fn alone(found: &Alone) -> Text {
     let Alone { name, others } = found;
     let name = Text::new().strong(name.as_str());
@@ -113,7 +113,7 @@ fn alone(found: &Alone) -> Text {
     name.plain(format!(" is the only one with a {what} ({}).", ended.join(", ")))
 }
 
-/// Names the detectors that are equally fast, if no scene is decided.
+/// Names the detectors that are equally fast, for the case that no scene is decided.
 fn undecided_all(contests: &[Contest]) -> String {
     let scenes = match contests.len() {
         1 => String::new(),
@@ -143,8 +143,8 @@ fn undecided_all(contests: &[Contest]) -> String {
     format!("Undecided{scenes}: {who} are equally fast within the noise{which}")
 }
 
-/// Returns the fastest detector in a few words. Scenes of experiments are not summed: one may have
-/// a single size, another six scenes of several sizes.
+/// Returns the detector that is the fastest in most scenes, and the number of these scenes. Scenes
+/// are not summed over experiments, which have different numbers of sizes.
 pub fn brief(winners: &Winners) -> Text {
     let tally = Tally::new(winners);
     let Some(first) = tally.wins.first() else { return "undecided".into() };
@@ -152,15 +152,15 @@ pub fn brief(winners: &Winners) -> Text {
     Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
-/// How the table of the fastest detectors looks.
+/// Layout of the table of the fastest detectors.
 pub struct Columns {
     pub pictures: bool,
-    /// Ratios of first detections, if there are any.
+    /// True if the table shows ratios of first detections.
     pub cold: bool,
     pub time: fn(f64) -> String,
 }
 
-/// Makes a row per scene.
+/// Makes a table with a row per scene.
 pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
     fn next(contest: &Contest) -> Option<&Contender> {
         contest.others.first()
@@ -182,7 +182,7 @@ pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
         .into()
 }
 
-/// Returns `decided`, or the detectors that may be as fast.
+/// Returns `decided`, or names the detectors that may be equally fast.
 fn decided(contest: &Contest) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {

@@ -1,8 +1,8 @@
 use super::{Cell, Table};
 use contactbench_terms::text::csv_cell;
 
-/// Returns a CSV file of tables with the same columns. Numbers have all digits. Absent values and
-/// those of wrong answers are empty fields; no text is a formula.
+/// Returns tables with the same columns as one CSV file. Numbers have all digits. Absent values and
+/// those of wrong answers are empty fields. Text that looks like a formula is made harmless.
 pub fn csv(tables: &[Table]) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     let Some(first) = tables.first() else { return String::new() };

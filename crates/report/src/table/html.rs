@@ -9,8 +9,8 @@ impl Table {
         self.html_with("", &|_, _| String::new())
     }
 
-    /// The same with a class, and with markup (a picture) before the value of each cell. The
-    /// function gets row and column; the head is row `None`.
+    /// Formats the table as [`Table::html`] does, with a class, and with markup (such as a picture)
+    /// before the value of each cell. `before` gets row and column; `None` is the header row.
     pub fn html_with(
         &self,
         class: &str,

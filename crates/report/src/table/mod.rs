@@ -22,23 +22,23 @@ struct Column {
     name: String,
     unit: &'static str,
     right: bool,
-    /// In a CSV file it is three columns: `name`, `name_low`, `name_high`.
+    /// True if a CSV file has three columns for it: `name`, `name_low`, `name_high`.
     interval: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing was measured: a dash; an empty field of a CSV file.
+    /// A value that was not measured: shown as a dash, empty in a CSV file.
     Absent,
     Text(String),
     Count(u64),
-    /// Four significant digits; all digits in a CSV file.
+    /// A number, shown with four significant digits, and with all digits in a CSV file.
     Number(f64),
     Share(f64),
     Ratio(Interval),
     /// Value of a wrong answer: shown in brackets, and empty in a CSV file.
     Wrong(Box<Cell>),
-    /// Several texts, one below the other if possible.
+    /// Several texts, shown one below the other where the format can.
     Lines(Vec<String>),
     Strong(Box<Cell>),
 }
@@ -125,7 +125,7 @@ impl Cell {
         Cell::Strong(Box::new(self))
     }
 
-    /// Makes text bold if the cell is strong and not empty.
+    /// Returns the text, in bold if the cell is strong and not empty.
     fn shown(&self, text: String, bold: [&str; 2]) -> String {
         let [open, close] = if text.is_empty() { [""; 2] } else { bold };
         if matches!(self, Cell::Strong(_)) { format!("{open}{text}{close}") } else { text }

@@ -2,7 +2,7 @@ use super::Table;
 use contactbench_terms::number::wrap;
 
 const GAP: usize = 2;
-/// Columns of words shrink down to this width before numbers do.
+/// Text columns shrink to this width before number columns shrink.
 const NARROW: usize = 12;
 
 impl Table {
@@ -41,9 +41,9 @@ impl Table {
         out
     }
 
-    /// Returns the width of each column: its longest line, then narrowed until all fit. The widest
-    /// column of words shrinks first while it is wider than [`NARROW`], then the widest of all.
-    /// Words are split only if nothing else helps.
+    /// Returns the width of each column: that of its longest line, narrowed until all columns fit.
+    /// The widest text column shrinks first while it is wider than [`NARROW`], then the widest of
+    /// all. Words are split only as a last resort.
     fn widths(&self, rows: &[Vec<Vec<String>>], limit: usize) -> Vec<usize> {
         let lines = |column: usize| rows.iter().filter_map(move |row| row.get(column)).flatten();
         let longest = |column| lines(column).map(|line| line.chars().count()).max().unwrap_or(0);

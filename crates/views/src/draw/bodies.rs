@@ -1,4 +1,4 @@
-//! Circles of a picture: the particles, then the images that a pair touches.
+//! Circles of a picture: the particles, followed by those periodic images that are in a drawn pair.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ pub struct Body {
     pub particle: u32,
     /// Shift of the image in box vectors; 0 for the particle itself.
     pub image: [i32; 3],
-    /// The third coordinate is 0 in the plane.
+    /// Centre; in 2D the third coordinate is 0.
     pub centre: [f64; 3],
     pub r: f64,
 }
@@ -41,7 +41,7 @@ pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
 }
 
 pub struct Bodies {
-    /// The particles, then the images.
+    /// All particles, followed by the images.
     pub all: Vec<Body>,
     images: HashMap<(u32, [i32; 3]), u32>,
 }
@@ -73,7 +73,8 @@ impl Bodies {
         Ok(Bodies { all, images })
     }
 
-    /// Returns the lines of a pair: one, or one from either side if it crosses a face of the box.
+    /// Returns the lines of a pair: one, or two if the pair crosses a face of the box, one on each
+    /// side.
     pub fn lines(&self, pair: ImagePair) -> impl Iterator<Item = [u32; 2]> + use<> {
         let ImagePair { i, j, image } = pair;
         let to = |of: u32, image: [i32; 3]| self.images.get(&(of, image)).copied();

@@ -1,5 +1,5 @@
-//! Pictures of scenes: discs, or a slice through spheres, with their contacts, and what a detector
-//! got wrong.
+//! Pictures of scenes: discs, or a slice through spheres, with their contacts and the errors of a
+//! detector.
 //!
 //! ```
 //! use contactbench_io::pairs::List;
@@ -40,25 +40,25 @@ use sheet::Sheet;
 use contactbench_core::periodic::Periodic;
 use contactbench_terms::number::number;
 
-/// Maximum number of particles in a picture. More would look like a grey surface, in a file that no
-/// viewer opens.
+/// Maximum number of particles in a picture. More would look like a grey surface, and few viewers
+/// could open the file.
 pub const MOST_PARTICLES: usize = 200_000;
 /// Maximum number of lines between particles.
 pub const MOST_LINES: usize = 2_000_000;
-/// Up to this number, particles are labelled.
+/// Maximum number of particles that are labelled by default.
 pub const LABELLED: usize = 60;
 
-/// Options of a picture.
+/// Options of a picture: title, labels, grid, slice, extent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub title: String,
-    /// Labels particles; by default up to [`LABELLED`] of them.
+    /// Whether particles are labelled; by default only if there are at most [`LABELLED`].
     pub labels: Option<bool>,
     pub grid: bool,
-    /// Plane that cuts spheres; by default through the worst mistake of a list, else through the
+    /// Plane that cuts spheres; by default through the worst error of a list, else through the
     /// middle along z.
     pub slice: Option<Slice>,
-    /// Shows the whole scene, even if the mistake is too small to be seen.
+    /// Shows the whole scene, even if the worst error is too small to be seen.
     pub whole: bool,
 }
 
@@ -69,8 +69,8 @@ impl Look {
 }
 
 /// Returns the picture as SVG. Fails for more than [`MOST_PARTICLES`] particles or [`MOST_LINES`]
-/// pairs in the plane, a slice through discs or beside all spheres, and the cells of a periodic
-/// box.
+/// pairs in the plane, for a slice of discs, for a slice that meets no sphere, and for the grid of
+/// a periodic box.
 pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
     ensure!(
         !look.grid || !periodic.lattice().repeats(),

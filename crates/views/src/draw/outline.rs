@@ -1,4 +1,4 @@
-//! The faces of a box where they cross the drawn plane.
+//! The faces of a box, as lines in the drawn plane.
 
 use crate::draw::plane::{Plane, Rectangle, hull};
 use contactbench_core::scene::Lattice;
@@ -10,10 +10,10 @@ pub struct Face {
     pub repeats: bool,
 }
 
-/// A corner, and the kind of face that begins there, if any.
+/// A corner, and whether the face that begins there is periodic; `None` without a face.
 type Corner = ([f64; 2], Option<bool>);
 
-/// Returns the faces of a box in a plane, within `view` if it is given.
+/// Returns the faces of a box in a plane, clipped to `view` if it is given.
 pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<Face> {
     let view = view.unwrap_or_else(|| around(plane, lattice));
     let [[x, y], [right, top]] = view;
@@ -28,7 +28,7 @@ pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<Rectangle>) -> Vec<F
             None if repeats => lattice.dual(vector),
             None => continue,
         };
-        // Distance along the vector, from 0 to 1 within the box.
+        // Returns the fraction along the box vector: 0 to 1 within the box.
         let along = |point: [f64; 2]| {
             let mut at = lattice.origin();
             plane.axes.iter().zip(point).for_each(|(&axis, x)| at[axis] = x / plane.factor);
@@ -55,8 +55,8 @@ fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
     Lattice::new(vectors, [true; 3], lattice.origin()).ok()
 }
 
-/// Returns a rectangle around the circles and all corners of the box, with a margin, so that no
-/// face lies on its edge.
+/// Returns a rectangle around the circles and all corners of the box. A margin keeps all faces off
+/// its edge.
 fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
     let corner = |corner: usize| {
         let vectors = lattice.vectors().iter().enumerate();
@@ -73,7 +73,8 @@ fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
     [[0, 1].map(|k| low[k] - more(k)), [0, 1].map(|k| high[k] + more(k))]
 }
 
-/// Clips a convex polygon where a linear function is negative. The new edge is a face.
+/// Removes the part of a convex polygon where the linear function `inside` is negative. The new
+/// edge is a face.
 fn cut(polygon: &[Corner], repeats: bool, inside: impl Fn([f64; 2]) -> f64) -> Vec<Corner> {
     let mut left = Vec::new();
     for (k, &(a, edge)) in polygon.iter().enumerate() {

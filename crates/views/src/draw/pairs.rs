@@ -1,4 +1,4 @@
-//! The pairs of a picture: contacts, near misses, and the mistakes of a list.
+//! The pairs of a picture: contacts, near misses, and the errors of a list.
 
 use std::collections::HashMap;
 
@@ -9,36 +9,36 @@ use contactbench_io::boxes;
 use contactbench_io::pairs::List;
 use contactbench_scenes::touching::{contacts, nearest, nearly};
 
-/// Two particles are nearly tangent if overlap or gap is below this share of their mean radius.
+/// A pair is nearly tangent if its overlap or gap is below this share of its mean radius.
 pub const NEAR: f64 = 1e-6;
 
 /// Pairs of particles by kind. Particles count from 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Highlighted {
-    /// Contacts that were not missed.
+    /// Contacts, except missed ones.
     pub contacts: Vec<ImagePair>,
-    /// Pairs with a tiny gap.
+    /// Pairs that do not touch and have a tiny gap.
     pub near: Vec<ImagePair>,
     /// Contacts that a list lacks.
     pub missed: Vec<ImagePair>,
-    /// Pairs in a list that do not touch, or join a particle with itself.
+    /// Reported pairs that do not touch, or that join a particle with itself.
     pub spurious: Vec<ImagePair>,
     /// Repeated pairs of a list, once for each repetition.
     pub duplicates: Vec<ImagePair>,
 }
 
 impl Highlighted {
-    /// Finds the contacts of a scene, decided exactly, and pairs with a tiny gap. Fails if the list
-    /// of pairs needs more than `limit` bytes.
+    /// Finds the contacts of a scene, in exact arithmetic, and pairs with a tiny gap. Fails if the
+    /// list of pairs needs more than `limit` bytes.
     pub fn from_scene(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Highlighted> {
         let contacts = contacts(periodic, limit)?;
         let near = nearly(periodic, NEAR, limit);
         Ok(Highlighted { contacts, near, ..Highlighted::default() })
     }
 
-    /// The same, with the mistakes of a list of pairs. In a list without images a pair stands for
-    /// all of its contacts, or for the nearest image if it has none. Fails for particles and images
-    /// that the scene lacks.
+    /// Finds contacts as [`Highlighted::from_scene`] does, and the errors of a list of pairs. In a
+    /// list without images, a pair stands for all its contacts, or for the nearest image if it has
+    /// none. Fails if the list names particles or images that the scene lacks.
     pub fn compare(
         periodic: &Periodic<'_>,
         list: &List,
@@ -49,7 +49,7 @@ impl Highlighted {
         Ok(pairs.against(reported))
     }
 
-    /// Compares contacts, in any order, with those of the scene.
+    /// Compares reported contacts, in any order, with those of the scene.
     pub fn against(mut self, mut reported: Vec<ImagePair>) -> Highlighted {
         reported.sort_unstable();
         for same in reported.chunk_by(|a, b| a == b) {
@@ -68,7 +68,7 @@ impl Highlighted {
         [contacts, near, missed, spurious, duplicates].into_iter().flatten()
     }
 
-    /// Returns the worst mistake: the deepest missed pair, else the spurious pair with the widest
+    /// Returns the worst error: the deepest missed pair, else the spurious pair with the widest
     /// gap, else a repeated pair.
     pub fn worst(&self, periodic: &Periodic<'_>) -> Option<ImagePair> {
         let depth = |pair: &ImagePair| depth(periodic, *pair).abs();
@@ -119,8 +119,8 @@ fn reported(
     Ok(pairs)
 }
 
-/// Turns pairs without images into contacts: each pair stands for all of its images that touch, or
-/// for the nearest one. Only further repetitions are listed twice.
+/// Turns pairs without images into contacts: a pair stands for all its images that touch, or for
+/// the nearest one if none touches. Only a pair that occurs again is a duplicate.
 fn through_images(
     periodic: &Periodic<'_>,
     pairs: Vec<ImagePair>,

@@ -1,4 +1,4 @@
-//! Discs, and spheres as circles in the plane of a slice.
+//! Circles in the drawn plane: discs, or spheres cut by a slice.
 
 use std::str::FromStr;
 
@@ -8,14 +8,14 @@ use crate::draw::bodies::Body;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// The axis that the plane cuts: 0, 1 or 2.
+    /// Axis at right angles to the plane: 0, 1 or 2.
     pub axis: usize,
     pub at: f64,
 }
 
 impl Slice {
-    /// Returns a plane through both particles of a pair, if there is one: across the axis along
-    /// which they are nearest, relative to their radii.
+    /// Returns a plane through both particles of a pair, if there is one, at right angles to the
+    /// axis along which they are nearest relative to their radii.
     pub fn through([a, b]: [&Body; 2]) -> Slice {
         let apart = |axis: usize| (a.centre[axis] - b.centre[axis]).abs();
         let axis = [2, 1, 0].into_iter().min_by(|&k, &l| apart(k).total_cmp(&apart(l)));
@@ -24,7 +24,7 @@ impl Slice {
         Slice { axis, at: a.centre[axis] * (1.0 - part) + b.centre[axis] * part }
     }
 
-    /// Returns the lowest and the highest coordinate of the particles along the cut axis.
+    /// Returns the lowest and the highest coordinate of the particles along the plane's normal.
     pub fn range(&self, bodies: &[Body]) -> [f64; 2] {
         let ends =
             bodies.iter().map(|body| [-1.0, 1.0].map(|s| body.centre[self.axis] + s * body.r));
@@ -41,7 +41,7 @@ impl Slice {
 impl FromStr for Slice {
     type Err = anyhow::Error;
 
-    /// Parses `z=0.5`.
+    /// Parses text such as `z=0.5`.
     fn from_str(text: &str) -> anyhow::Result<Slice> {
         let (name, at) = text
             .split_once('=')
@@ -68,7 +68,7 @@ pub struct Circle {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
-    /// Circle of each particle, in the order of particles.
+    /// Circle of each particle in input order; `None` outside the plane.
     circles: Vec<Option<Circle>>,
     pub slice: Option<Slice>,
     pub axes: [usize; 2],
@@ -77,8 +77,8 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Returns all discs, or the spheres that meet the slice: by default through the middle of the
-    /// first `count` particles.
+    /// Returns all discs, or the circles of the spheres that meet the slice. The default slice is
+    /// through the middle of the first `count` particles.
     pub fn new(bodies: &[Body], dim: usize, slice: Option<Slice>, count: usize) -> Plane {
         let sizes = bodies.iter().flat_map(|body| body.centre.into_iter().chain([body.r]));
         let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
@@ -104,7 +104,8 @@ impl Plane {
             let r = body.r * factor;
             let away =
                 slice.map_or(0.0, |slice| body.centre[slice.axis] * factor - slice.at * factor);
-            // (r - away)(r + away) loses no digits, and the root of each factor does not overflow.
+            // (r - away)(r + away) loses no digits, and a root of each factor keeps the product
+            // from overflowing.
             let cut = (r - away).sqrt() * (r + away).sqrt();
             let at = axes.map(|axis| body.centre[axis] * factor);
             (away.abs() <= r).then_some(Circle { id, at, r: cut })
@@ -120,7 +121,7 @@ impl Plane {
         self.circles.get(body as usize)?.as_ref()
     }
 
-    /// Keeps the neighbourhood of a pair; all circles if one of the two has none.
+    /// Keeps only circles near a pair; keeps all if a particle of the pair has no circle.
     pub fn zoom(&mut self, [i, j]: [u32; 2]) {
         let (Some(a), Some(b)) = (self.circle(i), self.circle(j)) else { return };
         let apart = [0, 1].map(|k| (a.at[k] - b.at[k]).abs());
@@ -139,7 +140,7 @@ impl Plane {
     }
 }
 
-/// The lower left and the upper right corner.
+/// Lower left and upper right corner.
 pub type Rectangle = [[f64; 2]; 2];
 
 /// Returns the smallest rectangle around the circles; `None` without circles.

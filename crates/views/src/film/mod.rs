@@ -1,5 +1,6 @@
-//! Frames as one self-contained HTML page that plays them: discs or a slice through spheres with
-//! their contacts, when a tracker built its list, and what it missed.
+//! Writes frames as one self-contained HTML page that plays them: discs, or a slice through
+//! spheres, with their contacts, the builds of a tracker's list, and the contacts that the tracker
+//! missed.
 
 mod page;
 
@@ -15,16 +16,16 @@ use crate::draw::{Highlighted, Slice};
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_terms::number::{number, plural};
 
-/// Size of the largest page, in bytes: larger pages are slow to open.
+/// Maximum size of a page in bytes, because larger pages open slowly.
 pub const MOST_BYTES: usize = 5_000_000;
-/// Maximum number of circles in a frame: their numbers have 16 bits.
+/// Maximum number of circles in a frame, because the page numbers them with 16 bits.
 pub const MOST_CIRCLES: usize = 20_000;
-/// Bytes of the page for a circle of constant radius, for any other circle, and for a pair. A
+/// Bytes on the page: for a circle of constant radius and any other circle, then for a pair. A
 /// number has 16 bits; base64 needs four letters for three bytes.
 const CIRCLE: [usize; 2] = [6, 8];
 const PAIR: usize = 6;
-/// Bytes of the first picture for a circle and for a pair, bytes of a frame, and bytes of the page
-/// without frames.
+/// Further bytes on the page: for a circle and a pair of the first picture, for a frame, and for a
+/// page without frames.
 const DRAWN: [usize; 2] = [64, 40];
 const FRAME: usize = 64;
 const EMPTY: usize = 20_000;
@@ -48,26 +49,26 @@ pub struct Film {
 
 struct Frame {
     circles: Vec<Circle>,
-    /// Pairs of places in that list: the reported ones, then the missed ones.
+    /// Indices into `circles`: the reported pairs, then the missed ones.
     pairs: Vec<[u16; 2]>,
     missed_here: usize,
-    /// Number of contacts of all particles, and of missed ones.
+    /// Numbers of contacts and of missed contacts, of all particles.
     contacts: usize,
     missed: usize,
     built: bool,
 }
 
 impl Film {
-    /// Begins without frames. Spheres are cut at the given plane, else through the middle of the
-    /// first frame.
+    /// Makes a film without frames. Spheres are cut at the given plane, else through the middle of
+    /// the first frame.
     pub fn new(title: &str, motion: &str, tracker: &str, slice: Option<Slice>) -> Film {
         let [title, motion, tracker] = [title, motion, tracker].map(String::from);
         Film { title, motion, tracker, slice, ..Film::default() }
     }
 
-    /// Adds a frame with its contacts, the missed ones, and whether the list was built in it. Fails
-    /// beyond [`MOST_BYTES`] or [`MOST_CIRCLES`], for a slice through discs, and for a frame of
-    /// another scale than the first.
+    /// Adds a frame with its contacts, the missed contacts, and whether the list was built in it.
+    /// Fails beyond [`MOST_BYTES`] or [`MOST_CIRCLES`], for a slice of discs, and for a frame whose
+    /// scale differs from that of the first.
     pub fn take(
         &mut self,
         periodic: &Periodic<'_>,

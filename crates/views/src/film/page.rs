@@ -1,4 +1,5 @@
-//! The page: the first frame as a picture, all frames as numbers, and the script that draws them.
+//! The page of a film: the first frame as a picture, all frames as numbers, and the script that
+//! draws them.
 
 use std::fmt::Write;
 
@@ -12,7 +13,7 @@ use crate::{px, segment};
 use contactbench_terms::text;
 
 const MOST: [f64; 2] = [1200.0, 900.0];
-/// Numbers of the page per pixel: smaller distances are not seen.
+/// Units of the page's numbers per pixel; smaller distances cannot be seen.
 const FINE: f64 = 32.0;
 
 pub fn html(film: &Film) -> String {
@@ -51,9 +52,9 @@ fn page(film: &Film) -> PageCoordinates {
     PageCoordinates::around(bounds(circles).unwrap_or([[0.0; 2], [1.0; 2]]), MOST, 0.0)
 }
 
-/// Returns a length in numbers of the page.
+/// Converts pixels to the units of the page's numbers.
 fn fine(pixels: f64) -> u16 {
-    // Saturates.
+    // The cast saturates.
     (pixels * FINE).round() as u16
 }
 
@@ -68,7 +69,7 @@ fn numbers(film: &Film, frame: &Frame, page: &PageCoordinates) -> Value {
     json!([base64(circles), pairs, missed_here, contacts, missed, u8::from(built)])
 }
 
-/// Returns the first frame as data of paths: circles, contacts, missed contacts.
+/// Returns the SVG path data of circles, contacts and missed contacts of the first frame.
 fn picture(frame: &Frame, page: &PageCoordinates) -> [String; 3] {
     let [mut discs, mut contacts, mut missed] = [const { String::new() }; 3];
     for circle in &frame.circles {
@@ -94,7 +95,7 @@ fn colours() -> String {
     let variables = "{--ground:@ground;--ink:@ink;--line:@line;--disc:@disc;--rim:@rim;\
                      --accent:@accent;--contact:@contact;--missed:@missed}\n";
     let [bright, dark] = [false, true].map(|dark| painted(variables, dark));
-    // Without JavaScript the page stays light.
+    // The media query applies only without JavaScript, which sets the class `js`.
     let wish = format!("@media (prefers-color-scheme:dark){{:root:not(.js){dark}}}\n");
     format!(":root{bright}{wish}:root.dark{dark}")
 }
@@ -108,7 +109,7 @@ fn base64(numbers: impl Iterator<Item = u16>) -> String {
         let at = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
         let bits = at(0) << 16 | at(1) << 8 | at(2);
         let letter = |k: usize| LETTERS[(bits >> (18 - 6 * k) & 63) as usize].into();
-        // A group of n bytes has n + 1 letters.
+        // A group of n bytes makes n + 1 letters.
         text.extend((0..4).map(|k| if k <= group.len() { letter(k) } else { '=' }));
     }
     text

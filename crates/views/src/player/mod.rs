@@ -1,4 +1,4 @@
-//! Shared by pages with steps: buttons, keys, swipes, the address, light and dark mode.
+//! Common parts of pages with steps: buttons, keys, swipes, the address, light and dark mode.
 
 pub const STYLE: &str = include_str!("player.css");
 pub const SCRIPT: &str = include_str!("player.js");
@@ -6,7 +6,7 @@ pub const SCRIPT: &str = include_str!("player.js");
 /// Colours of pages with steps and of their pictures, for light and dark screens.
 const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@ground", ["#ffffff", "#12151a"]),
-    // Text, and less important text.
+    // Text, then less important text.
     ("@ink", ["#1b1f26", "#eef1f5"]),
     ("@faint", ["#6b7480", "#98a2af"]),
     ("@line", ["#c3cad2", "#434c58"]),
@@ -18,7 +18,7 @@ const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@row", ["#fff2c9", "#3d350f"]),
     ("@below", ["#fbf7ea", "#262313"]),
     ("@central", ["#ffd152", "#8a6a00"]),
-    // Read values, and the subject of the step.
+    // Values read in this step, then what the step is about.
     ("@look", ["#d8c9f2", "#513f80"]),
     ("@accent", ["#d05a00", "#ff9a3d"]),
     ("@contact", ["#0b4f9e", "#7fbcff"]),
@@ -26,7 +26,7 @@ const COLOURS: [(&str, [&str; 2]); 14] = [
     ("@missed", ["#d11507", "#ff6b5e"]),
 ];
 
-/// Escapes data for a script element: only its end tag must be avoided.
+/// Escapes data for a script element, so that the data cannot end the element.
 pub fn data(value: &serde_json::Value) -> String {
     value.to_string().replace("</", "<\\/")
 }

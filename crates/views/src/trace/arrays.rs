@@ -1,4 +1,4 @@
-//! The arrays of a step as SVG: lists, heads, marks, keys, the tree.
+//! The arrays of a step as SVG: list links and heads, marks, keys, and the tree.
 
 use crate::px;
 use crate::trace::picture::{label, rect};
@@ -9,7 +9,7 @@ use crate::trace::{Algorithm, Trace};
 
 pub const WIDTH: f64 = 900.0;
 const PER_LINE: usize = 20;
-/// Largest width of a value's box, and height of all boxes.
+/// Maximum width of the box around a value, and height of all boxes.
 const VALUE: [f64; 2] = [80.0, 38.0];
 const CAPTION: f64 = 16.0;
 const LINE: f64 = VALUE[1] + CAPTION + 6.0;
@@ -17,17 +17,17 @@ const TITLE: f64 = 26.0;
 
 #[derive(Clone, Copy)]
 pub enum Kind {
-    /// The first particles of lists along an axis.
+    /// Heads (first particles) of lists along an axis.
     Heads(usize),
-    /// The first particles of the lists of all cells.
+    /// Heads of the lists of all cells.
     Matrix,
     Particles,
-    /// A column (0) or row (1) for each place.
+    /// Column (0) or row (1) of the particle at each place of the sorted order.
     Keys(usize),
     Tree,
 }
 
-/// Letter, kind and title.
+/// Letter, kind and title of an array.
 pub type Array = (char, Kind, &'static str);
 
 const NEXT: Array = ('E', Kind::Particles, "E: next particle in the cell");
@@ -56,7 +56,7 @@ pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
 
 pub struct Arrays<'a> {
     trace: &'a Trace,
-    /// Blocks with their tops.
+    /// Arrays with the y of their tops.
     blocks: Vec<(Array, f64)>,
     tree: Tree,
     width: f64,
@@ -67,7 +67,7 @@ impl<'a> Arrays<'a> {
     pub fn new(trace: &'a Trace) -> Arrays<'a> {
         let (tree, n) = (Tree::new(trace), trace.discs.len());
         let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
-        // The longest array fits on one line, or on lines of equal length.
+        // The longest array fills one line, or several of [`PER_LINE`] values.
         let longest = n.max(columns).max(rows).clamp(1, PER_LINE);
         let width = (WIDTH / longest as f64).min(VALUE[0]);
         let lines = |values: usize| values.div_ceil(PER_LINE) as f64 * LINE;
@@ -145,7 +145,8 @@ fn text_of(step: &Step, place: Place, at: [f64; 2], size: f64, text: String) -> 
     label(&format!("t{}", class(step, place)), at, Some(size), text)
 }
 
-/// Returns the classes of a place: written or read in this step, in the range, empty, marked old.
+/// Returns the CSS classes of a value: written or read in this step, in the range, empty, marked
+/// old.
 fn class(step: &Step, (letter, at, slot): Place) -> String {
     let marks = &step.marks;
     let holds = |places: &[(char, usize)]| at.is_some_and(|at| places.contains(&(letter, at)));
@@ -166,7 +167,7 @@ fn matrix_cell(trace: &Trace) -> [f64; 2] {
     [((WIDTH - 34.0) / nx).min(60.0), (640.0 / ny).clamp(15.0, 36.0)]
 }
 
-/// Draws the heads of all cells as they lie in the plane.
+/// Draws the heads of all cells in the arrangement of the cells.
 fn matrix(trace: &Trace, step: &Step) -> String {
     let ([width, height], names) = (matrix_cell(trace), &trace.names);
     let heads = step.state.array('C');
@@ -185,7 +186,7 @@ fn matrix(trace: &Trace, step: &Step) -> String {
             let at = at.filter(|&at| inside && at < heads.len());
             let place = ('C', at, at.map_or(Slot::default(), |at| heads[at]));
             svg += &value(step, place, [x, y], [width - 2.0, height - 2.0], "");
-            // Most cells are empty; their -1 is drawn only if there is room for it.
+            // Empty cells show their -1 only if there is space for it.
             if place.2.value.is_some() || height > 20.0 {
                 let at = [x + 0.5 * width - 1.0, y + 0.5 * height + 0.34 * size];
                 svg += &text_of(step, place, at, size, names.maybe(place.2.value));

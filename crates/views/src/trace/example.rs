@@ -1,8 +1,9 @@
 //! The scenes of the book's worked examples (Munjiza 2004, sections 3.6 to 3.8).
 //!
-//! The book gives the cells of its particles, not their centres. Ours are in the same cells of a 10
-//! x 10 grid, of edge 10 (and a little more, see [`contactbench_core::filter::cells`]), with a
-//! radius of 5, and chosen so that some touch: 4 and 10 of the ten particles do exactly.
+//! The book gives the cells of its particles, not their centres. These centres are in the same
+//! cells of a 10 x 10 grid with edge 10 (or a little more, see
+//! [`contactbench_core::filter::cells`]). The radius is 5. Some particles touch; of the ten,
+//! particles 4 and 10 touch exactly.
 
 use nalgebra::Point;
 
@@ -12,7 +13,7 @@ use contactbench_core::scene::{AnyScene, Radii, Scene};
 pub struct Example {
     pub name: &'static str,
     centres: &'static [(f64, f64)],
-    /// Added to our cell numbers to give the book's: our cells begin at the lowest centre.
+    /// Offset from this program's cell numbers, which begin at the lowest centre, to the book's.
     pub shift: [u32; 2],
 }
 
@@ -42,7 +43,7 @@ pub fn example(algorithm: Algorithm) -> Example {
 impl Example {
     pub fn scene(&self) -> AnyScene<'static> {
         let centres: Vec<_> = self.centres.iter().map(|&(x, y)| Point::from([x, y])).collect();
-        // Cannot fail: centres are finite and radii positive.
+        // This cannot fail, because centres are finite and radii positive.
         let scene = Scene::new(centres, Radii::Uniform(5.0))
             .or_else(|_| Scene::new(Vec::new(), Radii::Uniform(5.0)));
         scene.map_or_else(|error| unreachable!("an empty scene is valid: {error}"), AnyScene::from)

@@ -1,4 +1,4 @@
-//! The detectors of the book step by step, on small scenes in the plane, for lectures.
+//! The detectors of the book (Munjiza 2004) step by step, on small 2D scenes, for lectures.
 //!
 //! ```
 //! use contactbench_views::trace::{Algorithm, example, trace};
@@ -70,7 +70,7 @@ impl Algorithm {
 pub struct Disc {
     pub at: [f64; 2],
     pub r: f64,
-    /// Column and row in the numbering of the detector.
+    /// Column and row of the cell, in the numbering of the detector.
     pub cell: [u32; 2],
 }
 
@@ -80,7 +80,7 @@ pub struct Trace {
     pub discs: Vec<Disc>,
     pub cells: Cells<2>,
     pub names: Names,
-    /// The first step is the beginning, the last the end.
+    /// All steps: the first shows the initial state, the last the end.
     pub steps: Vec<Step>,
     pub parts: Vec<String>,
     /// The pairs in the order in which the detector reported them.
@@ -99,9 +99,10 @@ impl Trace {
     }
 }
 
-/// Runs a detector on a scene, or on the book's example of it, and records its steps. Contacts are
-/// decided exactly. Refuses spheres, more than [`MOST_PARTICLES`] particles, [`MOST_CELLS`] cells
-/// along an axis or [`MOST_STEPS`] steps, and what the detector refuses.
+/// Runs a detector on a scene, or by default on its example from the book, and records its steps.
+/// Contacts are decided exactly. Refuses spheres, more than [`MOST_PARTICLES`] particles,
+/// [`MOST_CELLS`] cells along an axis or [`MOST_STEPS`] steps, and scenes that the detector
+/// refuses.
 pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Result<Trace> {
     let example = example::example(algorithm);
     let (scene, names) = match scene {

@@ -1,5 +1,6 @@
-//! All steps as one self-contained HTML page, worked by keys, a presenter, buttons or touch.
-//! Pictures are drawn here; the page only exchanges them. Contents that steps share are in it once.
+//! All steps as one self-contained HTML page, controlled by keys, a presenter, buttons or touch.
+//! The pictures are drawn here; the page's script only exchanges them. Each part that several steps
+//! share is stored once.
 
 use std::collections::HashMap;
 

@@ -9,7 +9,8 @@ use crate::trace::{Algorithm, Trace};
 const SIDE: f64 = 700.0;
 const MARGIN: f64 = 36.0;
 
-/// Draws a rectangle of this class from its upper left corner; `more` holds further attributes.
+/// Draws a rectangle with this CSS class from its upper left corner; `more` holds further
+/// attributes.
 pub fn rect(class: &str, [x, y]: [f64; 2], [width, height]: [f64; 2], more: &str) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!(
@@ -23,7 +24,7 @@ pub fn label(class: &str, at: [f64; 2], size: Option<f64>, text: impl ToString) 
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{style}>{}</text>", text.to_string())
 }
 
-/// The scene of a trace: what all steps share, and the scale.
+/// The picture of a scene: the parts that all steps share, and the scale.
 pub struct Scene<'a> {
     trace: &'a Trace,
     edge: f64,
@@ -33,7 +34,7 @@ pub struct Scene<'a> {
 }
 
 impl Trace {
-    /// The shown cells along an axis, in the numbering of the detector.
+    /// Returns the shown cells along an axis, in the numbering of the detector.
     pub fn shown(&self, axis: usize) -> std::ops::Range<i64> {
         let shift = i64::from(self.names.shift[axis]);
         if self.names.book { 1 - shift..11 - shift } else { 0..i64::from(self.cells.count[axis]) }
@@ -82,7 +83,7 @@ impl<'a> Scene<'a> {
         self.trace.shown(1).flat_map(move |row| columns.clone().map(move |column| [column, row]))
     }
 
-    /// Draws the border cells, which hold no particles, below everything.
+    /// Draws the border cells, which hold no particles, below all other shapes.
     fn ground(&self) -> String {
         let count = self.trace.cells.count.map(i64::from);
         let border = |cell: &[i64; 2]| (0..2).any(|k| cell[k] <= 0 || cell[k] >= count[k] - 1);
@@ -116,7 +117,7 @@ impl<'a> Scene<'a> {
         rect(class, [MARGIN, y], [width, self.edge], "")
     }
 
-    /// Draws a disc; empty if the particle is absent.
+    /// Draws a disc; returns empty text if particle `k` does not exist.
     fn disc(&self, k: u32, class: &str) -> String {
         let Some(disc) = self.trace.discs.get(k as usize) else { return String::new() };
         let [x, y] = self.at(disc.at).map(px);
@@ -133,7 +134,8 @@ impl<'a> Scene<'a> {
         (0..).zip(self.trace.discs.iter().map(|disc| disc.at)).map(number).collect()
     }
 
-    /// Draws what changes from step to step, in two layers: below the discs, and above contacts.
+    /// Draws the parts that change from step to step, in two layers: one below the discs, one above
+    /// contacts.
     pub fn layers(&self, step: &Step) -> [String; 2] {
         let (marks, discs) = (&step.marks, &self.trace.discs);
         let (mut under, mut over) = (String::new(), String::new());

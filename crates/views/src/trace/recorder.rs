@@ -8,10 +8,10 @@ use contactbench_core::probe::{Op, Probe, Tally};
 /// How particles and cells are numbered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Names {
-    /// Number of the first particle: 1 in the book, else 0.
+    /// Number of the first particle: 1 for examples of the book, else 0.
     pub first: u32,
     pub shift: [u32; 2],
-    /// True for an example of the book, in 10 x 10 cells.
+    /// True for an example of the book, which has 10 x 10 cells.
     pub book: bool,
 }
 
@@ -25,7 +25,8 @@ impl Names {
         k.map_or("-1".into(), |k| self.particle(k).to_string())
     }
 
-    /// Returns a place in the sorted order, numbered as particles are.
+    /// Returns the number of a place in the sorted order; places count from the same number as
+    /// particles.
     pub fn place(&self, at: usize) -> u32 {
         self.particle(at as u32)
     }
@@ -54,11 +55,11 @@ pub struct Marks {
     pub central: Option<[u32; 2]>,
     pub cell: Option<[u32; 2]>,
     pub particle: Option<u32>,
-    /// The tested pair, and whether it touches.
+    /// The tested pair of particles, and whether they touch.
     pub pair: Option<(u32, u32, bool)>,
     pub written: Vec<(char, usize)>,
     pub read: Vec<(char, usize)>,
-    /// Places in the sorted order that the sentence names.
+    /// Half-open range of places in the sorted order that the sentence of the step names.
     pub range: Option<[usize; 2]>,
     pub path: Vec<u32>,
 }
@@ -70,7 +71,7 @@ pub struct Step {
     pub marks: Marks,
     /// The arrays after the step.
     pub state: State,
-    /// The operations up to and with the step.
+    /// Operations counted from the beginning through this step.
     pub tally: Tally,
 }
 
@@ -84,14 +85,14 @@ pub struct Recorder {
     pub(super) row: Option<u32>,
     pub(super) central: Option<[u32; 2]>,
     pub(super) visiting: Option<u32>,
-    /// Visited since the last step: places of a search, nodes of a tree.
+    /// Places that a search visited since the last step, then tree nodes visited (`path`).
     pub(super) places: Vec<usize>,
     pub(super) path: Vec<u32>,
     pub(super) made: usize,
     pub(super) tally: Tally,
     pub(super) parts: Vec<String>,
     pub(super) steps: Vec<Step>,
-    /// Number of steps, also of those beyond the limit.
+    /// Number of steps, including those beyond the limit, which are not stored.
     pub(super) all: usize,
 }
 
@@ -144,7 +145,7 @@ impl Recorder {
         marks.path.append(&mut self.path);
         self.made = 0;
         self.places.clear();
-        // An equation must not break at the end of a line.
+        // No-break spaces keep an equation on one line.
         let words = words.replace(" = ", "\u{a0}=\u{a0}");
         let (part, state) = (self.parts.len() - 1, self.state.clone());
         self.steps.push(Step { words, part, marks, state, tally: self.tally });
@@ -197,7 +198,7 @@ impl Recorder {
     fn central(&mut self, cell: [u32; 2]) {
         self.central = Some(cell);
         match (self.algorithm, self.steps.last_mut()) {
-            // Belongs to the step that found it.
+            // The central cell is marked in the step that found it.
             (Algorithm::Nbs | Algorithm::Screening, Some(step)) => step.marks.central = Some(cell),
             (Algorithm::BinaryTree, _) => {
                 let cell = self.names.cell(cell);
@@ -210,7 +211,7 @@ impl Recorder {
         }
     }
 
-    /// Returns the cell of a list by the letter of its heads.
+    /// Returns the cell of a list, given the letter of the array of heads.
     pub(super) fn cell_of(&self, heads: char, list: usize) -> Option<[u32; 2]> {
         let list = list as u32;
         match heads {

@@ -1,4 +1,4 @@
-//! Contents of a detector's arrays: a copy that follows the writes in its events.
+//! Contents of a detector's arrays: a copy that is updated from the detector's events.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use contactbench_core::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {
-    /// A particle, or a key of sorting; `None` is shown as -1.
+    /// A particle, or a key of the sorting detector; `None` is shown as -1.
     pub value: Option<u32>,
     pub old: bool,
 }
@@ -18,26 +18,26 @@ pub enum Child {
     #[default]
     None,
     Node(u32),
-    /// A leaf: the head of its list.
+    /// A leaf, with the first particle of its list.
     Leaf(u32),
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
-    /// Levels below the root.
+    /// Number of levels from the root down to this node.
     pub level: usize,
     pub children: [Child; 2],
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// Arrays by letter, as listed by [`blocks`].
+    /// Arrays by letter; [`blocks`] lists the letters.
     arrays: BTreeMap<char, Vec<Slot>>,
     pub nodes: Vec<Node>,
     pub contacts: Vec<[u32; 2]>,
 }
 
-/// Returns the letter of the links of lists whose heads have this letter.
+/// Returns the letter of the array of links that belongs to this array of heads.
 pub fn links(heads: char) -> char {
     match heads {
         'B' => 'Y',
@@ -68,7 +68,7 @@ impl State {
         state
     }
 
-    /// Applies an event.
+    /// Writes an event's changes to the arrays.
     pub fn apply(&mut self, event: &Event) {
         match *event {
             Event::Push { heads, list, particle, next } => {
@@ -129,7 +129,7 @@ impl State {
         self.array(letter).get(at)?.value
     }
 
-    /// Returns the particles of the list that begins with `first`.
+    /// Returns the particles of the list that begins with particle `first`.
     pub fn chain(&self, links: char, first: Option<u32>) -> Vec<u32> {
         // No list is longer than the number of particles.
         let most = self.array(links).len();

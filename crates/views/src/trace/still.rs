@@ -6,7 +6,7 @@ use crate::trace::arrays::Arrays;
 use crate::trace::picture::{Scene, style};
 use contactbench_terms::text;
 
-/// Letters per line of the sentence.
+/// Maximum number of letters in a line of the sentence.
 const LINE: usize = 92;
 
 pub struct Stills<'a> {

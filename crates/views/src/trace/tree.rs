@@ -1,4 +1,4 @@
-//! The binary tree of a step as SVG. Each node stands where it stands in the final tree.
+//! The binary tree of a step as SVG. Each node keeps the position that it has in the final tree.
 
 use crate::trace::Trace;
 use crate::trace::arrays::WIDTH;
@@ -10,7 +10,7 @@ use crate::{px, segment};
 #[derive(Default)]
 pub struct Tree {
     nodes: Vec<[f64; 2]>,
-    /// Place of the leaf in each half of each node, if the final tree has one.
+    /// Positions of the leaves in both halves of each node of the final tree.
     leaves: Vec<[[f64; 2]; 2]>,
     level: f64,
     leaf: f64,
@@ -18,7 +18,7 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Finds a place for each node of the final tree.
+    /// Finds a position for each node of the final tree.
     pub fn new(trace: &Trace) -> Tree {
         let nodes = trace.steps.last().map_or(&[][..], |last| &last.state.nodes);
         let Some(deepest) = nodes.iter().map(|node| node.level).max() else {
@@ -39,8 +39,8 @@ impl Tree {
         tree
     }
 
-    /// Places a node above the middle of its children, and returns that place. Recurses as deep as
-    /// the tree: at most twice 6 levels.
+    /// Places a node above the middle of its children, and returns its position. Recurses to the
+    /// depth of the tree, at most twice 6 levels.
     fn place(&mut self, nodes: &[Node], node: usize, next: &mut f64) -> f64 {
         let (mut below, level) = (Vec::new(), nodes[node].level as f64);
         for (half, child) in nodes[node].children.into_iter().enumerate() {
@@ -63,7 +63,7 @@ impl Tree {
         x
     }
 
-    /// Draws the nodes and leaves of this step.
+    /// Draws the nodes and leaves that exist in this step.
     pub fn draw(&self, trace: &Trace, step: &Step) -> String {
         let visited = |node: usize| step.marks.path.contains(&(node as u32));
         let cell = step.marks.cell.or(step.marks.central);

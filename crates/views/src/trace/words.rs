@@ -69,7 +69,8 @@ pub fn tree(halvings: u32) -> String {
     )
 }
 
-/// Returns the step of an event, if it is one. `was_empty`: a head that is reset was empty before.
+/// Returns sentence and marks of the step that an event makes, or `None` if it makes no step.
+/// `was_empty` is true if the event resets a head that was empty.
 pub fn sentence(recorder: &Recorder, was_empty: bool, event: &Event) -> Option<(String, Marks)> {
     let mut marks = Marks::default();
     let words = of_list(recorder, was_empty, event, &mut marks)
@@ -78,7 +79,7 @@ pub fn sentence(recorder: &Recorder, was_empty: bool, event: &Event) -> Option<(
     Some((words, marks))
 }
 
-/// Formats a head as B[7] or C(4, 7), and its place as "row 7" or "cell (4, 7)".
+/// Formats a head as `B[7]` or `C(4, 7)`, and its location as "row 7" or "cell (4, 7)".
 fn head(recorder: &Recorder, heads: char, list: usize) -> (String, String) {
     let (names, at) = (&recorder.names, list as u32);
     let cell = recorder.cell_of(heads, list).map_or(String::new(), |cell| names.cell(cell));
@@ -141,7 +142,7 @@ fn of_list(
     })
 }
 
-/// A head was read, and marked old if it was new and not empty.
+/// Describes reading a head, which is marked old if it was new and not empty.
 fn take(
     recorder: &Recorder,
     (heads, list): (char, usize),

@@ -1,10 +1,10 @@
 //! Data of a figure: panels of lines and of marks for cells without a value, from the cells of
 //! an experiment.
 //!
-//! A panel is a scene (with those parameters, besides x, that are swept) in one dimension. A line
-//! is a detector (with its arithmetic and threads, where there are several). Several seeds are one
-//! point: their median, with a bar from the smallest to the largest; one seed has the interval over
-//! blocks, if y is a time.
+//! A panel is a scene in one dimension, with each swept parameter except x. A line is a detector,
+//! with its arithmetic and threads if these vary. Several seeds make one point: their median, with
+//! a bar from the smallest to the largest value. If there is one seed and y is a time, the bar is
+//! the interval over blocks.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,9 +27,9 @@ pub struct Datum {
 pub struct CurveKey {
     control: bool,
     pub detector: String,
-    /// Arithmetic if there are several, threads if not one.
+    /// Names the arithmetic if several are shown, and the threads if there is more than one.
     pub variant: String,
-    /// More than one thread, where other lines have one.
+    /// True for more than one thread, if other lines have one.
     pub parallel: bool,
 }
 
@@ -60,7 +60,7 @@ impl Plot {
         x.check(about.cells)?;
         options.y.check(about.cells)?;
         let names = Names::new(&chosen, &x_name);
-        // A subject without the parameter x, where others have it, is a horizontal line.
+        // A subject that lacks the parameter x, while others have it, is a horizontal line.
         let of_some = chosen.iter().any(|cell| cell.id.detector_params.contains_key(&x_name));
         let xs = || chosen.iter().filter(|_| of_some).filter_map(|cell| x.at(cell, None));
         let ends = match (xs().reduce(f64::min), xs().reduce(f64::max)) {
@@ -70,7 +70,7 @@ impl Plot {
         let mut scenes: Vec<String> = Vec::new();
         let mut panels = BTreeMap::<_, BTreeMap<CurveKey, Vec<(f64, &Cell)>>>::new();
         for &cell in &chosen {
-            // `skin=auto` is not a number on this axis.
+            // A subject without a number for x (such as `skin=auto`) spans the axis.
             let at = x.at(cell, None).map_or_else(|| ends.clone(), |at| vec![at]);
             if at.is_empty() {
                 continue;
@@ -108,7 +108,7 @@ impl Plot {
         self.lines().flat_map(|line| &line.marks)
     }
 
-    /// Returns all places on the x axis, those of marks included.
+    /// Returns the x of all points and marks.
     pub fn xs(&self) -> impl Iterator<Item = f64> {
         self.points().map(|point| point.x).chain(self.marks().map(|mark| mark.0))
     }
@@ -127,7 +127,7 @@ struct Names<'a> {
     arithmetic: bool,
     threads: bool,
     order: bool,
-    /// Parameters of detectors that make lines: neither x nor a skin that all lists share.
+    /// Detector parameters that distinguish lines: all except x and a skin that all lists share.
     common: Vec<&'a str>,
     /// Values of each parameter, by scene and dimension.
     values: BTreeMap<(&'a str, u32, String), BTreeSet<Option<AxisValue>>>,
@@ -168,7 +168,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Returns the scene with every parameter besides x that has several values in it.
+    /// Returns the scene, with each parameter except x that has several values in it.
     fn scene(&self, id: &CellId) -> String {
         let mut label = id.scene.clone();
         for (name, value) in id.parameters().into_iter().chain([("n".into(), id.n.into())]) {
@@ -191,8 +191,8 @@ impl Curve {
         line
     }
 
-    /// Adds the cells at one x, and returns true if their bar is over seeds. A failed seed is
-    /// marked even if others have a value.
+    /// Adds the cells at one x, and returns whether their bar shows the range over seeds. A failed
+    /// seed is marked even if others have a value.
     fn add(&mut self, cells: &[(f64, &Cell)], y: &Expression) -> bool {
         let (x, mut values, mut failed) = (cells[0].0, Vec::new(), None);
         for (_, cell) in cells {

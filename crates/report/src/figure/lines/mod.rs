@@ -1,5 +1,5 @@
-//! Figures of lines: a grid of panels (a row per dimension, a column per scene) that share their
-//! axes, and the legend beside them.
+//! Line charts: a grid of panels with common axes (a row per dimension, a column per scene), and a
+//! legend beside them.
 
 mod data;
 mod panel;
@@ -44,7 +44,7 @@ pub fn svg(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<String>>
     Ok(Some(canvas::svg([WIDTH, height.clamp(300.0, 8000.0)], |canvas| sheet.draw(canvas))))
 }
 
-/// `48 KiB`, `2 MiB`.
+/// Formats a size such as `48 KiB` or `2 MiB`.
 fn binary(bytes: u64) -> String {
     if bytes >= 1 << 20 { format!("{} MiB", bytes >> 20) } else { format!("{} KiB", bytes >> 10) }
 }
@@ -62,13 +62,13 @@ impl<'a> Sheet<'a> {
         let dims: BTreeSet<u32> = plot.panels.iter().map(|panel| panel.dim).collect();
         let scenes: BTreeSet<&str> = plot.panels.iter().map(|panel| &*panel.scene).collect();
         let count = plot.panels.len();
-        // A full grid keeps its columns; a long or ragged list is wrapped.
+        // A full grid keeps one column per scene; other panels are wrapped into rows.
         let full = scenes.len() <= 4 && count == scenes.len() * dims.len();
         let columns = if full { scenes.len() } else { count.min(3) };
         let rows = count.div_ceil(columns.max(1)) as f64;
         let named = namer(plot);
         let names = plot.keys().into_iter().map(|key| width(&named(key), 18.0, false));
-        // The names of the slopes stand between the panels, where no line crosses them.
+        // The names of the slopes are written between the panels, where no line crosses them.
         let gap = if options.slopes { 58.0 } else { GAP };
         let legend = names.fold(150.0, f64::max) + 70.0 + gap - GAP;
         let mut subtitle = wrap(&about.experiment.question, 150);
@@ -114,7 +114,7 @@ impl<'a> Sheet<'a> {
             let left = MARGIN + LEFT + column as f64 * (across + self.gap);
             let top = self.top + HEAD + row as f64 * (down + HEAD + GAP);
             let heading = format!("{}, {}D", panel.scene, panel.dim);
-            // Smaller if it would run into its neighbour.
+            // A heading that would reach the next panel has a smaller font.
             let fits = (across - 2.0) / width(&heading, 19.0, true);
             canvas.text(&heading, (left + 2.0, top - 13.0), HEADING.of_size(19.0 * fits.min(1.0)));
             let area = Area {
@@ -184,7 +184,7 @@ impl<'a> Sheet<'a> {
         canvas.text("coordinates larger than", (left + 14.0, y), NOTE);
         for (name, bytes) in self.shared.caches {
             y += 20.0;
-            // Lines of panels in other dimensions lie elsewhere.
+            // The line of a cache is at another x in panels of another dimension.
             let place = |dim: u32| self.shared.x.place(outgrown(*bytes, dim));
             let within = |dim: u32| place(dim).is_some_and(|place| place < 1.0);
             let seen = self.plot.panels.iter().any(|panel| within(panel.dim));

@@ -1,5 +1,5 @@
-//! One panel: grid, reference slopes, lines with bars, and a strip at the top edge for cells that
-//! have no value.
+//! One panel: grid, reference slopes, lines with bars, and a strip at the top edge that marks cells
+//! without a value.
 
 use crate::figure::axis::Axis;
 use crate::figure::canvas::{Canvas, Point, Text, width};
@@ -24,9 +24,9 @@ pub struct Shared<'a> {
     /// zeros.
     pub zero: f64,
     pub slopes: bool,
-    /// The slopes are per particle, too.
+    /// True if the reference slopes are drawn per particle, as the data are.
     pub per_particle: bool,
-    /// Name and bytes of each cache to be marked, if x is the number of particles.
+    /// Name and bytes of each cache to be marked; empty unless x is the number of particles.
     pub caches: &'a [(String, u64)],
 }
 
@@ -38,8 +38,8 @@ pub struct Area<'a> {
     pub x_labels: bool,
 }
 
-/// Returns width and dashes of a line: controls are thin; several threads are dashed, and so are
-/// f32 and f64 where arithmetics are compared.
+/// Returns the width and the dashes of a line. Controls are thin. Lines of several threads are
+/// dashed, and so are f32 and f64 if the figure compares arithmetics.
 pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Point>) {
     match &*key.variant {
         _ if key.parallel && !style.control => (2.0, Some((6.0, 5.0))),
@@ -63,7 +63,7 @@ impl Area<'_> {
         if self.shared.slopes {
             self.slopes(canvas, panel);
         }
-        // Controls first: they stay behind the detectors.
+        // Controls are drawn first, and so lie behind the detectors.
         let mut lines: Vec<_> = panel.lines.iter().collect();
         lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.get(&key.detector).control));
         for (key, line) in lines {
@@ -85,7 +85,7 @@ impl Area<'_> {
         Some(self.low.0 + self.shared.x.place(value)? * (self.high.0 - self.low.0))
     }
 
-    /// Returns the lower edge of the strip, and the bottom of the scale.
+    /// Returns the y of the strip's lower edge and of the bottom of the scale.
     fn scale(&self) -> (f64, f64) {
         (self.low.1 + self.shared.strip, self.high.1 - self.shared.zero)
     }
@@ -128,7 +128,8 @@ impl Area<'_> {
         }
     }
 
-    /// Draws a light line where the coordinates alone outgrow a cache, with its name at the foot.
+    /// Draws a light line at the N from which coordinates alone do not fit into a cache, with the
+    /// cache's name at its foot.
     fn caches(&self, canvas: &mut Canvas, dim: u32) {
         let (top, bottom) = self.scale();
         let inside = self.low.0 + 2.0..self.high.0 - 2.0;
@@ -137,16 +138,16 @@ impl Area<'_> {
             let Some(x) = x else { continue };
             canvas.dashed(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)));
             let (words, text) = (format!("> {name}"), Text::new(15.0, CACHE_NAME).bold());
-            // The name stands left of the line if it would leave the panel.
+            // The name is left of the line if it would leave the panel on the right.
             let right = x + 6.0 + width(&words, 15.0, true) < self.high.0;
             let (at, text) = if right { (x + 5.0, text) } else { (x - 5.0, text.ending()) };
             canvas.text(&words, (at, bottom - 11.0), text);
         }
     }
 
-    /// Draws costs of N, N log N and N² from the lowest first point of a detector. They begin a
-    /// little below it, so that they do not hide the data; per particle, N is the flat floor of the
-    /// panel.
+    /// Draws costs of N, N log N and N². They begin a little below the lowest first point of all
+    /// detectors, so that they do not hide the data. Per particle, the cost N is a horizontal line
+    /// at the bottom.
     fn slopes(&self, canvas: &mut Canvas, panel: &Panel) {
         let shared = self.shared;
         let lines = panel.lines.iter().filter(|(key, _)| !shared.styles.get(&key.detector).control);
@@ -194,7 +195,7 @@ impl Area<'_> {
         let style = self.shared.styles.get(&key.detector);
         let (width, dash) = dash_of(style, key);
         let at = |x: f64, y: f64| Some((self.x(x)?, self.y(y)?));
-        // A mark between two points breaks the line: nothing was measured there.
+        // A mark between two points breaks the line, because no value was measured there.
         let broken = |a: f64, b: f64| curve.marks.iter().any(|mark| mark.0 > a && mark.0 < b);
         for piece in curve.points.chunk_by(|a, b| !broken(a.x, b.x)) {
             let path: Vec<Point> = piece.iter().filter_map(|point| at(point.x, point.y)).collect();

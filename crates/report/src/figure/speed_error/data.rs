@@ -1,6 +1,6 @@
-//! Data of a figure of speed against error: a panel per scene and swept parameters, a mark per
-//! detector and arithmetic. The front of a panel are the marks that no other beats in both speed
-//! and errors.
+//! Data of a figure of speed against error: a panel per scene and swept parameters, and a mark per
+//! detector and arithmetic. The front of a panel consists of the marks that no other mark beats in
+//! both speed and errors.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,14 +16,14 @@ pub struct Mark {
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
-    /// Skin of a tracker: those of one rule share a colour.
+    /// Skin of a tracker. Trackers with the same rule share a colour.
     pub skin: Option<String>,
     /// Median time per particle, in nanoseconds.
     pub time: f64,
     pub low: f64,
     pub high: f64,
     pub rate: f64,
-    /// True on the front.
+    /// True if no other mark is both faster and more accurate.
     pub front: bool,
 }
 
@@ -41,13 +41,13 @@ pub struct Row {
 
 pub struct Plot {
     pub rows: Vec<Row>,
-    /// From the least to the most accurate.
+    /// Arithmetics, from the least to the most accurate.
     pub arithmetics: Vec<String>,
     pub detectors: Vec<String>,
 }
 
 impl Plot {
-    /// Collects the data of a figure; `None` if no cell has time and errors.
+    /// Collects the data of a figure; `None` if no cell has both a time and errors.
     pub fn new(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<Plot>> {
         let mut chosen = select::select(about.cells, &about.figure.filter)?;
         chosen.retain(|cell| !cell.role.is_control());
@@ -63,7 +63,7 @@ impl Plot {
         for &cell in &chosen {
             let others: Vec<_> = fields.iter().map(|name| cell.id.axis(name)).collect();
             let value = across.as_ref().and_then(|name| cell.id.axis(name));
-            // By absolute value, so that all rows begin with 0.
+            // Columns are sorted by absolute value, so that all rows begin with 0.
             let size: Option<AxisValue> =
                 value.as_ref().and_then(AxisValue::number).map(|size| size.abs().into());
             let row = rows.entry((about.place(cell), cell.id.dim, others)).or_default();
@@ -127,7 +127,7 @@ impl Panel {
     }
 }
 
-/// Returns the parameter that makes the columns: the one asked for, or the one with the most
+/// Returns the parameter that makes the columns: the requested one, or the one with the most
 /// values.
 fn across(options: &SpeedError, cells: &[&Cell]) -> Option<String> {
     if !options.columns.is_empty() {
@@ -143,7 +143,7 @@ fn shown(value: &AxisValue) -> String {
     value.number().map_or_else(|| value.to_string(), axis::plain)
 }
 
-/// Returns the name by which marks share a colour.
+/// Returns the name that decides the colour of a mark.
 fn detector(cell: &Cell) -> String {
     cell.id.contender_without(&["skin"])
 }
@@ -166,8 +166,8 @@ fn mark(cell: &Cell, against: Against, arithmetics: &[String]) -> Option<Mark> {
     })
 }
 
-/// Sorts by time. Only the fastest of marks with equal errors is on the front, and only the best of
-/// marks with equal time.
+/// Marks the front. If several marks have equal errors, only the fastest is on it; if several have
+/// equal times, only the most accurate.
 fn find_front(marks: &mut [Mark]) {
     marks.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.rate.total_cmp(&b.rate)));
     let mut best = f64::INFINITY;
@@ -179,7 +179,7 @@ fn find_front(marks: &mut [Mark]) {
 
 #[test]
 fn the_front_has_neither_slower_nor_worse() {
-    // Equal errors, equal times, a twin, dominated ones, and a slow one without errors.
+    // The points have equal errors or times, or are identical, dominated, or slow without errors.
     let points = [(5, 3), (4, 3), (4, 9), (2, 7), (2, 7), (3, 8), (9, 0), (12, 0)];
     let points = points.map(|(time, rate)| (f64::from(time), f64::from(rate)));
     let mut marks = points.map(|(time, rate)| Mark { time, rate, ..Mark::default() });

@@ -1,9 +1,9 @@
-//! Figures of speed against error: small panels, with a mark per detector and arithmetic, that
-//! share their axes, and the legend of colours and shapes.
+//! Figures of speed against error: small panels with common axes, a mark per detector and
+//! arithmetic, and a legend of colours and shapes.
 //!
-//! The error axis is broken: above the gap it is logarithmic, below it lies the field of answers
-//! without error, where every arithmetic has a line of its own, so that their marks do not hide
-//! each other.
+//! The error axis is broken. Its upper part is logarithmic. Its lower part holds the answers
+//! without errors, on a separate line for each arithmetic, so that their marks do not hide each
+//! other.
 
 mod data;
 mod panel;
@@ -37,7 +37,7 @@ struct Sheet<'a> {
     zero: f64,
     x: Axis,
     y: Axis,
-    /// Marks that take longer than this, in nanoseconds, stand at the right edge.
+    /// Time in nanoseconds; slower marks are drawn at the right edge.
     limit: f64,
 }
 
@@ -63,10 +63,10 @@ impl<'a> Sheet<'a> {
             about.experiment.question
         );
         let subtitle = wrap(&subtitle, 150);
-        // 100% is a landmark; without any error there is an axis all the same.
+        // The axis includes 100%. Without errors, it begins at 1%.
         let rates = plot.marks().map(|mark| mark.rate).filter(|rate| *rate > 0.0);
         let least = if rates.clone().next().is_some() { 100.0 } else { 1.0 };
-        // Wrong answers that are far slower than any right one must not squeeze the other marks.
+        // Wrong answers that are far slower than all right ones must not squeeze the other marks.
         let right = plot.marks().filter(|mark| mark.rate == 0.0).map(|mark| mark.time);
         let right = right.fold(0.0, f64::max);
         let limit = if right > 0.0 { 3.0 * right } else { f64::INFINITY };
@@ -76,10 +76,10 @@ impl<'a> Sheet<'a> {
             plot,
             top: MARGIN + 34.0 + 22.0 * subtitle.len() as f64 + 4.0,
             subtitle,
-            // One or two panels need not fill the sheet.
+            // One or two panels do not fill the whole width.
             across: ((room + GAP) / plot.columns() - GAP).min(420.0),
             zero: LANE * plot.arithmetics.len() as f64 + 4.0,
-            // Bars may leave the panel for the same reason.
+            // The axis ignores marks beyond the limit; bars may leave the panel.
             x: Axis::new(plot.marks().map(|mark| mark.time).filter(|time| *time <= limit), true),
             y: Axis::new(rates.chain([100.0, least]), true),
             limit,

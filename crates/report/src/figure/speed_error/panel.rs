@@ -23,8 +23,8 @@ pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     canvas.line(&points, INK, 1.8);
 }
 
-/// Shapes of arithmetics. Those that decide alike (f32 and f32-cell, textbook and f64) differ even
-/// where they overlap.
+/// Draws the shape of an arithmetic. Arithmetics that decide alike (f32 and f32-cell, textbook and
+/// f64) have shapes that differ even if they overlap.
 pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colour: Colour) {
     match arithmetic {
         "f32" => canvas.cross(slanted((x, y), r), colour),
@@ -125,7 +125,7 @@ impl SmallPanel<'_> {
                 canvas.line(&[(inside(low), y), (inside(high), y)], self.colour(mark), 1.3);
             }
         }
-        // The front last, so that its rings are whole.
+        // The front is drawn last, so that no other mark hides its rings.
         for front in [false, true] {
             for mark in shown.iter().filter(|mark| mark.front == front) {
                 let Some(at) = self.at(mark) else { continue };
@@ -133,7 +133,7 @@ impl SmallPanel<'_> {
                     ring(canvas, at);
                 }
                 self.shape(canvas, at, mark);
-                // The field of right answers has room for one name.
+                // Among answers without errors, only marks on the front show their skin.
                 if let Some(skin) = mark.skin.as_ref().filter(|_| front || mark.rate > 0.0) {
                     canvas.text(skin, (at.0, at.1 - 11.0), Text::new(12.0, FAINT).centred());
                 }

@@ -1,4 +1,4 @@
-//! The lines of the picture: contacts, and what a list got wrong.
+//! The lines of the picture: contacts, and the errors of a list.
 
 use super::{CROWD, Picture};
 use crate::draw::pairs::NEAR;
@@ -12,7 +12,7 @@ const TANGENT: &str = "#7b2d8e";
 /// Particles of a pair, and their centres on the page.
 type Line = ([u32; 2], [[f64; 2]; 2]);
 
-/// Marks of tangent pairs of one kind, and the number of those pairs.
+/// Points of contact of tangent pairs of one kind, and the number of these pairs.
 #[derive(Default)]
 struct Marks {
     at: Vec<[f64; 2]>,
@@ -27,7 +27,7 @@ struct Contacts {
 }
 
 impl Picture<'_> {
-    /// Returns the lines of a pair if both ends are on the sheet.
+    /// Returns the lines of a pair whose ends are both on the sheet.
     fn seen(&self, pair: ImagePair) -> Vec<Line> {
         let at = |body: u32| Some(self.page.at(self.sheet.plane.circle(body)?.at));
         let ends = |[a, b]: [u32; 2]| Some(([a, b], [at(a)?, at(b)?]));
@@ -96,7 +96,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Marks the points where these pairs touch.
+    /// Draws a mark where each of these pairs touches.
     fn mark(&self, marks: &mut Marks, lines: &[Line]) {
         marks.pairs += usize::from(!lines.is_empty());
         for &(bodies, [a, b]) in lines {
@@ -107,7 +107,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Draws the mistakes of a list, which must be seen.
+    /// Draws the errors of a list, so that each can be seen.
     pub(super) fn wrong(&mut self, pairs: &[ImagePair], colour: &str, dash: &str, meaning: &str) {
         if pairs.is_empty() {
             return;
@@ -121,7 +121,7 @@ impl Picture<'_> {
                     segment(&mut lines, a, b);
                     continue;
                 }
-                // A particle with itself, or two in one place: a ring of two arcs.
+                // A particle paired with itself, or two at one place, get a ring of two arcs.
                 let circle = self.sheet.plane.circle(bodies[0]);
                 let r = circle.map_or(0.0, |circle| self.page.length(circle.r));
                 let r = (0.6 * r).max(4.0);

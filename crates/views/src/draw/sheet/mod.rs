@@ -17,22 +17,22 @@ use contactbench_io::boxes::{along, outside};
 use contactbench_terms::number::wrap;
 use contactbench_terms::text;
 
-/// Largest width and height of the drawing in pixels, without margins and text.
+/// Maximum width and height of the drawing in pixels, without margins and text.
 const MOST: [f64; 2] = [960.0, 720.0];
 const HEADER: f64 = 46.0;
 const ROW: f64 = 22.0;
-/// Heights of a line of the title and of other text.
+/// Line height in pixels: of the title, then of other text.
 const TITLE: f64 = 20.0;
 const LINE: f64 = 17.0;
-/// Widths in pixels: a letter of the title, other letters, and both sides of the legend.
+/// Widths in pixels: a letter of the title, another letter, and the margins of the legend.
 const TITLE_LETTER: f64 = 11.0;
 const LETTER: f64 = 8.0;
 const LEGEND: f64 = 74.0;
-/// Smallest radius in pixels at which a circle is seen among others.
+/// Smallest radius in pixels at which a circle can be seen among others.
 const SEEN: f64 = 6.0;
-/// From this number on, circles have no outline and lines are thin.
+/// Number of circles from which circles have no outline and lines are thin.
 const CROWD: usize = 3000;
-/// More grid lines than this along an axis look like a surface.
+/// Maximum number of grid lines along an axis; more would look like a surface.
 const MOST_LINES: f64 = 400.0;
 
 const DISC: &str = "#dde6f0";
@@ -49,14 +49,14 @@ pub struct Sheet<'a> {
     pub plane: &'a Plane,
     pub pairs: &'a Highlighted,
     pub look: &'a Look,
-    /// The lines of a mistake that is drawn with its neighbourhood alone.
+    /// Pair whose neighbourhood alone is drawn; `None` for the whole scene.
     pub detail: Option<[u32; 2]>,
 }
 
 struct Picture<'a> {
     sheet: &'a Sheet<'a>,
     page: PageCoordinates,
-    /// Rows below the drawing: a mark and its meaning.
+    /// Rows of the legend below the drawing: a mark and its meaning.
     rows: Vec<(String, String)>,
     body: String,
 }
@@ -100,7 +100,7 @@ impl Sheet<'_> {
         )
     }
 
-    /// Describes the scene, and the part of it that is drawn.
+    /// Describes the scene, and which part of it is drawn.
     fn subtitle(&self) -> String {
         let (scene, lattice) = (self.periodic.scene(), self.periodic.lattice());
         let count = scene.len();
@@ -132,7 +132,7 @@ impl Sheet<'_> {
     }
 }
 
-/// Draws the rows below the drawing, and returns their lower end.
+/// Draws the rows of the legend, and returns the y of their lower end.
 fn legend(rows: &[(String, String)], width: f64, mut y: f64) -> (String, f64) {
     let most = ((width - LEGEND) / LETTER) as usize;
     let mut legend = String::new();
@@ -272,7 +272,7 @@ impl Picture<'_> {
     }
 }
 
-/// Returns whether a pair is too small to be seen in a picture of all circles.
+/// Returns whether a pair is too small to be seen in a picture of the whole scene.
 pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
     let Some(bounds) = plane.bounds() else { return false };
     let page = PageCoordinates::around(bounds, MOST, HEADER);
@@ -280,7 +280,7 @@ pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
     page.length(radii[0].min(radii[1])) < SEEN
 }
 
-/// Returns the lowest corner and the edge of a detector's cells; `None` without cells.
+/// Returns the lowest corner and the edge length of a detector's cells; `None` without cells.
 fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
     fn corner<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
         let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
