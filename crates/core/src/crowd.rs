@@ -1,6 +1,6 @@
-//! Estimates how many pairs a scene has before a detector runs.
+//! Estimates the number of pairs of a scene before a detector runs.
 //!
-//! If radii are given in another unit than the coordinates, every particle may touch hundreds of
+//! If radii and coordinates are given in different units, every particle may touch hundreds of
 //! others. A sample detects this within a moment, before a detection that takes minutes.
 
 use crate::pair_list::PAIR_BYTES;
@@ -9,23 +9,23 @@ use crate::scene::{AnyScene, Real, Scene, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
-/// Number of particles that are compared with all others.
+/// Number of random particles that are compared with all others.
 const SAMPLE: usize = 100;
-/// Standard errors that are subtracted from the mean for a safe lower bound.
+/// Number of standard errors that are subtracted from the mean for a safe lower bound.
 const SURE: f64 = 4.0;
 
-/// Contacts per particle, estimated from a sample.
+/// Number of contacts per particle, estimated from a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crowd {
     /// Mean number of contacts per particle.
     pub mean: f64,
-    /// Lower bound of the mean; equal to the mean if all particles were sampled.
+    /// Lower bound of the mean number of contacts; equal to the mean if all particles were sampled.
     pub least: f64,
 }
 
 impl Crowd {
-    /// Compares 100 random particles, the same in each call, with all others; in smaller scenes,
-    /// all particles. Distances are rounded.
+    /// Compares 100 random particles with all others; smaller scenes are compared in full. Each
+    /// call draws the same particles. Distances are rounded.
     pub fn new(scene: &AnyScene<'_>) -> Crowd {
         let n = scene.len();
         let asked: Vec<usize> = if n <= SAMPLE {
@@ -44,8 +44,7 @@ impl Crowd {
     }
 }
 
-/// Counts the particles that touch particle `i`. Pairs whose squares leave the range of f64 are not
-/// counted.
+/// Counts the particles that touch particle `i`, except those whose squares of distances overflow.
 fn touching<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize) -> usize {
     (0..scene.len()).filter(|&j| touch(scene, i, j)).count()
 }
@@ -59,10 +58,11 @@ fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -
     i != j && near && (reach * reach > 0.0 || a == b)
 }
 
-/// Returns whether the mean number of contacts may be `each` or more. It tests enough random pairs
-/// that six of them would touch if the mean were `each`. Fewer than three of them then touch once
-/// in 16 times, and once in 2,000 if the mean is twice as large; the list then ends at its limit.
-/// Returns true if too many pairs would be needed or there are few particles.
+/// Returns whether the mean number of contacts may be `each` or more. It tests a number of random
+/// pairs of which six would touch if the mean were `each`, and returns true if at least three
+/// touch. Fewer touch by chance once in 16 times, and once in 2,000 if the mean is twice as large;
+/// the list then ends at its limit. Also returns true if too many tests would be needed or there
+/// are few particles.
 fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;
@@ -83,7 +83,7 @@ fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
 pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
     let n = scene.len() as f64;
     let bytes = |each: f64| 0.5 * each * n * PAIR_BYTES as f64;
-    // Most scenes are too small to exceed the limit.
+    // In most scenes even all pairs take less than the limit.
     if bytes(n - 1.0) <= limit as f64 {
         return Ok(());
     }
@@ -120,20 +120,19 @@ mod tests {
         let few = scene(80, |_| [1.0, 2.0], 0.0);
         assert_eq!(within(&few, 8 * 80 * 79 / 2), Ok(()));
         assert!(within(&few, 8 * 80 * 79 / 2 - 1).is_err());
-        // A square lattice, where the sample is uneven: particles inside have four contacts, at the
-        // edges fewer.
+        // In a square lattice particles inside have four contacts, and those at the edges fewer.
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];
         let pack = scene(4096, lattice, 0.5);
         let crowd = Crowd::new(&pack);
         assert!(crowd.least < 4.0 && crowd.mean > 3.5, "{crowd:?}");
         assert_eq!(within(&pack, 8 * 8064), Ok(()));
-        // Diameters of 10 on a lattice of spacing 1: about 300 neighbours.
+        // Diameters of 10 on a lattice of spacing 1 give each particle about 300 neighbours.
         let crowd = Crowd::new(&scene(4096, lattice, 5.0));
         assert!((200.0..320.0).contains(&crowd.least) && crowd.mean < 320.0, "{crowd:?}");
     }
 
-    /// A packing with four neighbours is not sampled in full only because some pair touches by
-    /// chance; one with 300 neighbours is, at a limit of 100.
+    /// Random pairs suffice to accept a packing with four neighbours, unless some touch by chance.
+    /// A packing with 300 neighbours is sampled in full, at a limit of 100.
     #[test]
     fn random_pairs_separate_packings_from_crowds() {
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];

@@ -67,9 +67,9 @@
 //! 9. [`track`]: frames of moving particles, and lists that are kept between them.
 //! 10. [`wide`]: vector instructions, sixteen floats at a time.
 //!
-//! Each module imports only earlier ones (but detectors use [`wide`], and the oracle uses
+//! Each module imports only modules above it (but detectors use [`wide`], and the oracle uses
 //! detectors). The crate reads no files except the system's memory size, starts no processes and
-//! draws no figures. The crate `contactbench` does, and measures these detectors.
+//! draws no figures. The crate `contactbench` does all this, and measures the detectors.
 #![deny(missing_docs)]
 
 pub mod contact;

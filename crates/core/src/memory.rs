@@ -1,12 +1,12 @@
-//! Default memory limits.
+//! Default limits for memory.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Upper bound of default limits.
+/// Upper bound of default limits, in bytes.
 const MOST: u64 = 4 << 30;
-/// A default limit is the machine's memory divided by this number: detector arrays, the list of
-/// pairs, the true list and the scene fit in memory together.
+/// Number by which the machine's memory is divided for a default limit: a detector's arrays, its
+/// list of pairs, the list of true contacts and the scene then fit in memory together.
 const PART: u64 = 4;
 
 /// Returns the default limit in bytes, for the arrays of a detector and for a list of pairs. It is
@@ -24,14 +24,15 @@ pub fn most_of_one() -> u64 {
     *MOST_OF_ONE.get_or_init(|| total().map_or(u64::MAX, |total| total / 2))
 }
 
-/// Returns the default limit in bytes for a scene of this many particles: 16 KiB each, at least 256
-/// MiB and at most [`default_limit`]. The factor refuses grids between a few distant particles.
+/// Returns the default limit in bytes for a scene with this many particles: 16 KiB per particle, at
+/// least 256 MiB and at most [`default_limit`]. So huge grids between a few distant particles are
+/// refused.
 pub fn limit_for(particles: usize) -> u64 {
     let wanted = (particles as u64).saturating_mul(16 << 10).max(256 << 20);
     wanted.min(default_limit())
 }
 
-/// Returns the bytes of memory, if the system reports them.
+/// Returns the bytes of memory of the machine, or of its control group if that is less.
 fn total() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| of_machine(&text));
@@ -40,12 +41,12 @@ fn total() -> Option<u64> {
     machine.into_iter().chain(group).filter(|&bytes| bytes > 0).min()
 }
 
-/// Returns the files with the limits of the process's control groups and of all groups above them,
+/// Returns the files with the limits of the process's control groups and of all groups above these,
 /// because batch systems and services set limits below the root. A group of version 2 is the line
-/// `0::/path`, one of version 1 `3:memory:/path`.
+/// `0::/path`, and one of version 1 `3:memory:/path`.
 fn of_groups(text: &str) -> impl Iterator<Item = String> {
     const ROOT: &str = "/sys/fs/cgroup";
-    // A container's root need not be in the list.
+    // The roots are added, because the text need not name the root of a container.
     let roots = [("", "/"), ("memory", "/")];
     let lines = text.lines().filter_map(|line| {
         let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
@@ -62,7 +63,7 @@ fn of_groups(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// Parses the line `MemTotal:  16384000 kB`.
+/// Parses the line `MemTotal:  16384000 kB` and returns the number of bytes.
 fn of_machine(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)

@@ -1,23 +1,23 @@
-//! Sorts lists of pairs: the order in which they are written and compared.
+//! Sorts lists of pairs into the order in which they are written and compared.
 //!
 //! A detector's list is ordered in space, with particle numbers in any order, so sorting it moves
 //! pairs far. The pairs are first partitioned in place by the leading bits of their first index,
-//! until each part fits in a cache. Each part is then counted by first index, and only the few
-//! second indices of each first index are compared.
+//! until each part fits in a cache. In each part, pairs are then placed by counting the first
+//! indices, and only the few second indices of each first index are compared.
 
 use crate::parallel;
 use crate::radix::{DIGIT, part};
 use crate::refusal::reserve;
 use crate::wide::{Kernel, Level, Wide};
 
-/// Shorter lists are sorted by comparison.
+/// Lists up to this length are sorted by comparison.
 const FEW: usize = 1024;
-/// Shorter lists are sorted by one thread.
+/// Lists up to this length are sorted by one thread.
 const FEW_FOR_THREADS: usize = 1 << 17;
-/// Maximum number of bits of first indices that are counted at once, and the preferred number.
+/// Largest, and then preferred, number of bits of first indices that are counted at once.
 const COUNTED: u32 = 14;
 const WELL_COUNTED: u32 = 12;
-/// Maximum number of pairs that are counted at once.
+/// Largest number of pairs that are counted at once.
 const TOGETHER: usize = 1 << 16;
 
 /// Puts the smaller index of each pair first and sorts the pairs in ascending order.
@@ -44,7 +44,7 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
         (rest, begin) = (after, end);
     }
     parallel::for_each_by(threads, &mut shares, |_, (pairs, begin, ends)| {
-        // Each thread reuses its buffers.
+        // Each thread has buffers that it reuses for its parts.
         let (mut room, mut from) = (Room::default(), 0);
         for end in ends.iter().map(|end| end - *begin) {
             sort_in(&mut room, &mut pairs[from..end], bits - digit);
@@ -53,8 +53,8 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     });
 }
 
-/// Sorts pairs whose first indices differ in the last `bits` bits at most; allocates the buffers if
-/// needed and possible.
+/// Sorts pairs whose first indices differ only in the last `bits` bits. Allocates the buffers if
+/// needed; without memory for them, sorts by comparison.
 fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
     match pairs.len() > FEW && (!room.seconds.is_empty() || room.is_made()) {
         true => sort(pairs, bits, room),
@@ -62,7 +62,7 @@ fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
     }
 }
 
-/// Puts the smaller index of each pair first and keeps the order of pairs.
+/// Puts the smaller index of each pair first and does not reorder the pairs.
 pub fn smaller_first(pairs: &mut [[u32; 2]]) {
     Level::best().run(Turn(pairs));
 }
@@ -87,7 +87,7 @@ impl Kernel for Turn<'_> {
 
 #[derive(Default)]
 struct Room {
-    /// Starts, and later ends, of the pairs of each first index.
+    /// Place at which the pairs of each first index start and, after they are placed, end.
     places: Vec<u32>,
     seconds: Vec<u32>,
 }
@@ -104,13 +104,13 @@ impl Room {
     }
 }
 
-/// Sorts pairs whose first indices differ in the last `bits` bits at most.
+/// Sorts pairs whose first indices differ only in the last `bits` bits.
 fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
     if pairs.len() <= FEW || bits == 0 {
         return pairs.sort_unstable();
     }
     if bits <= COUNTED && pairs.len() <= TOGETHER {
-        // Counting visits all possible indices, so it needs enough pairs.
+        // Counting visits all possible first indices, so it pays only for enough pairs.
         return match pairs.len() >> (bits - bits.min(2)) {
             0 => pairs.sort_unstable(),
             _ => count(pairs, bits, room),
@@ -124,8 +124,8 @@ fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
     }
 }
 
-/// Partitions pairs whose first indices differ in the last `bits` bits at most. Returns by how many
-/// leading bits, and the ends of the parts.
+/// Partitions pairs whose first indices differ only in the last `bits` bits, by the leading ones of
+/// these bits. Returns the number of leading bits and the ends of the parts.
 fn parts(pairs: &mut [[u32; 2]], bits: u32) -> (u32, [usize; 1 << DIGIT]) {
     let digit = if bits > WELL_COUNTED { bits - WELL_COUNTED } else { bits }.min(DIGIT);
     let (shift, last) = (bits - digit, (1 << digit) - 1);
@@ -183,8 +183,8 @@ mod tests {
     use super::*;
     use crate::sink::splitmix64;
 
-    /// Many kinds of lists against the standard library: indices near each other or not, few or
-    /// many pairs for each, one index in all pairs, duplicates, and sorted lists.
+    /// Compares with the standard library on many kinds of lists: indices near each other or not,
+    /// few or many pairs per first index, one index in all pairs, duplicates, and sorted lists.
     #[test]
     fn every_list_is_sorted() {
         let mut ways = [0; 3];

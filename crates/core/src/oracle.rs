@@ -1,4 +1,4 @@
-//! The true contacts of a scene, for a given arithmetic.
+//! Finds the true contacts of a scene, for a given arithmetic.
 //!
 //! * Up to [`BRUTE_FORCE`] particles, every pair is tested.
 //! * Above, two different detectors must find the same set of pairs, and 1,000 random particles are
@@ -25,19 +25,18 @@ use crate::with_scene;
 
 /// Largest number of particles for which every pair is tested.
 pub const BRUTE_FORCE: usize = 20_000;
-/// Number of random particles that are tested against all others in larger scenes.
+/// Number of random particles that are tested against all others if not every pair is tested.
 pub const SAMPLE: usize = 1_000;
 
-/// The set of touching pairs.
+/// The true contacts of a scene, as pairs.
 pub struct Truth {
-    /// Each pair once, the smaller index first, in ascending order.
+    /// Each pair that touches, once, the smaller index first, in ascending order.
     pub pairs: Vec<[u32; 2]>,
-    /// Fingerprint of `pairs`.
+    /// Fingerprint of all pairs in `pairs`.
     pub digest: Digest,
 }
 
-/// Largest number of particles for which every pair is tested if fewer than two detectors accept
-/// the scene.
+/// Largest number of particles for which all pairs are tested if detectors refuse the scene.
 pub const LARGEST_BRUTE_FORCE: usize = 200_000;
 
 /// Why the truth could not be established.
@@ -46,57 +45,57 @@ pub enum NoTruth {
     /// The arithmetic cannot represent the scene's distances.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// The scene cannot be stored in the arithmetic's precision.
+    /// The arithmetic cannot store the scene.
     #[error("as stored: {0}")]
     Stored(#[from] crate::scene::SceneError),
-    /// Too few detectors accept the scene, and it is too large to test all pairs.
+    /// Fewer than two detectors accept the scene, and it is too large to test all pairs.
     #[error(
         "fewer than two detectors accept this scene, and {n} particles are too many to test all \
          pairs (at most {LARGEST_BRUTE_FORCE})"
     )]
     TooLarge {
-        /// Number of particles.
+        /// Number of particles of the scene.
         n: usize,
     },
-    /// Two detectors disagree: a defect of this program.
+    /// Two detectors found different contacts, which is a defect of this program.
     #[error(
         "{first} and {second} disagree on this scene ({a} and {b} contacts): one of them is wrong"
     )]
     Disagree {
-        /// Name of one detector.
+        /// Name of the first of two detectors.
         first: &'static str,
-        /// Name of the other.
+        /// Name of the second detector.
         second: &'static str,
-        /// Number of contacts that `first` found.
+        /// Number of contacts that the first detector found.
         a: usize,
-        /// Number of contacts that `second` found.
+        /// Number of contacts that the second detector found.
         b: usize,
     },
-    /// The detectors disagree with a sample that was tested directly: a defect of this program.
+    /// A detector and a sample that was tested directly disagree: a defect of this program.
     #[error(
         "two detectors agree, but testing particle {particle} against all others finds different \
          contacts"
     )]
     Sample {
-        /// Index of the particle.
+        /// Number of a particle with different contacts.
         particle: u32,
     },
 }
 
 /// Returns the true contacts of `scene` in `arithmetic`, which may first round the scene to f32.
-/// Fails as [`truth_as_stored`], with the limit of [`Options::default`].
+/// Fails as [`truth_as_stored`], with the memory limit of [`Options::default`].
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
     let limit = Options::default().memory_limit;
     let stored = scene.as_stored(arithmetic)?;
     truth_as_stored(&stored, arithmetic.test(), limit)
 }
 
-/// Returns the true contacts of a scene as it is stored, under a contact test. A list of pairs may
-/// take `limit` bytes; two lists may exist during the computation.
+/// Returns the true contacts of a scene under a contact test, for its numbers as stored. A list of
+/// pairs may take `limit` bytes; two lists may exist during the computation.
 ///
 /// # Errors
-/// Returns [`NoTruth::Refused`] if the list would be longer or squares of distances overflow, and
-/// other [`NoTruth`] errors as described there.
+/// Returns [`NoTruth::Refused`] if the list would be longer or squares of distances overflow. The
+/// variants of [`NoTruth`] describe the other errors.
 pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Truth, NoTruth> {
     let test = test.safe();
     if test == Test::Exact && !scene.is_f64() {
@@ -146,17 +145,18 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
     }
 }
 
-/// Random particles of a scene that are tested against all others.
+/// A sample of random particles of a scene, which are tested against all others.
 pub(crate) struct Sample {
     /// Number of particles in the scene.
     pub n: usize,
-    /// Largest number of particles to draw.
+    /// Largest number of particles in the sample.
     pub particles: usize,
 }
 
 impl Sample {
-    /// Returns the contacts on which the first two detectors that do not refuse agree, after
-    /// checking the sample, or `None` if fewer than two accept. All lists are in ascending order.
+    /// Asks detectors in turn until two have accepted the scene. Returns their contacts if both
+    /// agree with each other and with the sample, or `None` if fewer than two accept. All lists are
+    /// in ascending order.
     pub fn agreed<C: Copy + PartialEq>(
         &self,
         judges: &[&'static Entry],
@@ -218,7 +218,7 @@ impl Sample {
     }
 }
 
-/// Returns the detectors that may establish the truth of a scene, in order of preference.
+/// Returns the detectors that may determine the true contacts of a scene, in order of preference.
 pub fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     let differ = with_scene!(scene, scene => {
         let large = 0.5 * scene.largest_radius().wide();
@@ -227,11 +227,11 @@ pub fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     table::judges(if differ { |it| it.differ } else { |it| it.alike })
 }
 
-/// Tests all pairs, or the given particles against all others. Pairs are in ascending order; a pair
-/// of two given particles appears twice.
+/// Tests all pairs, or only the given particles against all others. Pairs are in ascending order; a
+/// pair of two given particles appears twice.
 struct Rows {
     particles: Option<Vec<u32>>,
-    /// Limit for the pairs, in bytes.
+    /// Limit for the list of pairs, in bytes.
     limit: u64,
 }
 
@@ -266,14 +266,14 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
     }
 }
 
-/// Compares a detector's pairs with the truth. Both lists must be in the order of [`normalise`];
-/// they are not copied. Depths are those of `scene`.
+/// Compares a detector's pairs with the true contacts. Both lists must be in the order of
+/// [`normalise`]; they are not copied. Depths are computed from `scene`.
 pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
     compare_by(reported, truth, |[i, j]| i == j, |pair| depth_of(scene, pair))
 }
 
-/// Works as [`compare`] for any type of contact; the closures return whether a contact pairs a
-/// particle with itself, and its depth.
+/// Compares as [`compare`] does, for any type of contact. The two closures return whether a contact
+/// pairs a particle with itself, and the depth of a contact.
 pub fn compare_by<C: Copy + Ord>(
     reported: &[C],
     truth: &[C],
@@ -307,8 +307,8 @@ pub fn compare_by<C: Copy + Ord>(
     errors
 }
 
-/// Returns the [`depth`] of a pair, with infinity replaced by the largest double, which a record
-/// can hold. Returns 0 if a particle is not in the scene.
+/// Returns the [`depth`] of a pair. Infinity is replaced by the largest double, which a record can
+/// hold. Returns 0 if a particle is not in the scene.
 pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     let (i, j) = (i as usize, j as usize);
     with_scene!(scene, scene => {

@@ -1,10 +1,10 @@
 //! Lists of pairs that stop growing at a limit.
 //!
-//! A scene whose radii have another unit than its coordinates may have N(N-1)/2 pairs. No list
-//! holds these, and running out of memory would abort the program. A list here grows within an
-//! [`Allowance`]. When that is spent, the list continues to count but stores nothing, so that the
-//! refusal can state the number of pairs. A contact costs as much as in a `Vec`: the limit is
-//! checked only where a `Vec` would grow.
+//! A scene whose radii and coordinates have different units may have N(N-1)/2 pairs. These may not
+//! fit in memory, and running out of memory would abort the program. A list therefore grows within
+//! an [`Allowance`]. When that is spent, the list continues to count but stores nothing, so that
+//! the refusal can state the number of pairs. Adding a contact costs as much as in a `Vec`: the
+//! limit is checked only when a `Vec` would grow.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -15,8 +15,7 @@ use crate::sink::Sink;
 /// Size of a pair in bytes.
 pub const PAIR_BYTES: u64 = size_of::<[u32; 2]>() as u64;
 
-/// The bytes that lists of pairs may still allocate: one list, or those of several threads
-/// together.
+/// Bytes that a list of pairs, or several threads' lists together, may still allocate.
 #[derive(Debug)]
 pub struct Allowance(AtomicU64);
 
@@ -26,7 +25,7 @@ impl Allowance {
         Allowance(AtomicU64::new(bytes / PAIR_BYTES))
     }
 
-    /// Takes space for up to this many pairs and returns for how many it was granted.
+    /// Takes space for up to this many pairs and returns the number of pairs that was granted.
     fn take(&self, pairs: usize) -> usize {
         let pairs = pairs as u64;
         let rest = |left: u64| Some(left.saturating_sub(pairs));
@@ -39,27 +38,27 @@ impl Allowance {
     }
 }
 
-/// A list of pairs within an [`Allowance`].
+/// A list of pairs that grows within an [`Allowance`].
 ///
-/// Lists of several threads are adjacent and grow all the time. The alignment keeps them on
-/// separate pairs of cache lines, which processors fetch together.
+/// The lists of several threads are adjacent and grow all the time. The alignment keeps them on
+/// separate pairs of cache lines, because processors fetch such pairs together.
 #[repr(align(128))]
 pub struct PairList<'a> {
     pairs: Vec<[u32; 2]>,
-    /// Number of pairs that were in the list at the start; they always stay.
+    /// Number of pairs that were in the list at the start; these are never dropped.
     before: usize,
-    /// Pairs found without space for them.
+    /// Number of pairs that were found but not stored.
     lost: u64,
     /// Bytes that the system refused to allocate, or 0.
     exhausted: u64,
     allowance: &'a Allowance,
-    /// Receives all pairs, if set. The list then has no space, so that only the slow path of a full
-    /// list checks for it.
+    /// Sink that receives all pairs instead of the list, if set. The list then has no space, so
+    /// that only the slow path of a full list checks for a sink.
     door: Option<&'a mut (dyn Sink + Send)>,
 }
 
 impl<'a> PairList<'a> {
-    /// Creates a list that continues after `pairs`; their capacity counts against the allowance.
+    /// Creates a list that begins with `pairs`, whose capacity counts against the allowance.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
         PairList { before: pairs.len(), pairs, lost: 0, exhausted: 0, allowance, door: None }
@@ -70,8 +69,8 @@ impl<'a> PairList<'a> {
         PairList::behind(Vec::new(), allowance)
     }
 
-    /// Creates a list that stores no pairs and passes all of them to `sink`, so that detectors need
-    /// not be compiled for it.
+    /// Creates a list that stores nothing and passes all pairs to `sink`, so that detectors need
+    /// not be compiled separately for other sinks.
     pub fn door(sink: &'a mut (dyn Sink + Send), allowance: &'a Allowance) -> PairList<'a> {
         PairList { door: Some(sink), ..PairList::new(allowance) }
     }
@@ -81,7 +80,7 @@ impl<'a> PairList<'a> {
         self.before
     }
 
-    /// Returns the number of pairs found, including those that were not stored.
+    /// Returns the number of pairs found, including pairs that were not stored.
     pub fn found(&self) -> u64 {
         self.lost + (self.pairs.len() - self.before) as u64
     }
@@ -89,8 +88,9 @@ impl<'a> PairList<'a> {
     /// Moves the list into `pairs`.
     ///
     /// # Errors
-    /// Returns [`Refusal::Pairs`] if not all pairs were stored; `pairs` then holds only those from
-    /// the start. `particles` is the number of particles of the scene, for the message.
+    /// Returns [`Refusal::Pairs`] if not all pairs were stored, or [`Refusal::Exhausted`] if memory
+    /// ran out; `pairs` then holds only its first pairs. `particles` is the scene's number of
+    /// particles, for the message.
     pub fn end(self, particles: usize, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
         let all = refused(std::slice::from_ref(&self), particles);
         *pairs = self.pairs;
@@ -100,8 +100,8 @@ impl<'a> PairList<'a> {
         all
     }
 
-    /// Makes space for `more` pairs, or returns false. In that case the pairs found so far are
-    /// counted and dropped, and their space is reused.
+    /// Makes space for `more` pairs and returns true if they fit. If the allowance is spent, the
+    /// pairs found so far are counted and dropped, and their space is reused.
     #[cold]
     #[inline(never)]
     fn grow(&mut self, more: usize) -> bool {
@@ -123,7 +123,7 @@ impl<'a> PairList<'a> {
         more <= capacity - self.before
     }
 
-    /// Makes space for these pairs, or counts them, or passes them to the sink.
+    /// Makes space for these pairs and returns true, or counts them or passes them to the sink.
     #[cold]
     #[inline(never)]
     fn has_grown_for(&mut self, pairs: &[[u32; 2]]) -> bool {
@@ -151,7 +151,7 @@ impl<'a> PairList<'a> {
     }
 }
 
-/// Returns the lists of several threads, or [`Refusal::Pairs`] if one was too short.
+/// Returns the lists of several threads, or [`Refusal::Pairs`] if not all pairs were stored.
 pub(crate) fn lists(
     lists: Vec<PairList<'_>>,
     particles: usize,
@@ -192,7 +192,7 @@ impl Sink for PairList<'_> {
         self.pairs.extend_from_slice(pairs);
     }
 
-    /// Copies with all threads at once.
+    /// Appends lists, which all threads copy at once.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         if let Some(sink) = &mut self.door {
             return sink.gather(lists);
@@ -206,7 +206,7 @@ impl Sink for PairList<'_> {
     }
 }
 
-/// Appends lists to `pairs`, copied by all threads at once.
+/// Appends lists to `pairs`. All threads copy at once.
 pub(crate) fn append(pairs: &mut Vec<[u32; 2]>, lists: &[&[[u32; 2]]]) {
     let total = lists.iter().map(|list| list.len()).sum();
     pairs.reserve(total);
@@ -232,8 +232,8 @@ mod tests {
         (0..count).map(|k| [k, k + 1]).collect()
     }
 
-    /// A list behaves like a `Vec` up to its limit (single pairs, many at once, gathered lists).
-    /// Beyond it, the list counts pairs and returns those from the start.
+    /// Up to its limit a list behaves like a `Vec` (for single pairs, many at once, and gathered
+    /// lists). Beyond it, the list counts pairs and keeps only its first ones.
     #[test]
     fn lists_grow_to_their_limit_and_then_count() {
         type Way = fn(&mut PairList<'_>, &[[u32; 2]]);

@@ -1,7 +1,7 @@
-//! Work shared by several threads.
+//! Divides work among several threads.
 //!
-//! All work passes through one function that is not generic, so that rayon's part is compiled once,
-//! not for every detector. A dynamic call is paid once per share, never per particle.
+//! All work passes through one function that is not generic, so that rayon's code is compiled once,
+//! not for every detector. It costs one dynamic call per share, not per particle.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -12,7 +12,7 @@ use crate::refusal::Refusal;
 
 type Pairs = Vec<[u32; 2]>;
 
-/// Shares per thread if shares may differ in cost; few enough to have no overhead.
+/// Number of shares per thread if shares may differ in cost; few enough to have no overhead.
 pub const SHARES_PER_THREAD: usize = 16;
 
 /// Returns share `k` of `count` items, divided into `shares` shares of about equal size.
@@ -21,26 +21,26 @@ pub fn share(count: usize, shares: usize, k: usize) -> Range<usize> {
 }
 
 /// Calls `work` with the index of every item and the item, in parallel on this thread and rayon's
-/// threads; on this thread alone if there is one item.
+/// threads. A single item is processed on this thread.
 pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     for_each_by(items.len(), items, work);
 }
 
-/// Works as [`for_each`] with at most this many threads.
+/// Works as [`for_each`] on at most this many threads.
 pub fn for_each_by<A: Send>(threads: usize, items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     if let [item] = items {
         return work(0, item);
     }
-    // Each lock is taken once, so no thread waits.
+    // Each lock is taken only once, so no thread waits.
     let items: Vec<Mutex<&mut A>> = items.iter_mut().map(Mutex::new).collect();
     run(items.len(), threads, &|k| {
         work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner))
     });
 }
 
-/// This thread takes shares, too, and starts at once, because waking a thread takes longer than a
-/// small scene. A late thread finds no shares left; the call still waits until each thread has
-/// checked.
+/// Calls `work` with the number of every share. This thread takes shares, too, and starts at once,
+/// because waking a thread takes longer than a small scene. A thread that wakes late finds no
+/// shares left, but the call waits for it.
 fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let take = || {
@@ -61,7 +61,7 @@ fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
 
 /// Returns the contacts that `work` finds in ranges of `0..count`, in the order of the ranges. One
 /// thread gets a single range. All lists together may take `limit` bytes; `particles` is used in
-/// messages. Fails with [`Refusal::Pairs`] if the limit is too low.
+/// messages. Fails with [`Refusal::Pairs`] if the lists would be longer.
 pub fn contacts(
     (count, particles): (usize, usize),
     threads: usize,

@@ -2,8 +2,8 @@
 //!
 //! A detector reports its elementary operations to a [`Probe`]. For [`Silent`] every report
 //! compiles to nothing; `crates/campaigns/src/bin/silent_probe.rs` checks that the number of
-//! instructions equals that of a hand-written twin. The counts of [`Tally`] are exact and the same
-//! on every machine. All detectors use the same operations, so that counts are comparable.
+//! instructions equals that of a hand-written twin. The counts of [`Tally`] are exact and equal on
+//! every machine. All detectors use the same set of operations, so that counts are comparable.
 
 pub use contactbench_terms::op::Op;
 
@@ -11,7 +11,7 @@ use crate::event::Event;
 
 /// Receives the operations of a detector.
 pub trait Probe {
-    /// Whether the probe ignores all operations; a detector may then use code that cannot be
+    /// Whether the probe ignores all operations. A detector may then use code that cannot be
     /// counted, such as threads.
     const SILENT: bool;
     /// Receives `n` operations of kind `op`.
@@ -21,7 +21,7 @@ pub trait Probe {
     fn count(&mut self, op: Op) {
         self.add(op, 1);
     }
-    /// Receives a step that can be shown. A probe that ignores events never creates them.
+    /// Receives an event that can be shown. It is created only if the probe uses events.
     #[inline(always)]
     fn note(&mut self, _: impl FnOnce() -> Event) {}
 }
@@ -41,12 +41,12 @@ impl Probe for Silent {
 pub struct Tally([u64; Op::ALL.len()]);
 
 impl Tally {
-    /// Returns how often `op` happened.
+    /// Returns the number of operations of this kind.
     pub fn get(&self, op: Op) -> u64 {
         self.0[op as usize]
     }
 
-    /// Returns all operations with their counts, in the order of [`Op::ALL`].
+    /// Returns all kinds of operations with their counts, in the order of [`Op::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Op, u64)> + '_ {
         Op::ALL.into_iter().map(|op| (op, self.get(op)))
     }

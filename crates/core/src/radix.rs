@@ -1,10 +1,10 @@
-//! Partitions items by the digits of a number, in place.
+//! Partitions items in place, by the digits of a number.
 //!
 //! The algorithm is the American flag sort of McIlroy, Bostic and McIlroy 1993, Engineering radix
-//! sort, Computing Systems 6(1), 5-27. Unlike theirs, a displaced item waits until its part is
-//! scanned, so that no swap waits for the one before.
+//! sort, Computing Systems 6(1), 5-27. Unlike in that article, a displaced item waits until its
+//! part is scanned, so that no swap waits for the one before.
 
-/// Maximum number of bits of a digit: caches and pages support 2^10 write positions.
+/// Largest number of bits of a digit: 2^10 write positions are not too many for caches and pages.
 pub(crate) const DIGIT: u32 = 10;
 
 /// Prefetches an element that will be written soon.
@@ -20,7 +20,7 @@ pub(crate) fn prefetch_to_write<A>(array: &[A], at: usize) {
     let _ = (array, at);
 }
 
-/// Partitions items by a digit of this many bits and returns the ends of the parts.
+/// Partitions items by a digit of this many bits and returns where each part ends.
 pub(crate) fn part<T>(
     things: &mut [T],
     bits: u32,

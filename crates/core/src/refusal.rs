@@ -9,14 +9,14 @@ use crate::scene::SceneError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum Refusal {
-    /// The arrays would exceed the limit.
+    /// The detector's arrays would exceed the memory limit.
     #[error(
         "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit} bytes; \
          raise the memory limit, or use another detector: sorting needs the least memory, direct \
          needs none"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
-    /// There are more pairs than a list may hold; they were counted.
+    /// There are more pairs than a list may hold. All pairs were counted.
     #[error(
         "{particles} particles have {found} touching pairs, {} each, more than a list of \
          {room} bytes holds; are the radii in another unit than the coordinates, or are particles \
@@ -24,7 +24,7 @@ pub enum Refusal {
         count(2.0 * *found as f64 / *particles as f64)
     )]
     Pairs { found: u64, particles: u64, room: u64 },
-    /// There will be more pairs than a list may hold, according to a sample of the particles.
+    /// There will be more pairs than a list may hold, according to a sample of particles.
     #[error(
         "each of the {particles} particles touches about {} others: about {:.1e} pairs, more than \
          a list of {limit} bytes holds; are the radii in another unit than the coordinates, or are \
@@ -32,7 +32,7 @@ pub enum Refusal {
         count(*each), 0.5 * each * *particles as f64
     )]
     Crowd { particles: u64, each: f64, limit: u64 },
-    /// Cells have too many numbers.
+    /// There are too many cells along an axis to number them.
     #[error(
         "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), \
          and a grid can address 2^31; remove far-away particles, or use kd-tree"
@@ -44,7 +44,7 @@ pub enum Refusal {
          scale the scene down, or use kd-tree"
     )]
     Extent { axis: &'static str, low: f64, high: f64 },
-    /// More particles than the lists can number.
+    /// There are more particles than the detector's lists can number.
     #[error("{detector} can number at most {limit} particles, the scene has {n}; use direct")]
     Particles { detector: &'static str, n: u64, limit: u64 },
     /// The square of a diameter overflows in the selected arithmetic.
@@ -59,7 +59,7 @@ pub enum Refusal {
          to use the widest", has.join(" and ")
     )]
     Instructions { level: String, has: Vec<&'static str> },
-    /// A periodic box has more images within reach than the limit allows.
+    /// A periodic box has more images within reach of its particles than the limit allows.
     #[error(
         "the {particles} particles have about {images:.1e} images within reach ({reach:e}) in and \
          around the box, which take {needed:.1e} bytes, and the limit is {limit} bytes; {}raise \
@@ -101,31 +101,31 @@ pub enum Refusal {
         "with its images the scene cannot be stored for {arithmetic}: {error}; use exact arithmetic"
     )]
     Stored { arithmetic: &'static str, error: SceneError },
-    /// Particles enlarged by half of a skin overflow f64.
+    /// Particles that are enlarged by half a skin overflow f64.
     #[error(
         "with a skin of {skin:e}, particles of diameter {diameter:e} overflow f64; use a smaller \
          skin, or scale the scene down"
     )]
     Skin { skin: f64, diameter: f64 },
-    /// More pairs are within a skin of each other than a list may hold.
+    /// More pairs are at most a skin apart than a list may hold.
     #[error(
         "{particles} particles have {found} pairs within a skin of {skin:e}, more than a list of \
          {room} bytes holds; use a smaller skin, or raise the memory limit"
     )]
     Listed { found: u64, particles: u64, room: u64, skin: f64 },
-    /// A list kept in a periodic box requires exact arithmetic.
+    /// A list that is kept in a periodic box requires exact arithmetic.
     #[error(
         "in a periodic box a kept list works in exact arithmetic, not in {arithmetic}, whose \
          contacts depend on the images of each frame; use exact, or the tracker every-step"
     )]
     Rounded { arithmetic: &'static str },
-    /// The library behind a peer cannot handle the scene.
+    /// The library that a detector calls cannot handle the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },
 }
 
 impl Refusal {
-    /// Returns the refusal with the name of a detector that delegates to another one.
+    /// Returns the refusal of a detector with the name of another one that delegates to it.
     pub(crate) fn of(self, name: &'static str) -> Refusal {
         match self {
             Refusal::Memory { needed, limit, shape, .. } => {
@@ -135,7 +135,7 @@ impl Refusal {
         }
     }
 
-    /// Returns whether memory or its limit is the reason.
+    /// Returns whether a lack of memory or a memory limit is the reason.
     pub fn is_of_memory(&self) -> bool {
         matches!(
             self,
@@ -148,8 +148,8 @@ impl Refusal {
         )
     }
 
-    /// Returns whether the scene is the reason, for every detector alike: too many pairs, or an
-    /// invalid box.
+    /// Returns whether the scene is the reason, so that every detector would refuse it: too many
+    /// pairs, or an invalid box.
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
@@ -165,16 +165,15 @@ impl Refusal {
     }
 }
 
-/// Reserves space in a list for `more` elements. Fails with [`Refusal::Exhausted`] if memory runs
-/// out.
+/// Reserves space for `more` elements. Fails with [`Refusal::Exhausted`] if memory runs out.
 pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
-/// Works as [`reserve`], but panics if memory runs out, for detectors, whose arrays are within the
-/// limit. A program can catch this panic (see [`no_memory`]); an abort of the process cannot be
-/// caught.
+/// Reserves space as [`reserve`] does, but panics if memory runs out, for detectors, whose arrays
+/// are within the limit. A program can catch this panic (see [`no_memory`]), but not an abort of
+/// the process.
 pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     if let Err(Refusal::Exhausted { bytes }) = reserve(list, more) {
         std::panic::panic_any(NoMemory { bytes });
@@ -185,13 +184,13 @@ struct NoMemory {
     bytes: u64,
 }
 
-/// Converts the payload of a panic to a refusal, if a detector ran out of memory.
+/// Returns the refusal that the payload of a panic represents, if a detector ran out of memory.
 pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
     let &NoMemory { bytes } = payload.downcast_ref()?;
     Some(Refusal::Exhausted { bytes })
 }
 
-/// If there are more images per particle than this, the box is much smaller than the particles.
+/// If a particle has more images than this on average, the box is much smaller than the particles.
 const MANY: f64 = 100.0;
 
 fn count(each: f64) -> String {
@@ -208,7 +207,7 @@ mod tests {
             let ask = || must_reserve(&mut Vec::<u64>::new(), more);
             std::panic::catch_unwind(ask).err().and_then(|payload| no_memory(&*payload))
         };
-        // More than half of the address space.
+        // These bytes are half of the address space, more than any allocation may take.
         let bytes = 1 << 63;
         assert_eq!(panics(1 << 60), Some(Refusal::Exhausted { bytes }));
         assert_eq!(panics(1), None);

@@ -11,12 +11,12 @@ use crate::periodic::{Contacts, Finder, Periodic, PeriodicError};
 use crate::probe::Tally;
 use crate::scene::{AnyScene, Lattice, SceneError};
 
-/// A scene prepared for a detector.
+/// A scene that is prepared for an arithmetic.
 #[derive(Debug)]
 pub enum Loaded<'a> {
-    /// A scene in open space, in the storage of the arithmetic.
+    /// A scene in open space, stored as the arithmetic requires.
     Open(AnyScene<'a>),
-    /// A scene in a periodic box, as given.
+    /// A scene in a periodic box, stored as given.
     InBox(Periodic<'a>),
 }
 
@@ -31,12 +31,12 @@ pub enum LoadError {
     Boxed(#[from] PeriodicError),
 }
 
-/// A scene to search, with the rule that decides its contacts.
+/// A scene that can be searched, with the contact test or arithmetic that decides its contacts.
 #[derive(Clone, Copy)]
 pub enum Frame<'a> {
-    /// Open space, with a contact test.
+    /// A scene in open space, with a contact test.
     Open(&'a AnyScene<'a>, Test),
-    /// A periodic box, with an arithmetic.
+    /// A scene in a periodic box, with an arithmetic.
     Boxed(&'a Periodic<'a>, Arithmetic),
 }
 
@@ -50,7 +50,7 @@ impl<'a> Frame<'a> {
 }
 
 impl<'a> Loaded<'a> {
-    /// Returns the scene to search, in the arithmetic for which it was loaded.
+    /// Returns the scene for a search; `arithmetic` must be the one for which it was prepared.
     pub fn frame(&'a self, arithmetic: Arithmetic) -> Frame<'a> {
         match self {
             Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
@@ -64,7 +64,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// Refuses a scene whose contacts without images will almost certainly take more than `limit`
-    /// bytes. Contacts with images are estimated when images are made. Fails with
+    /// bytes. Contacts with images are estimated later, when the images are made. Fails with
     /// [`Refusal::Crowd`].
     pub fn within(&self, limit: u64) -> Result<(), Refusal> {
         crowd::within(self.scene(), limit)
@@ -93,12 +93,12 @@ impl<'a> Loaded<'a> {
     }
 }
 
-/// A detector, with a finder for periodic boxes.
+/// A detector, together with a finder for periodic boxes.
 pub struct Searcher {
     detector: Box<dyn AnyDetector>,
-    /// Holds images if the last scene was in a box.
+    /// Finder that holds images, or `None` if the last scene was in open space.
     finder: Option<Finder>,
-    /// Limit for a list of contacts, in bytes.
+    /// Limit for each list of contacts, in bytes.
     memory_limit: u64,
 }
 
@@ -109,28 +109,27 @@ impl Searcher {
         Searcher { detector: spec.make(options), finder: None, memory_limit }
     }
 
-    /// Returns the limit for a list of contacts, in bytes.
+    /// Returns the limit for each list of contacts, in bytes.
     pub fn memory_limit(&self) -> u64 {
         self.memory_limit
     }
 
-    /// Returns the number of contacts found by the last detection in a box, even if it was refused.
+    /// Returns the number of contacts that the last detection in a box found, even if refused.
     pub fn found_in_box(&self) -> u64 {
         self.finder.as_ref().map_or(0, Finder::found)
     }
 
-    /// Returns the detector for direct use.
+    /// Returns the detector, for calls that need no list of contacts.
     pub fn detector_mut(&mut self) -> &mut dyn AnyDetector {
         &mut *self.detector
     }
 
-    /// Returns the detector.
+    /// Returns the detector that searches the scenes.
     pub fn detector(&self) -> &dyn AnyDetector {
         &*self.detector
     }
 
-    /// Runs one detection and replaces the contents of the lists. This is the operation that is
-    /// timed.
+    /// Runs one detection and replaces the contents of the lists. Benchmarks time this call.
     ///
     /// # Errors
     /// Returns the refusals of the detector; the lists are then empty or hold contacts found before
@@ -145,7 +144,7 @@ impl Searcher {
         self.find(scene.frame(arithmetic), None, contacts)
     }
 
-    /// Works as [`Searcher::list`] and counts every operation.
+    /// Runs one detection as [`Searcher::list`] does, and counts every operation.
     pub fn count(
         &mut self,
         scene: &Loaded<'_>,
@@ -158,7 +157,7 @@ impl Searcher {
         Ok(tally)
     }
 
-    /// Appends the contacts to the lists, and counts operations if there is a tally. Fails as
+    /// Appends the contacts to the lists, and counts operations if `tally` is given. Fails as
     /// [`Searcher::list`]; the lists are then unchanged.
     pub fn find(
         &mut self,
@@ -185,8 +184,8 @@ impl Searcher {
         }
     }
 
-    /// Returns the bytes that the memory formulas of the detector, and of images in a box, give for
-    /// the last scene.
+    /// Returns the bytes of memory for the last scene according to formulas, for the detector and
+    /// for images in a box.
     pub fn formula_bytes(&self) -> u64 {
         self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }

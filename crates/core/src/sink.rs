@@ -1,8 +1,8 @@
-//! Receivers of contacts: a list, a count, a digest, a closure.
+//! Receivers of contacts: a list, a count, a digest or a closure.
 //!
-//! A detector reports every touching pair once, as two particle numbers in any order. The digest
-//! depends neither on the order of pairs nor on the order within a pair. Two detectors agree
-//! exactly when count and digest agree (up to a collision of 64-bit sums).
+//! A detector reports every pair that touches once, as two particle numbers in any order. The
+//! digest depends neither on the order of pairs nor on the order within a pair. Two detectors agree
+//! exactly if count and digest agree (up to a collision of 64-bit sums).
 
 pub use crate::normalise::{normalise, normalise_by, smaller_first};
 pub use contactbench_terms::mix::splitmix64;
@@ -14,7 +14,7 @@ pub trait Sink {
     /// Receives the contact of particles `i` and `j`.
     fn contact(&mut self, i: u32, j: u32);
 
-    /// Receives many contacts at once.
+    /// Receives several contacts at once.
     #[inline]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         for &[i, j] in pairs {
@@ -22,7 +22,7 @@ pub trait Sink {
         }
     }
 
-    /// Receives the lists of several threads.
+    /// Receives the lists of contacts that several threads found.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         for list in lists {
             self.contacts(list);
@@ -59,7 +59,7 @@ impl Sink for Vec<[u32; 2]> {
     }
 }
 
-/// Counts contacts and stores none, for memory measurements that must not include the output.
+/// Counts contacts and stores none, for memory measurements that must not include a list.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Count(pub u64);
 
@@ -84,14 +84,14 @@ impl<F: FnMut(u32, u32)> Sink for Visit<F> {
 /// their order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Digest {
-    /// Number of pairs reported, duplicates included.
+    /// Number of pairs reported, including duplicates.
     pub contacts: u64,
     /// Wrapping sum of `splitmix64(i << 32 | j)` over the pairs with i < j.
     pub sum: u64,
 }
 
 impl Digest {
-    /// Computes the digest of a list of pairs.
+    /// Returns the digest of a list of pairs.
     pub fn from_pairs(pairs: &[[u32; 2]]) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in pairs {
@@ -101,9 +101,9 @@ impl Digest {
     }
 
     /// Adds the contact of particle `i` with the image of `j` shifted by these vectors of a
-    /// periodic box; each touching image is a separate contact. The order of `i` and `j` does not
-    /// matter: the contact of `j` with the image of `i` by the negated shift is the same. Without a
-    /// shift the result equals that of an open scene.
+    /// periodic box. Each image that touches is a separate contact. The order of `i` and `j` does
+    /// not matter: the contact of `j` with the image of `i` by the negated shift is the same
+    /// contact. Without a shift the result equals that of an open scene.
     pub fn image(&mut self, i: u32, j: u32, image: [i32; 3]) {
         self.contacts += 1;
         let reverse = image.map(i32::wrapping_neg);

@@ -294,8 +294,7 @@ pub struct Imaged<'a, const D: usize> {
 pub enum Decided<'a> {
     /// A test of the stored positions decides.
     Test(Test),
-    /// A callback decides, exactly from the true positions; stored positions only approximate
-    /// these.
+    /// A callback decides exactly from true positions, which stored positions only approximate.
     Asked(Asked<'a>),
 }
 
@@ -325,8 +324,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Creates the bounds of a test rounded in `T`; refuses a largest diameter whose square
-    /// overflows.
+    /// Creates the bounds of a rounded test. Fails if the square of the diameter overflows `T`.
     fn rounded<T: Real>(r: T, margin: Margin) -> Result<Envelope, Refusal> {
         let (sum, diameter) = (r.plus(r), 2.0 * r.wide());
         if !(sum * sum).finite() {

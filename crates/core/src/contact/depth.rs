@@ -64,8 +64,7 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     }
     let (d, s, power) = (d.sqrt(), s.sqrt(), (d_power - s_power) / 2);
     if power > 64 {
-        // The particles are far apart, with d/s > 2^32: nothing cancels. The result may be
-        // -infinity.
+        // The particles are far apart: d/s > 2^32, nothing cancels; the result may be -infinity.
         return 2.0 * (1.0 - libm::scalbn(d / s, power));
     }
     let depth = libm::scalbn(2.0 * rest / (s * (s + libm::scalbn(d, power))), rest_power - s_power);

@@ -191,8 +191,7 @@ pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let shifted = u128::from(mantissa) << (shift % 64);
     let mut words = [0; W];
     words[shift / 64] = shifted as u64;
-    // The largest double ends at bit 2098, in word 32. If the array ends there, the upper half is
-    // zero.
+    // The largest double ends in word 32. If the array ends there, `shifted >> 64` is zero.
     if let Some(word) = words.get_mut(shift / 64 + 1) {
         *word = (shifted >> 64) as u64;
     }

@@ -31,8 +31,7 @@
 //! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
 //! rounding: [`Imaged`], made by [`crate::periodic`].
 //!
-//! **Steps.** Whether two moving particles touch between two frames is also decided exactly:
-//! [`swept`].
+//! **Steps.** [`swept`] decides exactly whether two moving particles touch between two frames.
 
 pub mod bodies;
 pub mod depth;

@@ -182,8 +182,7 @@ mod tests {
         assert!(touching > all / 3 && touching < all * 9 / 10, "{touching} of {all}");
     }
 
-    /// Compares all flights between integer points with the nearest point of a segment, computed in
-    /// integers.
+    /// Compares all flights between integer points with the nearest point in integer arithmetic.
     #[test]
     fn all_flights_on_a_lattice_agree_with_the_nearest_point_of_a_segment() {
         let (mut touching, mut tunnelled) = (0, 0);

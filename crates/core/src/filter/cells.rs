@@ -1,5 +1,4 @@
-//! Cells: integerised coordinates, with cells wide enough that touching particles are never two
-//! cells apart.
+//! Cells: integerised coordinates, such that touching particles are never two cells apart.
 //!
 //! The book uses cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In real
 //! numbers two particles that touch are then at most one cell apart per axis. After rounding they

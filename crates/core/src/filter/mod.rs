@@ -139,8 +139,7 @@ impl Near {
     }
 }
 
-/// Returns whether `low` <= `high` are so far apart that a pair with this reach cannot touch
-/// (section 2).
+/// Returns whether `low` <= `high` are too far apart for a pair with this reach (section 2).
 #[inline(always)]
 pub fn beyond(low: f64, high: f64, reach: f64) -> bool {
     high - low > reach

@@ -120,8 +120,7 @@ impl Contacts {
         Ok(found)
     }
 
-    /// Stores lists that were continued from this value's lists; on an error, drops their
-    /// additions.
+    /// Stores lists that continue this value's lists; drops the additions after an error.
     pub(super) fn end(
         &mut self,
         plain: PairList<'_>,

@@ -209,8 +209,7 @@ impl<const D: usize> Frame<D> {
         })
     }
 
-    /// Returns the rounded position of an image of the particle at `x`. It is not finite if it
-    /// overflows.
+    /// Returns the rounded position of an image of a particle at `x`; not finite if it overflows.
     pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
         shifted(x, image, &self.vectors)
     }

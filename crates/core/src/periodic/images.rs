@@ -22,8 +22,7 @@ use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
 /// Makes images and keeps its buffers from one scene to the next.
 #[derive(Default)]
 pub struct Images<const D: usize> {
-    /// Positions of particles, with `wraps`, the shift that moved each; both are empty if none was
-    /// moved.
+    /// Positions of particles, and in `wraps` their shifts; both empty if no particle was moved.
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
     /// One-byte codes of `wraps`. Nearly all pairs have equal codes, which mean equal shifts.
@@ -175,8 +174,7 @@ impl<const D: usize> Images<D> {
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            // If a file's box begins far from its particles, the guess is too high or too low and
-            // does not help.
+            // If a file's box begins far from its particles, the guess does not help.
             let idle = found.candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();

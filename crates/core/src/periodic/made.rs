@@ -142,8 +142,7 @@ impl<'a, const D: usize> Made<'a, D> {
         self.largest_radius
     }
 
-    /// Copies particles and images into an open scene. Fails with [`Refusal::Exhausted`] if memory
-    /// runs out.
+    /// Copies particles and images into an open scene. Fails if memory runs out.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
         let mut centres = Vec::new();

@@ -29,8 +29,7 @@ impl<const D: usize> Copies<D> {
     /// Returns particles and images as the arithmetic stores them, or `None` if it stores f64.
     ///
     /// # Errors
-    /// Returns [`Refusal::Stored`] if the numbers do not fit, [`Refusal::Exhausted`] if memory runs
-    /// out.
+    /// Returns [`Refusal::Stored`] if numbers do not fit, [`Refusal::Exhausted`] without memory.
     pub fn of(
         &mut self,
         made: &Made<'_, D>,
@@ -81,8 +80,7 @@ impl<T: Real, const D: usize> Copied<T, D> {
     }
 }
 
-/// Replaces the contents of a buffer. A buffer that is too small is freed before a larger one is
-/// allocated.
+/// Replaces the contents of a buffer; one that is too small is freed before the allocation.
 fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) -> Result<(), Refusal> {
     buffer.clear();
     if items.len() > buffer.capacity() {

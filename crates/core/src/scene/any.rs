@@ -133,8 +133,7 @@ impl<'a> AnyScene<'a> {
         with_scene!(self, scene => matches!(scene.radii(), Radii::Uniform(_)))
     }
 
-    /// Returns the largest radius, without rounding; 0 for an empty scene with a radius per
-    /// particle.
+    /// Returns the largest radius, without rounding; 0 if the list of radii is empty.
     pub fn largest_radius(&self) -> f64 {
         with_scene!(self, scene => scene.largest_radius().wide())
     }

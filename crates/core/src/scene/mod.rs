@@ -179,7 +179,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         self.centres.is_empty()
     }
 
-    /// Returns the largest radius; 0 for an empty scene with a radius per particle.
+    /// Returns the largest radius; 0 if the list of radii is empty.
     pub fn largest_radius(&self) -> T {
         match &self.radii {
             Radii::Uniform(r) => *r,

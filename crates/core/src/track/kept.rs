@@ -96,8 +96,7 @@ impl<const D: usize> Kept<D> {
             return None;
         }
         let (first, second) = (at_most(top.first), at_most(top.second));
-        // The sum is at least the largest displacement, as in real numbers, even if a box moves
-        // particles.
+        // The sum is at least the largest displacement, as in real numbers, even in moving boxes.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
@@ -132,8 +131,7 @@ impl<const D: usize> Kept<D> {
         }
         let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
         let each = match scene.radii() {
-            // Bytes per particle of three radii: in the scene's order, by place, and enlarged (only
-            // in a build).
+            // Bytes of three radii per particle: in the scene's order, by place, and enlarged.
             Radii::Each(_) => 24,
             Radii::Uniform(_) => 0,
         };

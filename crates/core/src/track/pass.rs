@@ -19,8 +19,7 @@ pub(super) struct Pass<'a, R, A> {
 }
 
 pub(super) trait Reach {
-    /// Returns two limits for the squared distance of each of sixteen pairs: see [`within`] and
-    /// [`beyond`].
+    /// Returns limits for the squared distances of sixteen pairs: [`within`] and [`beyond`].
     fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2];
 }
 

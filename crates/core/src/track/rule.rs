@@ -98,8 +98,7 @@ impl Rule {
         }
     }
 
-    /// Returns whether a list with this skin and age must be rebuilt. A negative skin forces a
-    /// rebuild.
+    /// Returns whether a list must be rebuilt at this age. A negative skin forces a rebuild.
     pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
             Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
@@ -176,8 +175,7 @@ mod tests {
         let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, 1.0).build).collect();
         assert_eq!(looks, [6, 9, 12]);
         assert!((1..13).all(|age| rule.is_due(age, &near, 1.0) == Due::default()));
-        // `max(delay, every)` is not a multiple of `every` here, so LAMMPS never reports a
-        // dangerous build.
+        // As `max(delay, every)` is not a multiple of `every`, LAMMPS reports no dangerous build.
         assert!((1..13).all(|age| !rule.is_due(age, &far, 1.0).dangerous));
         let rule = Rule::Lammps { delay: 0, every: 3, check: true };
         let dangerous: Vec<u32> =

@@ -67,8 +67,7 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
-    /// Taking squares in blocks gives the same as one by one, wherever the two largest are, even if
-    /// equal.
+    /// Taking squares in blocks or one by one gives the same, wherever the two largest are.
     #[test]
     fn the_two_farthest_are_found_among_all_blocks() {
         for case in 0..200u32 {

@@ -115,8 +115,7 @@ impl Tuner {
     }
 }
 
-/// Returns the skin of least cost in diameters, or `None` if calling the detector in every step
-/// costs less.
+/// Returns the skin of least cost in diameters, or `None` if the detector alone costs less.
 fn best(costs: Costs, served: &Served) -> Option<f64> {
     let Costs { build, make, detect } = costs;
     let Served { age, together, skin, listed, touching, dim } = *served;

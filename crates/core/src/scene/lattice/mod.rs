@@ -89,8 +89,7 @@ impl Lattice {
                 if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
                     return Err(LatticeError::Range { vector, length });
                 }
-                // A zero vector is reported, because it makes the heights of the other vectors
-                // undefined.
+                // A zero vector is reported, because it makes the other vectors' heights undefined.
                 let none = (0..3).find(|&v| periodic[v] && most(v) == 0.0);
                 let height = if height.is_nan() { 0.0 } else { height };
                 return Err(LatticeError::Flat { vector: none.unwrap_or(vector), height });

@@ -92,8 +92,7 @@ impl Basis<'_> {
         (dot(self.vectors[a], self.vectors[b]), dot(self.vectors[b], self.vectors[b]))
     }
 
-    /// Adds multiples of the other vectors to vector `a` if that shortens it; returns whether it
-    /// did.
+    /// Adds multiples of other vectors to vector `a` if that shortens it; returns whether it did.
     fn add(&mut self, a: usize, by: [i64; 3]) -> bool {
         let row = self.numbers.map(|row| row.map(i64::from));
         // A sum is at most 2^29 plus three times 2^29 · 2^29, so it does not overflow.
