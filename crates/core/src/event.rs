@@ -22,7 +22,8 @@ pub enum Event {
     Push { heads: char, list: usize, particle: u32, next: Option<u32> },
     /// The head of a list was read.
     Look { heads: char, list: usize, first: Option<u32> },
-    /// The head of a list was read and, if new and not empty, marked old; `old` is its old mark.
+    /// The head of a list was read, and marked old if it was new and not empty. `old` is whether it
+    /// was old before.
     Take { heads: char, list: usize, first: Option<u32>, old: bool },
     /// The head of a list was set to empty and new.
     Reset { heads: char, list: usize },
@@ -45,7 +46,8 @@ pub enum Event {
     Compare { place: usize },
     /// The range of places with a cell's particles was found.
     Found { cell: [u32; 2], places: [usize; 2] },
-    /// A node of the tree was visited; the search continues in its `half`, or in both if `None`.
+    /// A node of the tree was visited. The search continues in its half `half`, or in both halves
+    /// if that is `None`.
     Node { node: u32, half: Option<usize> },
     /// A node was created as this half of its parent.
     Made { node: u32, parent: u32, half: usize },

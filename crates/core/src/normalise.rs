@@ -25,7 +25,7 @@ pub fn normalise(pairs: &mut [[u32; 2]]) {
     normalise_by(1, pairs);
 }
 
-/// Works as [`normalise`] with up to this many of rayon's threads if there are many pairs.
+/// Works as [`normalise`], with up to `threads` of rayon's threads if there are many pairs.
 pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     let most = Level::best().run(Turn(pairs));
     let bits = u32::BITS - most.leading_zeros();

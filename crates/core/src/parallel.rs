@@ -26,7 +26,7 @@ pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     for_each_by(items.len(), items, work);
 }
 
-/// Works as [`for_each`] on at most this many threads.
+/// Works as [`for_each`] on at most `threads` threads.
 pub fn for_each_by<A: Send>(threads: usize, items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     if let [item] = items {
         return work(0, item);

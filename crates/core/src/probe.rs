@@ -21,7 +21,7 @@ pub trait Probe {
     fn count(&mut self, op: Op) {
         self.add(op, 1);
     }
-    /// Receives an event that can be shown. It is created only if the probe uses events.
+    /// Receives an event: a step of a detector. It is created only if the probe uses events.
     #[inline(always)]
     fn note(&mut self, _: impl FnOnce() -> Event) {}
 }

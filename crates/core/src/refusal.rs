@@ -148,8 +148,8 @@ impl Refusal {
         )
     }
 
-    /// Returns whether the scene is the reason, so that every detector would refuse it: too many
-    /// pairs, or an invalid box.
+    /// Returns whether every detector would refuse the scene: it has too many pairs or images, an
+    /// invalid box, or too little memory.
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
@@ -190,7 +190,7 @@ pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
     Some(Refusal::Exhausted { bytes })
 }
 
-/// If a particle has more images than this on average, the box is much smaller than the particles.
+/// Number of images per particle above which the box is much smaller than the particles.
 const MANY: f64 = 100.0;
 
 fn count(each: f64) -> String {

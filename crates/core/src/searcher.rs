@@ -114,7 +114,8 @@ impl Searcher {
         self.memory_limit
     }
 
-    /// Returns the number of contacts that the last detection in a box found, even if refused.
+    /// Returns the number of contacts that the last detection in a box found, even if it was
+    /// refused.
     pub fn found_in_box(&self) -> u64 {
         self.finder.as_ref().map_or(0, Finder::found)
     }

@@ -168,8 +168,8 @@ pub trait WithBodies<T: Real, const D: usize> {
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output;
 }
 
-/// Calls `then` with the type of contact test that fits the radii and `test`; this is chosen once
-/// per detection. A rounded test is rounded in f64.
+/// Calls `then` with the type of contact test that fits the radii and `test`. The type is chosen
+/// once per detection. A rounded test is rounded in f64.
 ///
 /// # Errors
 /// Returns [`Refusal::Overflow`] if the test is rounded and the square of the largest diameter

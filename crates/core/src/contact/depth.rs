@@ -72,7 +72,8 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     sign * depth.max(f64::from_bits(1))
 }
 
-/// Returns (m, p) with a value of m·2^p, p even and m < 2^64, cut to 63 or 64 bits, then rounded.
+/// Returns (m, p) such that m·2^p is the number, cut to 63 or 64 bits and then rounded; p is even
+/// and m < 2^64.
 fn leading(words: &[u64]) -> (f64, i32) {
     let Some(top) = words.iter().rposition(|&word| word != 0) else {
         return (0.0, 0);

@@ -8,7 +8,7 @@
 //! * c <= 0: they touch at the beginning.
 //! * a + 2b + c <= 0: they touch at the end.
 //! * a > 0, -a <= b <= 0 and b² >= ac: the minimum of the parabola lies within the step and is not
-//!   above 0. (If a = 0, neither moves, and the ends have decided.)
+//!   above 0. (If a = 0, the difference is constant, and the ends decide.)
 //!
 //! A pair that satisfies only the last condition is a *tunnelled* contact. A program that tests at
 //! the ends of steps misses it with any neighbour list; a smaller time step finds it.

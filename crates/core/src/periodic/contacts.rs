@@ -67,7 +67,7 @@ impl Contacts {
         if found > limit / IMAGE_PAIR_BYTES {
             return Err(Refusal::Pairs { found, particles: particles as u64, room: limit });
         }
-        // The result coexists with the two lists.
+        // The result and the two lists are in memory at the same time.
         reserve(&mut pairs, self.plain.len() + self.shifted.len())?;
         pairs.extend(without_shift(&self.plain).chain(self.shifted.iter().copied()));
         pairs.sort_unstable();

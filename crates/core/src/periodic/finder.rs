@@ -1,4 +1,4 @@
-//! Finds the contacts of a periodic scene with any detector, call after call.
+//! Finds the contacts of periodic scenes with any detector; buffers are kept between calls.
 
 use super::contacts::{Contacts, List};
 use super::crowded;
@@ -172,7 +172,7 @@ struct Sorted<'a, const D: usize> {
     shifted: List,
 }
 
-/// Number of pairs that are examined, and usually copied, together: few involve an image.
+/// Number of pairs that are examined together, and copied together if none has an image.
 const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {

@@ -39,9 +39,9 @@ const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 struct Budget {
     particles: u64,
     limit: u64,
-    /// Bytes needed whatever the number of images.
+    /// Number of bytes that does not depend on the number of images.
     fixed: f64,
-    /// Bytes per image.
+    /// Number of bytes for each image.
     each: f64,
     reach: f64,
 }
@@ -174,7 +174,8 @@ impl<const D: usize> Images<D> {
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            // If a file's box begins far from its particles, the guess does not help.
+            // If a file's box begins far from its particles, guessing which are near a face does
+            // not help.
             let idle = found.candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();
@@ -242,7 +243,7 @@ impl<const D: usize> Images<D> {
         self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
     }
 
-    /// Makes up to `room` images. Returns how many are needed, and, if all fit, all corners.
+    /// Makes up to `room` images. Returns the number needed and, if all fit, the bounding corners.
     fn fill_as_far_as(
         &mut self,
         room: usize,

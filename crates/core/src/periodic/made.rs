@@ -90,7 +90,7 @@ impl<'a, const D: usize> Made<'a, D> {
         touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors })
     }
 
-    /// Returns the owners, and the shift of the second owner that gives the same difference.
+    /// Returns the owners of `a` and `b`, and the shift of the second relative to the first.
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
         let [a, b] = [a, b].map(|body| self.body(body as usize));
         ([a.owner, b.owner], std::array::from_fn(|k| b.image[k] - a.image[k]))

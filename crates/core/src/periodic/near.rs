@@ -104,7 +104,7 @@ impl Reach {
         Reach { unit, slack, largest_radius }
     }
 
-    /// Returns R for a particle of this radius, if storing moves particles by `storing`.
+    /// Returns the reach R for a particle of this radius, if storing moves particles by `storing`.
     fn of(&self, radius: f64, storing: f64) -> f64 {
         (self.slack.reach(radius, self.largest_radius) + storing) * (1.0 + 16.0 * self.unit)
     }
@@ -214,7 +214,8 @@ where
         let is_near = |numbers: &[f64; C]| {
             numbers.iter().zip(&below).fold(false, |near, (number, below)| near | (number <= below))
         };
-        // Four minima are updated in turn, so that a comparison need not wait for the one before.
+        // Four sets of extremes are updated in turn, so that no comparison waits for the one
+        // before.
         const TURNS: usize = 4;
         let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
         let mut widen = |numbers: &[f64; C], turn: usize| {
@@ -237,7 +238,7 @@ where
         for (group, some) in groups.iter().enumerate() {
             let all = some.each_ref().map(|x| numbers(array(x)));
             all.iter().zip(0..).for_each(|(numbers, turn)| widen(numbers, turn));
-            // Most groups of particles have none to be listed.
+            // Most groups have no particle that must be listed.
             if all.iter().fold(false, |any, numbers| any | is_near(numbers)) {
                 (0..TURNS).for_each(|k| look(array(&some[k]), &all[k], group * TURNS + k));
             }

@@ -29,7 +29,8 @@ impl<const D: usize> Copies<D> {
     /// Returns particles and images as the arithmetic stores them, or `None` if it stores f64.
     ///
     /// # Errors
-    /// Returns [`Refusal::Stored`] if numbers do not fit, [`Refusal::Exhausted`] without memory.
+    /// Returns [`Refusal::Stored`] if numbers do not fit, or [`Refusal::Exhausted`] if memory runs
+    /// out.
     pub fn of(
         &mut self,
         made: &Made<'_, D>,

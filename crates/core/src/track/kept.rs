@@ -102,9 +102,9 @@ impl<const D: usize> Kept<D> {
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
     }
 
-    /// Lists all pairs whose surfaces are at most twice `half` plus the rounding of the contact
-    /// test apart in this frame. All centres are within `corners`. Returns false if the box is so
-    /// long that rounding makes a list useless.
+    /// Lists all pairs of this frame whose gap is at most twice `half` plus the rounding of the
+    /// contact test. All centres are within `corners`. Returns false if the box is so long that
+    /// rounding makes a list useless.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
@@ -273,7 +273,7 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
         let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
         let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
         for (k, (spots, then)) in blocks.enumerate() {
-            // This loop only loads, so that many loads wait for memory at the same time.
+            // This loop only reads memory, so that many reads wait at the same time.
             for (at, spot) in block.iter_mut().zip(&*spots) {
                 *at = wide(&centres[spot.id as usize]);
             }

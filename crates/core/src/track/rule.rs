@@ -175,7 +175,7 @@ mod tests {
         let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, 1.0).build).collect();
         assert_eq!(looks, [6, 9, 12]);
         assert!((1..13).all(|age| rule.is_due(age, &near, 1.0) == Due::default()));
-        // As `max(delay, every)` is not a multiple of `every`, LAMMPS reports no dangerous build.
+        // Here `max(delay, every)` is not a multiple of `every`, so no build counts as dangerous.
         assert!((1..13).all(|age| !rule.is_due(age, &far, 1.0).dangerous));
         let rule = Rule::Lammps { delay: 0, every: 3, check: true };
         let dangerous: Vec<u32> =

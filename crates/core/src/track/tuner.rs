@@ -171,7 +171,7 @@ mod tests {
             let predicted = (excess * step / (3.0 * 6.0)).sqrt().max(LEAST);
             let ratio = tuner.skin / predicted;
             assert!((0.5..=1.5).contains(&ratio), "{step}: {} for {predicted}", tuner.skin);
-            // The best skin is stable: learning from it changes nothing.
+            // The best skin is stable: learning from it changes it little.
             let before = tuner;
             tuner.learn(&served(step, tuner.skin));
             assert!((tuner.skin / before.skin - 1.0).abs() < 0.3, "{step}: {tuner:?}");

@@ -79,8 +79,8 @@ impl Avx2 {
         }
     }
 
-    /// Loads the points of one side of pairs r and 4 + r. Four such vectors, transposed in blocks
-    /// of 4x4 lanes, yield the pairs in order.
+    /// Loads the first or second points, by `side`, of pairs r and 4 + r. Four such vectors,
+    /// transposed in blocks of 4x4 lanes, yield the pairs in order.
     ///
     /// # Safety
     /// The places of the pairs must be below the number of spots.

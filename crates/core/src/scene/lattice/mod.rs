@@ -49,8 +49,8 @@ pub enum LatticeError {
     Plane { vector: usize, value: f64 },
 }
 
-/// Smallest height of a box relative to the vector's length, after reduction to the shortest
-/// vectors. Below it the dual vectors, which filters need, would have few correct digits.
+/// Smallest accepted height of a box relative to the vector's length, after reduction to the
+/// shortest vectors. Below it the dual vectors, which filters need, would have few correct digits.
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
@@ -81,7 +81,8 @@ impl Lattice {
         let (reduced, _) = lattice.reduced();
         for vector in (0..3).filter(|&vector| periodic[vector]) {
             let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));
-            // Also true if a square overflows or underflows, which makes the height NaN.
+            // The condition is also true if a square overflows or underflows, so that the height is
+            // NaN.
             if !(height > FLATTEST * length && height.is_normal()) {
                 let most = |v: usize| vectors[v].into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
                 let mut lengths = (0..3).filter(|&v| periodic[v]).map(|v| (v, most(v)));
@@ -172,7 +173,8 @@ impl Lattice {
         if let Some(second) = second {
             span[1] = unit(without(self.vectors[second], span[0]));
         }
-        // Subtracted twice, because rounding of a long part leaves a remainder the first time.
+        // Each direction is subtracted twice: rounding of a long part leaves a remainder the first
+        // time.
         for direction in [span[0], span[1], span[0], span[1]] {
             left = without(left, direction);
         }

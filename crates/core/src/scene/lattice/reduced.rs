@@ -16,8 +16,8 @@ use super::{Lattice, dot, norm};
 
 /// Limit for the magnitudes of the integers that combine vectors.
 const MOST: i64 = 1 << 29;
-/// A vector is replaced only if the square of its length falls below this part, so that rounding
-/// cannot cause a cycle.
+/// A vector is replaced only if the square of its length falls below this part of the old one, so
+/// that rounding cannot cause a cycle.
 const SHORTER: f64 = 1.0 - 1.0 / (1u64 << 30) as f64;
 
 /// Integers that combine new vectors from the given ones, one row per new vector.
@@ -32,7 +32,7 @@ impl Lattice {
     /// some whose integers would reach 2^29.
     pub fn reduced(&self) -> (Lattice, Numbers) {
         let mut basis = Basis { given: self, numbers: AS_GIVEN, vectors: self.vectors };
-        // Each turn makes some square shorter, and a square can be halved less than 4096 times.
+        // Each turn shortens a vector. The square of its length can be halved less than 4096 times.
         for _ in 0..10_000 {
             if !basis.shorten() {
                 break;
@@ -111,7 +111,7 @@ impl Basis<'_> {
     }
 }
 
-/// Returns x + S·H, rounded, or infinite if it overflows. `periodic/frame.rs` bounds the error.
+/// Returns x + S·H, rounded; not finite if it overflows. `periodic/frame.rs` bounds the error.
 pub(crate) fn shifted<const D: usize>(
     x: &[f64; D],
     image: [i32; 3],
