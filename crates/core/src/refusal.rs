@@ -148,8 +148,8 @@ impl Refusal {
         )
     }
 
-    /// Returns whether every detector would refuse the scene: it has too many pairs or images, an
-    /// invalid box, or too little memory.
+    /// Returns whether every detector would refuse the scene: too many pairs or images, an invalid
+    /// box, or too little memory.
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
