@@ -15,8 +15,8 @@
 //!
 //! A filter decides in f64. Let S be the sum of R and of the magnitudes of all coordinates of p and
 //! q. Then |a|, |b|, |c| <= 4 S², and each is computed with at most ten roundings of terms whose
-//! sum has the same bound, so its error is below E = 64u S². The error of b² - ac is below E (2|b|
-//! + a + |c|) + 2E², and two products and a difference add less than E (|b| + a). The error
+//! sum has the same bound, so its error is below E = 64u S². The error of b² - ac is below
+//! E (2|b| + a + |c|) + 2E², and two products and a difference add less than E (|b| + a). The error
 //! vanishes with a and b, so the filter also decides particles that hardly move. Integers of
 //! unlimited length decide all pairs nearer to a limit than the error, and numbers whose fourth
 //! powers leave the range of f64.

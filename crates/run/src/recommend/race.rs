@@ -2,13 +2,13 @@
 //! over.
 //!
 //! * Probes take up to half of the time. Each detector is started, loads the scene, takes one
-//!   sample, and its answer is judged. A probe may take [`PATIENCE`] times as long as the fastest.
-//!   A detector that takes over 12 times the fastest's time drops out ([`HOPELESS`]); for the
+//!   sample, and its answer is judged. A probe may take `PATIENCE` times as long as the fastest.
+//!   A detector that takes over 12 times the fastest's time drops out (`HOPELESS`); for the
 //!   others, memory is measured.
 //! * In each block, each detector takes a sample in random order, and the fastest a second one as
 //!   its own twin. Each sample has a new process; all of a block run on one processor. A detector
 //!   that takes over 3 times the fastest's time in each of the first two blocks drops out
-//!   ([`FAR`]). After [`FEWEST`] blocks, so does one whose interval lies above 1.5 ([`BEHIND`]).
+//!   (`FAR`). After `FEWEST` blocks, so does one whose interval lies above 1.5 (`BEHIND`).
 //!   Two always remain, so that their ratio is measured.
 
 use std::path::Path;
