@@ -91,8 +91,7 @@ impl Columns {
         Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
-    /// Takes the first two of `count` unnamed columns as the pair. If two or three more follow, they
-    /// are the image.
+    /// Takes the first two of `count` unnamed columns as the pair. Two or three more are the image.
     pub fn bare(count: usize) -> Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };
