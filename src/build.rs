@@ -46,8 +46,7 @@ fn main() {
     for path in &sources {
         println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
-    // A commit changes no source, so Cargo would not run this script again. It matters only if
-    // sources were uncommitted.
+    // A commit changes no source, so Cargo also watches git's HEAD while sources are uncommitted.
     if dirty == "true" {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);

@@ -4,7 +4,7 @@
 //! operations, and how wrong is it? Every detector gets exactly the same input, and every
 //! measurement becomes one row with time, operation counts, bytes, a verified result and its error.
 //!
-//! The modules, in the order of the data; no module imports a later one:
+//! The modules, in the order in which data pass through them; no module imports a later one:
 //!
 //! 1. [`scene`]: generators, and files ([`io`]), give centres and radii.
 //! 2. The crate `contactbench-core` finds and counts contacts: [`contact`], [`filter`], [`detect`],

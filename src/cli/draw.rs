@@ -180,7 +180,7 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         film.take(&frame, &pairs, step.built)?;
         k += 1;
     }
-    // An unreadable frame counts as one more.
+    // Whether the file has further frames; one that cannot be read counts, too.
     let more = recorded && k == count && !matches!(next(k), Ok(None));
     drop(progress);
     let (html, place) = (film::html(&film), options.out.display());

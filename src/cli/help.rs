@@ -29,10 +29,10 @@ pub fn template() -> StyledStr {
     text.into()
 }
 
-/// A new line, and the width of the verbs.
+/// A line break, and the indentation of continued descriptions of verbs.
 const INDENT: &str = "\n                ";
 
-/// The end of a verb's page.
+/// Formats the end of a verb's help: its examples, and where to read more.
 pub fn examples(examples: &[&str], more: &str) -> String {
     let mut text = String::from("Examples:\n");
     for example in examples {

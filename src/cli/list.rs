@@ -45,7 +45,7 @@ struct Item {
 }
 
 impl What {
-    /// All but the hundred hard cases, which would bury the rest.
+    /// The kinds listed by default: all but the hundred hard cases, which would hide the rest.
     const USUAL: [What; 6] = [
         What::Detectors,
         What::Arithmetics,
@@ -55,7 +55,7 @@ impl What {
         What::Experiments,
     ];
 
-    /// Returns the name in JSON, and the title of the table.
+    /// Returns the key in JSON, and the title of the table.
     fn names(self) -> [&'static str; 2] {
         match self {
             What::Detectors => [
@@ -93,7 +93,7 @@ impl What {
         })
     }
 
-    /// Returns a table of names, each with its lines and an empty one.
+    /// Returns a table with two columns: each name, and its lines with an empty line below.
     fn table(self) -> anyhow::Result<Table> {
         let names = PEERS.map(|peer| peer.name).join(", ");
         let libraries = format!("libraries, with the cargo feature peers: {names}");
@@ -120,7 +120,8 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
         terminal::json(&Value::Object(all))?;
     } else {
         for what in wanted {
-            // Reasons are long, so they are wrapped in files too.
+            // Hard cases have long reasons, so they are wrapped even if the output is not a
+            // terminal.
             let most = if what == What::HardCases { 100 } else { usize::MAX };
             writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }

@@ -64,7 +64,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     if entries != Ledger::default() {
         write(options.out.join(ledger::FILE), &entries.text())?;
     }
-    // A partial record must not look like a whole one.
+    // Rows go to a temporary name, so that a half-written record is not taken for a whole one.
     let half = options.out.join(".samples.jsonl.part");
     let cannot = || format!("cannot write {}; {other}", path.display());
     if half.exists() {
@@ -80,7 +80,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // A folder that is not a shard may hold the missing rows.
+    // Prints no missing shards if one folder is not a shard, because it may hold their rows.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();

@@ -191,11 +191,11 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Sets rayon's number of threads. One thread needs no pool, whose worker would allocate while
-/// memory is measured.
+/// Sets rayon's number of threads. For one thread it makes no pool, because the pool's worker would
+/// allocate while memory is measured.
 fn use_threads(threads: usize) {
     if threads > 1 {
-        // Fails only if there is a pool already; nothing before this call makes one.
+        // This call fails only if rayon's pool exists, and no earlier code makes it.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
 }

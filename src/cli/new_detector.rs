@@ -1,4 +1,4 @@
-//! `contactbench new-detector`: writes a working detector, and its lines in the table.
+//! `contactbench new-detector`: writes a working detector, and adds it to the table of detectors.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const TYPE: &str = "NewDetector";
 /// Folder of the detectors in a checkout.
 const FOLDER: &str = "crates/core/src/detect";
 
-/// Reserved words of Rust, and names that would confuse.
+/// Reserved words of Rust, and names that would be confusing.
 const KEYWORDS: [&str; 60] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
     "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
@@ -40,23 +40,23 @@ pub struct NewDetector {
 }
 
 struct Names {
-    /// In the table: `quad-tree`.
+    /// Name in the table, as in `quad-tree`.
     name: String,
-    /// The module: `quad_tree`.
+    /// Name of the module, as in `quad_tree`.
     module: String,
-    /// The type: `QuadTree`.
+    /// Name of the type, as in `QuadTree`.
     kind: String,
 }
 
-/// A file to write.
+/// A file to write, new or changed.
 struct Change {
     path: PathBuf,
-    /// Its present text; `None` for a new file.
+    /// Present text of the file; `None` for a new file.
     before: Option<String>,
     after: String,
 }
 
-/// Writes all files or none.
+/// Writes the module of a new detector and its entries; writes all files or none.
 pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
     let changes = changes(&options.root, &names)?;
@@ -163,7 +163,7 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     ])
 }
 
-/// Iterates over the public modules of a file: start of the line, and name.
+/// Iterates over the lines `pub mod NAME;` of a file: offset of the line in bytes, and name.
 fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let starts = text.split_inclusive('\n').scan(0, |start, line| {
         *start += line.len();
@@ -174,11 +174,11 @@ fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Returns the text with the module's line in alphabetical order.
+/// Inserts `pub mod` for the module into the text, in alphabetical order.
 fn with_module(text: &str, module: &str) -> Option<String> {
     let last = module_lines(text).last()?;
     let at = match module_lines(text).find(|(_, other)| *other > module) {
-        // Attributes and comments before a module belong to it.
+        // The line goes above the attributes and comments of the next module.
         Some((start, _)) => {
             let before = text[..start].split_inclusive('\n').rev();
             start
@@ -192,7 +192,7 @@ fn with_module(text: &str, module: &str) -> Option<String> {
     Some(format!("{}pub mod {module};\n{}", &text[..at], &text[at..]))
 }
 
-/// Returns the text with the entry before the controls, or at the end of the table.
+/// Inserts the entry into the table, before the controls or else at the end.
 fn with_line(text: &str, entry: &str) -> Option<String> {
     let begin = text.find("pub static TABLE: &[Entry] = &[\n")?;
     let end = begin + text[begin..].find("\n];\n")? + 1;
@@ -205,7 +205,7 @@ fn with_line(text: &str, entry: &str) -> Option<String> {
 fn entry(Names { name, module, kind }: &Names) -> String {
     let kind = format!("super::{module}::{kind}");
     let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
-    // rustfmt breaks long lines.
+    // rustfmt would break a line of more than 100 columns.
     if constructor.len() > 101 {
         constructor = format!(
             "        constructor: Both::<\n            {kind},\n            {kind},\n        \
@@ -222,7 +222,7 @@ fn entry(Names { name, module, kind }: &Names) -> String {
     )
 }
 
-/// Writes all files beside their places, then renames them: no file is ever half written, and
+/// Writes all files under temporary names, then renames them: no file is ever half written, and
 /// nothing changes unless all could be written.
 fn write_all(changes: &[Change]) -> anyhow::Result<()> {
     let written = |change: &Change| -> std::io::Result<tempfile::NamedTempFile> {
@@ -241,7 +241,7 @@ fn write_all(changes: &[Change]) -> anyhow::Result<()> {
         files.push(file.with_context(|| format!("cannot write {name}; nothing was changed"))?);
     }
     for (file, Change { path, before, .. }) in files.into_iter().zip(changes) {
-        // A file that has appeared in the meantime is kept.
+        // A new file never replaces one that another program has made meanwhile.
         let put = match before {
             None => file.persist_noclobber(path),
             Some(_) => file.persist(path),
@@ -277,7 +277,7 @@ mod tests {
             ["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()),
             ["after", "after"]
         );
-        // A file that has appeared in the meantime is kept.
+        // The file exists now, so writing it as a new file fails and keeps it.
         assert!(write_all(&half[..1]).is_err() && at("new").exists());
     }
 }

@@ -1,4 +1,4 @@
-//! The beginning and the end of a process: arguments, errors, exit codes.
+//! Start and end of a process: arguments, errors, exit codes.
 
 use std::error::Error as _;
 use std::process::ExitCode;
@@ -12,7 +12,7 @@ use contactbench_record::record::built::{self, Build};
 use contactbench_record::record::faults::Damaged;
 use contactbench_run::check::contender;
 
-/// The build that is being compiled, as noted by its build script.
+/// Expands to the `Build` of the crate, from variables that its build script sets.
 #[macro_export]
 macro_rules! build {
     () => {
@@ -119,7 +119,7 @@ pub fn ended(result: anyhow::Result<ExitCode>) -> ExitCode {
         Err(error) => {
             let damaged = error.chain().any(|cause| cause.is::<Damaged>());
             let words = format!("contactbench: {}", without_numbers(&format!("{error:#}")));
-            // A damaged record has one line for each fault.
+            // The error of a damaged record has one line for each fault; other errors are one line.
             words.splitn(if damaged { usize::MAX } else { 1 }, '\n').for_each(say);
             ExitCode::from(if damaged { 1 } else { 2 })
         }
@@ -140,7 +140,7 @@ fn report_full_files() {
 fn report_missing_memory() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        // `check` reports the detector and goes on.
+        // `check` reports the failed detector itself and goes on.
         let is_checked = std::thread::current().name() == Some(contender::THREAD);
         if let Some(refusal) = no_memory(panic.payload()).filter(|_| !is_checked) {
             say(&format!("contactbench: {refusal}"));

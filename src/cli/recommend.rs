@@ -159,7 +159,7 @@ fn note() -> impl FnMut(&str) {
     }
 }
 
-/// Returns the earlier scenes of a hard case.
+/// Returns the scenes that a hard case runs before its own; empty for any other scene.
 fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     if Path::new(name).exists() {
         Ok(Vec::new())
@@ -168,7 +168,7 @@ fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     }
 }
 
-/// Returns all detectors, the fastest first; those without a time last.
+/// Returns all detectors, the fastest first, and those without a time last.
 fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     let mut standings: Vec<&Standing> = race.standings.iter().collect();
     let rank =
@@ -178,7 +178,7 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// Returns the reason why a detector has no time, if it has none.
+/// Returns the reason why a detector has no time; `None` if it has one.
 fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
         _ if !standing.times.is_empty() => None,
@@ -187,7 +187,8 @@ fn why_out(standing: &Standing) -> Option<String> {
     }
 }
 
-/// Returns one row for each detector. Intervals are of ratios: absolute times hold in one run only.
+/// Returns one row for each detector. Intervals are of ratios, because absolute times hold in one
+/// run only.
 fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
     let base = fastest(&race.standings).map(|k| &race.standings[k]);
     let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);

@@ -1,4 +1,4 @@
-//! `contactbench report`, and the end of every run.
+//! `contactbench report`: writes the report of a record, also at the end of every run.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
         "the record in {} has no rows; run the experiment first",
         folder.display()
     );
-    // The experiments, in the order in which they ran.
+    // Sorts the experiments in the order in which they ran.
     let listed = part.provenance.as_ref().and_then(|fields| fields.get("experiments")?.as_array());
     let place = |name: &str| listed.and_then(|all| all.iter().position(|known| known == name));
     let mut copies: Vec<(&String, &String)> = part.experiments.iter().collect();

@@ -1,4 +1,4 @@
-//! `contactbench run`, and `contactbench` alone.
+//! `contactbench run`, and `contactbench` without a verb.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let Run { quick, resume, against, .. } = options;
     let (quick, resume, against) = (*quick, *resume, against.clone());
     let asked = Asked { experiments, quick, resume, against, shard };
-    // The progress bar ends with this statement.
+    // The progress bar is a temporary value, removed at the end of this statement.
     let ended = session::run(&asked, &folder, &mut Terminal::default(), &mut |it| say!("{it}"));
     let error = match ended {
         Ok(0) => {
@@ -94,7 +94,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         Err(error) => error,
     };
     if error.is::<Interrupted>() {
-        // A report of the part that was measured.
+        // Reports the part that was measured.
         if let Err(error) = finish(&folder, &Outputs::default()) {
             say!("no report: {error:#}");
         }

@@ -1,4 +1,4 @@
-//! Verbs that are separate programs, beside this one or on PATH.
+//! Verbs that are separate programs, in the folder of this program or on PATH.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;

@@ -71,7 +71,7 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes frames one after the other; none is kept.
+/// Writes frames one by one, and keeps none in memory.
 fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
     let mut each = |out: &mut dyn std::io::Write| {
         (0..count).try_for_each(|k| {

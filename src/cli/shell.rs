@@ -13,8 +13,8 @@ use contactbench_run::plan::builtin;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::nearest;
 
-/// Returns a remedy for a word that is not a verb but an experiment, a file or a scene, and for a
-/// second file.
+/// Returns a remedy for a wrong argument: a second file, or, in place of a verb, an experiment, a
+/// file or a scene.
 pub fn advice(error: &clap::Error) -> Option<String> {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) {
         return Path::new(word).is_file().then(|| {

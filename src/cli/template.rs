@@ -47,7 +47,7 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let n = bodies.len();
-        // Before anything is allocated or reported.
+        // This check comes before anything is allocated or reported.
         within(&self.options, "new-detector", bytes(n), || format!("{n} particles"))?;
         self.order.clear();
         self.order.reserve_exact(n);
@@ -59,8 +59,8 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         for (k, &(x, i)) in self.order.iter().enumerate() {
             for &(further, j) in &self.order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Loses no contact to rounding; crate::filter has the proof, and the same for
-                // cells, boxes and keys.
+                // Rounding loses no contact here; crate::filter has the proof, also for cells,
+                // boxes and keys.
                 if filter::beyond(x, further, bodies.reach()) {
                     break;
                 }

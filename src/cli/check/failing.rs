@@ -37,7 +37,7 @@ fn folder(options: &Check) -> PathBuf {
 /// Pairs with a smaller gap or overlap, in mean radii, are decided by rounding.
 const TANGENT: f64 = 1e-9;
 
-/// Returns the worst pair on the scene where the failure was found: two defects may shrink to the
+/// Returns the worst pair of the scene before it was shrunk, because two defects may shrink to the
 /// same scene.
 pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
@@ -78,7 +78,7 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Prints refusals by kind; those that differ only in numbers are of one kind.
+/// Prints refusals by kind. Reasons that differ only in numbers are of one kind.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
     for (reason, times) in &report.refused {

@@ -76,8 +76,8 @@ struct Checked<'a> {
     path: Option<&'a str>,
 }
 
-/// Runs the checks; exit code 1 if a detector is wrong, 2 if nothing was compared because all
-/// detectors refused all scenes, or a named scene.
+/// Runs the checks; exit code 1 if a detector is wrong, 2 if all detectors refused all generated
+/// scenes, or all refused a scene named by an option.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
@@ -149,7 +149,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         }
     }
     let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
-    // A runner appears once for each arithmetic.
+    // The name of a runner repeats, because it has one group for each arithmetic.
     names.dedup();
     let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
     let verdict = overall(&reports, &broken);
@@ -172,7 +172,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Returns the verdict on all scenes: one failure fails, and so does a scene without a comparison.
+/// Returns the verdict on all scenes: `Wrong` before `Nothing` before `Right`.
 fn overall(reports: &[Checked<'_>], broken: &[Wrong]) -> Verdict {
     let any = |wanted| reports.iter().any(|checked| checked.report.verdict() == wanted);
     if !broken.is_empty() || any(Verdict::Wrong) {

@@ -1,4 +1,4 @@
-//! The result of a check, for continuous integration and as JSON.
+//! Results of a check as cases for continuous integration and as JSON.
 
 use serde_json::{Value, json};
 
@@ -40,7 +40,8 @@ pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Chec
                         other.arithmetic.name()
                     )),
                     (None, None) if report.has_compared(name, *arithmetic) => Outcome::Passed,
-                    // Skipped if other detectors answered, else a failure.
+                    // This detector refused every scene: a failure only if all other detectors did,
+                    // too.
                     (None, None) => {
                         let why = "nothing was compared, because every scene was refused".into();
                         match report.verdict() {
@@ -95,7 +96,7 @@ pub(super) fn as_json(
             "failures": failures,
         })
     };
-    // Each name once, in the order of the check.
+    // Returns each name once, in the order in which detectors were checked.
     fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
         of.fold(Vec::new(), |mut names, name| {
             if !names.contains(&name) {

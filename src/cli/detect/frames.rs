@@ -1,4 +1,4 @@
-//! `detect --frame all`.
+//! `detect --frame all`: finds the contacts of all frames.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use contactbench_terms::number::plural;
 struct Done {
     frames: usize,
     pairs: usize,
-    /// Particles of the smallest and of the largest frame.
+    /// Numbers of particles in the smallest and in the largest frame.
     particles: [usize; 2],
     dim: usize,
     time: Duration,

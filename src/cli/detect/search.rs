@@ -39,7 +39,7 @@ pub(super) enum Pairs {
 pub(super) struct Found {
     pub pairs: Pairs,
     pub touching: Touching,
-    /// Number of images made.
+    /// Number of periodic images that the search made.
     pub images: usize,
     pub time: Duration,
     /// Bytes that the detector still holds after the search, if measured.
@@ -104,7 +104,7 @@ impl Search {
         });
         let time = started.elapsed();
         result?;
-        // Live bytes include the lists of pairs, which are not memory of the detector.
+        // The live bytes include the lists of pairs, which do not count as memory of the detector.
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));

@@ -1,4 +1,4 @@
-//! The box of a file.
+//! Output of `inspect`: the box of a file.
 
 use serde_json::json;
 

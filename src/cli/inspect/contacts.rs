@@ -1,4 +1,4 @@
-//! Radii, contacts, and errors of rounding.
+//! Output of `inspect`: radii, contacts and rounding errors.
 
 use std::collections::HashSet;
 
@@ -21,20 +21,20 @@ use contactbench_terms::number::{number, plural};
 /// Pairs are near tangent if their distance differs from the sum of their radii by less than this
 /// share of it.
 const NEAR: f64 = 1e-9;
-/// Largest expected number of contacts in open space for which contacts are searched.
+/// Maximum estimated number of contacts in open space; above it, `inspect` does not search them.
 const MOST: f64 = 5e7;
 
 pub(super) enum Contacts {
     Found {
         pairs: Vec<ImagePair>,
-        /// Near-tangent pairs, with those just apart.
+        /// Number of near-tangent pairs, touching or not.
         near: u64,
         /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
-    /// Exact number of contacts, which are too many to keep.
+    /// Exact number of contacts, if a list of them would take too much memory.
     Counted(u64),
-    /// Estimated contacts per particle; there are too many to search.
+    /// Estimated contacts per particle, if there are too many to search.
     TooMany(f64),
     /// The reason why no detector takes the scene.
     Refused(String),
@@ -92,7 +92,7 @@ pub(super) fn report(
     for r in (0..n).map(radius) {
         (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
     }
-    // The mean of equal radii must not show the rounding of a sum.
+    // Summing rounds, so the mean of equal radii is set to their value.
     mean = if least == most { least } else { mean };
     out.line(
         "radii",
@@ -168,7 +168,7 @@ pub(super) fn report(
         }
     };
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // `of_centres` warns of coincident centres.
+    // `of_centres` has already warned of coincident centres.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {

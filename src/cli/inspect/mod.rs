@@ -30,7 +30,7 @@ pub struct Inspect {
     json: bool,
 }
 
-/// Labelled lines for people, values for JSON, and warnings.
+/// Output of `inspect`: labelled lines for people, values for JSON, and warnings.
 #[derive(Default)]
 struct Report {
     lines: Vec<(&'static str, String)>,
@@ -62,7 +62,7 @@ impl Report {
 
 /// Reads the file, finds the contacts, prints both, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    // For --frame all, the last frame is described, and then the motion.
+    // If --frame all is given, `inspect` describes the last frame, and then the motion.
     let all = options.input.frame == Some(Frame::All);
     let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(
@@ -89,7 +89,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints the head, and the text wrapped beside it.
+/// Prints `head`, and beside it `text`, wrapped and indented.
 fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::io::Result<()> {
     let indent = head.chars().count();
     for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
@@ -171,7 +171,8 @@ fn of_scene(
 ) -> anyhow::Result<()> {
     let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
     let periodic = in_any_box(&given)?;
-    // The limit of `detect`, which refuses a box much smaller than the particles at once.
+    // This is the limit of `detect`, at which a box much smaller than the particles is refused at
+    // once.
     let contacts = Contacts::new(&periodic, limit_for(given.scene.len()));
     contacts::report(&periodic, &about.radius, &contacts, out);
     let axes = periodic.lattice().periodic();

@@ -1,4 +1,4 @@
-//! The motion from frame to frame.
+//! Output of `inspect`: the motion from frame to frame.
 
 use serde_json::json;
 

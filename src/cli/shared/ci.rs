@@ -37,11 +37,11 @@ pub struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Passed,
-    /// Not a failure, but worth a look; the reason.
+    /// The case did not fail, but deserves a look, for this reason.
     Noted(String),
-    /// The reason.
+    /// The case failed, for this reason.
     Failed(String),
-    /// Not decided; the reason.
+    /// The case was not decided, for this reason.
     Skipped(String),
 }
 
@@ -143,7 +143,7 @@ pub fn annotations(suite: &str, cases: &[Case]) -> String {
     out
 }
 
-/// Formats the verdicts as Markdown: their numbers, and a line for each that did not pass.
+/// Formats the verdicts as Markdown: how many of each, and a line for each that did not pass.
 pub fn summary(suite: &str, cases: &[Case]) -> String {
     let (mut numbers, mut lines) = (Vec::new(), String::new());
     for kind in ["failed", "noted", "skipped", "passed"] {

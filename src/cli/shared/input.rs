@@ -19,7 +19,7 @@ use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
 
-/// The options of [`io::OPTIONS`], which add what a file leaves open.
+/// Options that add what a particle file leaves open, as listed in [`io::OPTIONS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
     pub radius: Option<f64>,
@@ -29,7 +29,7 @@ pub struct Input {
     options: io::Options,
 }
 
-/// The options of [`Input`], for messages.
+/// Names of the options in [`Input`], for messages.
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
@@ -41,7 +41,7 @@ fn argument(option: &'static FileOption) -> Arg {
     }
     let arg = arg.value_name(value).action(ArgAction::Set);
     match name {
-        // Completions offer its values.
+        // Shells complete the names of formats.
         "format" => {
             let all = io::FORMATS.iter();
             let all = all.map(|format| PossibleValue::new(format.key).help(format.help));

@@ -25,7 +25,7 @@ pub struct Sequence<'a> {
     pub particles: usize,
     /// Maximum number of frames.
     pub count: u64,
-    /// Returns the frame of each number in turn, and `None` after the last.
+    /// Returns the next frame, whose number is the argument; `None` after the last.
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
 }
 
@@ -54,7 +54,7 @@ pub fn sequence<T>(
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
-    // If a motion or one frame is given, that frame moves.
+    // If a motion is given or one frame chosen, the motion moves that frame.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
@@ -104,7 +104,7 @@ fn of_file<T>(
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; check its --format");
     let first = frames.next().transpose()?.with_context(none)?;
-    // A second frame that cannot be read is an error only once it is taken.
+    // An unreadable second frame is an error only when the caller reads it.
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;

@@ -35,12 +35,12 @@ pub fn say(line: &str) {
     let _ = writeln!(out, "{}", wrapped(&text::line(line), width));
 }
 
-/// [`say`] with a format.
+/// Formats its arguments, and prints them as a line on standard error.
 macro_rules! say {
     ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };
 }
 
-/// Returns standard output for people. Files and commands to a log must not be wrapped.
+/// Returns standard output for people, wrapped on a terminal; not for files or log commands.
 pub fn out() -> Words<std::io::StdoutLock<'static>> {
     Words { out: std::io::stdout().lock(), width: width() }
 }

@@ -13,14 +13,14 @@ use contactbench_io::pairs::List;
 use contactbench_io::{About, Particles};
 use contactbench_run::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 
-/// Whether the missing ids were reported.
+/// Whether the message about missing ids was printed.
 static TOLD: Once = Once::new();
 
-/// Fails if list and particles are of different times, unless options chose both.
+/// Fails if list and particles are from different times, unless options chose both.
 pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
     let of_list = match (list.step, about.step) {
         (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
-        // A table has no rows for frames without contacts.
+        // A sparse table has no rows for a frame without contacts.
         (None, _) if list.sparse && list.frame.is_some_and(|frame| frame != about.frame) => {
             format!("frame {}", list.frame.unwrap_or_default())
         }
@@ -121,7 +121,7 @@ impl<'a> Verified<'a> {
     }
 }
 
-/// Fails if the list names images and boundaries are open.
+/// Fails if the list has pairs with a shift although boundaries are open.
 fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> {
     if !has_box {
         list.without_box();

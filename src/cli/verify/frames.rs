@@ -25,7 +25,7 @@ use contactbench_terms::number::{mean_radii, plural, wrap};
 
 /// Maximum number of frames in the table.
 const SHOWN: usize = 12;
-/// Bytes of a missed pair while it is followed.
+/// Bytes of memory for a missed pair while later frames are searched for it.
 const FOLLOWED: u64 = 128;
 
 /// The result for one frame.
@@ -36,7 +36,7 @@ struct Row {
     contacts: u64,
     listed: usize,
     errors: Errors,
-    /// Pairs with unknown particles, and pairs listed from one side only.
+    /// Number of pairs with unknown particles, and of pairs listed from one side only.
     others: [u64; 2],
     within_skin: u64,
     same: bool,
@@ -56,19 +56,19 @@ impl Row {
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Late contacts, by ids or else by places in the file.
+    /// Late contacts, named by ids or else by numbers in file order.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,
     without_rows: u64,
-    /// Format of the list, meaning of its numbers, and how pairs were compared.
+    /// Format of the list, how it names particles, and how pairs were compared.
     read: Option<(&'static str, String, Option<Compared>)>,
-    /// Contacts with walls.
+    /// Number of contacts with walls.
     walls: u64,
-    /// Contacts and pairs left out by --without.
+    /// Numbers of contacts and of listed pairs left out by --without.
     left_out_pairs: [u64; 2],
     both_sides: bool,
-    /// Ignored columns.
+    /// Names of ignored columns.
     others: Vec<String>,
     /// The first wrong frame and its hint.
     hint: Option<(String, String)>,
@@ -136,7 +136,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        // An empty list does not determine how the lists of other frames are read.
+        // An empty list does not show how lists are read, so the next list replaces its reading.
         if all.rows.iter().all(|row| row.listed == 0) {
             let compared = verified.compared();
             all.read = Some((verified.list.format, words(verified.naming), compared));
@@ -177,7 +177,7 @@ impl All {
         self.rows.iter().all(|row| row.same)
     }
 
-    /// Follows missed contacts from frame to frame.
+    /// Records the missed contacts of a frame, to see which later frames report them.
     fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let Verification { missed, truth, .. } = &verified.found;
         let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
@@ -204,14 +204,15 @@ impl All {
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }
 
-    /// Returns the first wrong frame and the worst.
+    /// Returns the first wrong frame and the worst frame; `None` if all are right.
     fn worst(&self) -> Option<(&Row, &Row)> {
         let first = self.rows.iter().find(|row| !row.same)?;
         let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
         Some((first, worst))
     }
 
-    /// Returns all frames if few, else the wrong ones, else the first and the worst of these.
+    /// Returns at most `SHOWN` frames: all, else all wrong ones, else the first wrong one and the
+    /// worst.
     fn shown(&self) -> Vec<&Row> {
         let mut rows: Vec<&Row> = self.rows.iter().collect();
         if rows.len() <= SHOWN {

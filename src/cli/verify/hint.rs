@@ -1,10 +1,10 @@
-//! Hints for a list that differs: a sentence and options.
+//! Hints for a list that differs from the truth: a sentence, and options to add.
 
 use crate::cli::verify::Verified;
 use contactbench_run::check::verify::{Mistake, Reading};
 
 impl Verified<'_> {
-    /// Returns the options that read the list as in `reading`.
+    /// Returns the options with which `verify` reads the list according to `reading`.
     pub(super) fn flags(&self, reading: &Reading) -> Vec<String> {
         // A box that the file declares needs no option.
         let said = |mistake: &Mistake| matches!(mistake, Mistake::Declared(_)) && self.repeats;
@@ -12,7 +12,7 @@ impl Verified<'_> {
         needed.filter_map(|mistake| mistake.flags(self.scene().dim())).collect()
     }
 
-    /// Returns how the list would agree, and the options to give.
+    /// Returns a sentence: read in which way the list agrees better, and with which options.
     pub(super) fn sentence(&self, reading: &Reading) -> String {
         let with = reading.sentence();
         let flags = self.flags(reading);

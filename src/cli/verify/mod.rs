@@ -28,7 +28,7 @@ use contactbench_scenes as scene;
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 
-/// Most pairs printed of each kind.
+/// Maximum number of pairs printed of each kind of error.
 const SHOWN: usize = 5;
 
 #[derive(clap::Args)]
@@ -77,7 +77,7 @@ struct Verified<'a> {
     options: &'a Verify,
     list: List,
     naming: Meaning,
-    /// The particles in their box.
+    /// The particles, in their box if there is one.
     periodic: Periodic<'static>,
     /// Whether the file declares its box periodic.
     repeats: bool,
@@ -137,7 +137,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(u8::from(!verified.found.is_same())))
 }
 
-/// See [`Verified::compared`].
+/// How pairs in a box were compared: value in JSON, and description.
 type Compared = [&'static str; 2];
 
 fn words(meaning: Meaning) -> String {
@@ -239,7 +239,7 @@ impl Verified<'_> {
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
-    /// How pairs in a box were compared: the word in JSON, and a sentence.
+    /// Returns how pairs in a box were compared; `None` in open space.
     fn compared(&self) -> Option<Compared> {
         self.lattice()?;
         Some(match self.found.taken {

@@ -5,22 +5,22 @@ use crate::cli::verify::{Verified, Verify, counted};
 use contactbench_io as io;
 use contactbench_run::check::verify::Meaning;
 
-/// Maximum number of particles, summed over frames, and of pairs that are compared for a hint.
+/// Maximum number of pairs compared for a hint, and of particles summed over the frames tried.
 const MOST: u64 = 2_000_000;
-/// Frames after which a shift by one frame is accepted.
+/// Number of frames that must confirm a shift by one frame.
 const ENOUGH: u32 = 8;
 
 /// Another frame of the particles that fits the list.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
     frame: u64,
-    /// Pairs that still differ.
+    /// Number of pairs that still differ.
     wrong: u64,
 }
 
 impl Verified<'_> {
-    /// Finds the frame around `given` that fits the list best, if no other reading explains the
-    /// list. The frame must halve the errors.
+    /// Finds the frame near `given` that fits the list best, if no other reading explains the list.
+    /// It must have less than half of the errors.
     pub(super) fn look_at_others(&mut self, given: u64) {
         let Verify { file, .. } = self.options;
         let explained = self.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
@@ -90,18 +90,20 @@ impl Verified<'_> {
     }
 }
 
-/// Tests whether each list is that of the frame before or after.
+/// Tests whether all lists belong to the frame before, or all to the frame after.
 #[derive(Default)]
 pub(super) struct Shift {
     /// Listed and true pairs of the previous frame, named as in the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
-    /// Whether some list does not belong to the frame before, and some list not to the frame after.
+    /// Whether a list does not belong to the frame before, and whether one does not to the frame
+    /// after.
     refuted: [bool; 2],
 }
 
 impl Shift {
-    /// Adds a frame. Frames are added from the first that differs.
+    /// Compares a frame with the one added before. The caller adds all frames from the first wrong
+    /// one.
     pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
         let pairs = verified.list.pairs.len() as u64 + verified.found.truth.len();
         if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {
