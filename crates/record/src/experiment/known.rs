@@ -76,7 +76,7 @@ impl Known {
         let unknown =
             |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
         let found = expression.variables().find(|(name, _)| unknown(name));
-        // If there is no scene or no subject, names cannot be checked.
+        // Without a scene or a subject, names cannot be checked.
         let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
         let columns = COLUMNS.iter().map(|column| &*column.name);
         let mut all: BTreeSet<String> =
