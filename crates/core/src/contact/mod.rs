@@ -10,8 +10,8 @@
 //!   decides nearly all pairs, [`exact::compare`] the rest.
 //!
 //! **The exact test's filter.** Let u = 2^-53. Let d2 and s2 be the computed values of |xi - xj|²
-//! and (ri + rj)², and d², s² the true ones. A difference or sum of two doubles has a relative error
-//! of at most u (it never underflows); a product has u plus an absolute 2^-1075. So
+//! and (ri + rj)², and d², s² the true ones. A difference or sum of two doubles has a relative
+//! error of at most u (it never underflows); a product has u plus an absolute 2^-1075. So
 //! d2 = d²(1 + e) + t with |e| <= (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075,
 //! and s2 = s²(1 + e') + t' with |e'| < 4u.
 //!

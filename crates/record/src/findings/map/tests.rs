@@ -86,8 +86,8 @@ fn what_else_varies_makes_panels_until_there_are_too_many() {
             assert!(said(&found).iter().all(|it| it.1 == "nbs"));
         } else {
             let error = found.unwrap_err().to_string();
-            let some = "13 panels, and at most 12 are drawn; they differ in kind (order-0, order-1, \
-                        order-10, order-11, ...)";
+            let some = "13 panels, and at most 12 are drawn; they differ in kind (order-0, \
+                        order-1, order-10, order-11, ...)";
             assert!(error.contains(some) && error.ends_with("--where kind=order-0"), "{error}");
         }
     }
