@@ -17,17 +17,18 @@ use contactbench_io::{Notice, RadiusSource};
 
 use crate::touching::particle;
 
-/// About this many contacts at most are examined, spread evenly over the list.
+/// Limit for the number of examined contacts, approximately. They are spread evenly over the list.
 const EXAMINED: usize = 1 << 18;
-/// If the contacts would take more bytes than this, their number is estimated.
+/// If a list of all contacts would take more bytes than this, their number is estimated.
 const MOST_BYTES: u64 = 400_000_000;
-/// The mean overlap of fewer contacts than this means nothing.
+/// Least number of contacts whose mean overlap is judged.
 const ENOUGH: u64 = 10;
-/// Suspicious mean overlap, in mean radii. Packed particles overlap less; random ones 0.5 or more.
+/// Suspicious mean overlap, in mean radii. Packed particles overlap by less; random ones by 0.5 or
+/// more.
 const DEEP: f64 = 0.25;
-/// Pairs that overlap by more than this many mean radii are nearly concentric; 2 is concentric.
+/// Overlap in mean radii above which pairs are nearly concentric. Concentric pairs overlap by 2.
 const NESTED: f64 = 1.8;
-/// A spacing of f32 coordinates above this many mean radii is suspicious.
+/// Suspicious spacing of f32 coordinates, in mean radii.
 const COARSE: f64 = 1e-3;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,12 +38,12 @@ pub struct Touching {
     /// Number of contacts; `None` if estimated.
     pairs: Option<u64>,
     examined: u64,
-    /// Sum over the examined pairs, in mean radii.
+    /// Sum of the overlaps of examined pairs, in mean radii.
     overlap: f64,
     /// Number of nearly concentric pairs; `first` is one of them.
     nested: u64,
     first: [u32; 2],
-    /// Particles at the centre of an earlier particle.
+    /// Particles with the same centre as an earlier particle.
     coincident: BTreeSet<u32>,
 }
 
@@ -63,7 +64,7 @@ impl Touching {
     fn over<P>(scene: &AnyScene<'_>, pairs: &[P], of: impl Fn(&P) -> ([u32; 2], f64)) -> Touching {
         let mut touching = Touching::default();
         for (pair, overlap) in pairs.iter().step_by(pairs.len() / EXAMINED + 1).map(of) {
-            // In a small box a particle can touch its own image.
+            // In a small box a particle can touch its own image; such contacts are skipped.
             if pair[0] != pair[1] {
                 touching.examine(scene, pair, overlap);
             }
@@ -121,8 +122,8 @@ impl Touching {
     }
 }
 
-/// Returns all doubts in the order in which they are printed; `source` is where the radii come
-/// from.
+/// Returns all doubts in the order in which they are printed. `source` names the origin of the
+/// radii.
 pub fn doubts(
     scene: &AnyScene<'_>,
     source: &RadiusSource,
@@ -140,7 +141,7 @@ pub fn doubts(
     if let Some(touching) = touching {
         let before = doubts.len();
         of_contacts(scene, radii[1], source, touching, &mut doubts);
-        // A packing with such coordinates is probably scaled by the edges of its box.
+        // Coordinates from 0 to 1 are probably fractions of the edges of the box.
         let scaled = || is_scaled(scene.len(), scene.dim(), |k| particle(scene, k as u32).0);
         if doubts.len() > before && scaled() {
             doubts.push(Notice::Scaled);
@@ -222,6 +223,6 @@ fn radii(scene: &AnyScene<'_>) -> [f64; 2] {
 fn overlap(scene: &AnyScene<'_>, pair: [u32; 2]) -> f64 {
     let [(a, ra), (b, rb)] = pair.map(|k| particle(scene, k));
     let square: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
-    // Two points that touch coincide.
+    // Points that touch are coincident.
     if ra + rb == 0.0 { 2.0 } else { 2.0 * (1.0 - square.sqrt() / (ra + rb)) }
 }

@@ -1,4 +1,4 @@
-//! The scenes that detectors get: generators, hard cases, motion, and statistics of the scene made.
+//! The scenes that detectors get: generators, hard cases, motion, and statistics of scenes.
 
 pub mod doubts;
 pub mod generate;
@@ -21,7 +21,7 @@ mod tests {
     use contactbench_core::contact::Arithmetic;
     use contactbench_core::oracle;
 
-    /// The grid of centres is exact in f32 relative to each cell, wherever the scene lies, so
+    /// Offsets of the centres from their cells are exact in f32 wherever the scene lies, so
     /// `f32-cell` must find the exact contacts.
     #[test]
     fn coordinates_by_cells_do_not_depend_on_the_offset() {

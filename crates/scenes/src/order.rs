@@ -11,7 +11,7 @@ use contactbench_terms::nearest::hint;
 pub enum Order {
     #[default]
     Shuffled,
-    /// As the generator makes the particles, or as they stand in the file.
+    /// The order in which the generator makes the particles, or that of the file.
     Generated,
     Morton,
 }
@@ -48,8 +48,9 @@ pub fn shuffled(n: usize, seed: u64) -> Vec<u32> {
     order
 }
 
-/// Returns the particles in order of a Morton curve through the smallest cube around all centres,
-/// which has 2^32 cells per axis in 2D and 2^21 in 3D. Particles in one cell keep their order.
+/// Returns the particles in order along a Morton curve through the smallest cube around all
+/// centres, which has 2^32 cells per axis in 2D and 2^21 in 3D. Particles in one cell keep their
+/// order.
 pub fn morton(scene: &AnyScene<'_>) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> = with_scene!(scene, scene => {
         let points = || scene.centres().iter().map(|centre| array(centre).map(Real::wide));
@@ -62,7 +63,7 @@ pub fn morton(scene: &AnyScene<'_>) -> Vec<u32> {
 fn codes<const D: usize>(
     points: impl Iterator<Item = [f64; D]> + Clone,
 ) -> impl Iterator<Item = u64> {
-    // Halved, so that differences of the largest doubles do not overflow.
+    // Coordinates are halved, so that differences of the largest doubles do not overflow.
     let points = points.map(|point| point.map(|x| 0.5 * x));
     let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for point in points.clone() {

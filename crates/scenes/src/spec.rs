@@ -1,4 +1,4 @@
-//! A requested scene: generator, parameters, number of particles, seed and order.
+//! A description of a scene: generator, parameters, number of particles, seed and order.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use contactbench_terms::grammar;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
     pub name: String,
-    /// 2 or 3. Unused for a file, which has its own dimension.
+    /// Dimension, 2 or 3. Unused for a file, which has its own dimension.
     pub dim: u32,
     /// Number of particles; 0 if the generator decides ([`Generator::own_n`]) and has not run yet.
     pub n: u64,
@@ -72,7 +72,7 @@ impl Course {
             ("motion", kind.name().into(), true),
             ("frames", self.frames.into(), true),
             ("speed", speed.into(), moves),
-            // The default seed is not recorded.
+            // Only a seed other than the default is recorded.
             ("motion-seed", seed.into(), moves && seed != motion::SEED),
         ];
         let said = axes.into_iter().filter(|(.., said)| *said);
@@ -82,8 +82,8 @@ impl Course {
 
 /// Default number of frames.
 const FRAMES: u64 = 100;
-/// Each frame is a file during a measurement, and takes about 60 bytes in the runner's reply, which
-/// is one line of at most 1 MiB.
+/// Maximum number of frames. A measurement writes each frame to a file, and the runner's reply, one
+/// line of at most 1 MiB, has about 60 bytes per frame.
 const MOST_FRAMES: u64 = 10_000;
 
 impl Spec {
@@ -101,7 +101,7 @@ impl Spec {
         Ok(Spec { name: name.to_string(), dim, n, seed, order, params, course: None })
     }
 
-    /// All parameters, including those of the motion.
+    /// Returns all parameters, including those of the motion.
     pub fn axes(&self) -> BTreeMap<String, Value> {
         let course = self.course.iter().flat_map(Course::axes);
         self.params.clone().into_iter().chain(course).collect()
@@ -111,9 +111,9 @@ impl Spec {
     /// `packed:dim=3,n=1000,seed=2,order=morton,spacing=0.98`.
     ///
     /// The keys are `dim` (default 2), `n` (1000), `seed` (1), `order` (shuffled) and the
-    /// generator's parameters. A piece without `=` belongs to the value before it, so that a path
-    /// may hold commas. For `file`, `dim` sets the parameter `file-dim`; `file` and `hard` have
-    /// their own n.
+    /// generator's parameters. Text after a comma that holds no `=` belongs to the value before it,
+    /// so that a path may hold commas. For `file`, `dim` sets the parameter `file-dim`; `file` and
+    /// `hard` decide n themselves.
     pub fn parse(text: &str) -> anyhow::Result<Spec> {
         let given = grammar::Spec::parse(text);
         given.form("write it as in packed:dim=3,n=1000,spacing=0.98")?;
@@ -159,8 +159,8 @@ impl Spec {
         Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
     }
 
-    /// Prepares the frames and returns them with their number, or `None` for a scene without
-    /// motion. `given` must be what [`Spec::given`] made.
+    /// Prepares the frames of a motion and returns them with their number, or `None` for a scene
+    /// without motion. `given` must be the result of [`Spec::given`].
     pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
         let Some(Course { motion, frames }) = self.course else { return Ok(None) };
         let made = Frames::new(given, motion)
@@ -183,7 +183,7 @@ impl Spec {
         &self,
         then: impl FnOnce(&Generator, &Inputs<'_>) -> anyhow::Result<O>,
     ) -> anyhow::Result<O> {
-        // The fields are public, so they may have changed since `new`.
+        // The fields are public, so they may have changed since `new` checked them.
         let generator = table::find(&self.name)?;
         let params = generator.check(self.dim, self.n, &self.params)?;
         let inputs = Inputs { dim: self.dim, n: self.n, seed: self.seed, params: &params };
@@ -212,7 +212,7 @@ fn json(value: &toml::Value) -> Value {
     }
 }
 
-/// Converts a value of the command line to text, a whole number or a number.
+/// Converts a value of the command line to text, a whole number or a floating-point number.
 fn scalar(is_text: bool, value: &str) -> toml::Value {
     if is_text {
         value.into()

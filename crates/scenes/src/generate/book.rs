@@ -14,10 +14,10 @@
 //! | C | S | S | III: S varies |
 //! | D | D and S in turn (inferred: the book does not print it) | 2D | IV: S varies |
 //!
-//! The parameter `s` is S/D. There are ceil(√N) columns; the last row may be short. Column i of
-//! packs A to C stands at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D; row j stands at (2j)·D
-//! or (j·s)·D. Places are exact if s and D are dyadic and no product exceeds 53 bits. Then
-//! neighbours are exactly D apart, the largest distance at which discs are in contact.
+//! The parameter `s` is S/D. There are ceil(√N) columns; the last row may be incomplete. Column i
+//! of packs A to C is at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D; row j is at (2j)·D or
+//! (j·s)·D. Coordinates are exact if s and D are dyadic and no product needs more than 53 bits.
+//! Then neighbours are exactly D apart, the largest distance at which discs are in contact.
 
 use crate::generate::table::{Generator, Kind, Make, Parameter, number};
 use crate::generate::{DIAMETER, Inputs, assemble};

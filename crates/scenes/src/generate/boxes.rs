@@ -2,8 +2,8 @@
 //!
 //! Generators that fill a square or cube can make it periodic along all or some axes:
 //! `periodic=true`, `periodic=xy`. Particles outside the box keep their coordinates. A `tilt`
-//! shears the box as in Lees and Edwards (1972, doi:10.1088/0022-3719/5/15/006): the images above
-//! and below are moved along x, so that the vectors are
+//! shears the box as in Lees and Edwards (1972, doi:10.1088/0022-3719/5/15/006): it moves the
+//! images above and below along x, so that the vectors are
 //!
 //! ```text
 //! (lx, 0, 0), (tilt·lx, ly, 0), (0, 0, lz).
@@ -29,12 +29,12 @@ pub const TILT: Parameter =
 #[derive(Clone, Copy, Debug)]
 pub struct Repeats {
     pub axes: [bool; 3],
-    /// Shift of the images along y, as a multiple of the edge along x.
+    /// Displacement along x of the images above, in edges along x.
     pub tilt: Option<f64>,
 }
 
 impl Repeats {
-    /// `None` for a scene without a box.
+    /// Returns `None` for a scene without a box.
     pub fn new(inputs: &Inputs<'_>) -> anyhow::Result<Option<Repeats>> {
         let tilt = inputs.number(TILT.name).ok();
         let Ok(text) = inputs.text(PERIODIC.name) else {

@@ -13,10 +13,10 @@
 //! A share `background` of the particles (rounded to the nearest whole number) is uniform in a
 //! square or cube, whose volume is that of all particles over `fraction`. The others form clusters
 //! of `per-cluster` particles; the last may be smaller. Each cluster has a centre uniform in the
-//! box, and its particles are normal about it, with standard deviation `width` along each axis.
-//! Some particles of clusters near the border lie outside the box, so the scene is slightly larger,
-//! and its packing fraction slightly smaller, than requested. In generated order the clusters come
-//! first, then the background.
+//! box. Its particles are normally distributed about the centre, with standard deviation `width`
+//! along each axis. Particles of clusters near the border may lie outside the box. The scene is
+//! then slightly larger, and its packing fraction slightly smaller, than requested. In generated
+//! order the clusters come first, then the background.
 
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;

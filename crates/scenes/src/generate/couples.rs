@@ -6,13 +6,13 @@
 //!   |   o|o    |   o|o    |
 //! ```
 //!
-//! Cells have the edge D and begin at the lowest coordinate. The centres of a pair are D apart, the
-//! left one at a border, up to the rounding error of (x - xmin) / D.
+//! Cells have the edge D and begin at the lowest coordinate. The centres of a pair are D apart. The
+//! left centre is on a cell border, up to the rounding error of (x - xmin) / D.
 //!
 //! Rounding of (x - xmin) / D may put the two particles two cells apart, so that a detector without
-//! a margin misses the contact. This happens if coordinates have more bits than x - xmin: near x =
-//! 0, with a negative lowest coordinate. So one pair stands at the lowest coordinate, `offset`. All
-//! others stand in columns 3D apart, from the border next to x = 0 (from `offset`, if it is
+//! a margin misses the contact. This happens if x has more significant bits than x - xmin: near x =
+//! 0, with a negative lowest coordinate. So one pair is at the lowest coordinate, `offset`. All
+//! others are in columns 3D apart, from the border next to x = 0 (from `offset`, if it is
 //! positive). The right particle is at the largest double that still touches in exact arithmetic,
 //! so n / 2 pairs (rounded down) touch.
 
@@ -42,12 +42,13 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// Returns the double next to low + d·k, or its neighbour. Near 0 it has far more bits than a
+/// Returns the double nearest to low + d·k, or its neighbour. Near 0 it is far more precise than a
 /// rounded sum.
 fn border(low: f64, d: f64, k: f64) -> f64 {
     let product = d * k;
     let sum = low + product;
-    // The exact errors of product and sum (Knuth, Dekker); IEEE 754 defines the fused multiply-add.
+    // Computes the exact errors of product and sum (Knuth, Dekker); IEEE 754 defines the fused
+    // multiply-add.
     let rest = d.mul_add(k, -product);
     let part = sum - low;
     sum + ((low - (sum - part)) + (product - part) + rest)

@@ -4,12 +4,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, UnitDisc};
 
-/// ChaCha8 has 2^64 independent streams per seed; each use of a scene's seed has its own.
+/// ChaCha8 has 2^64 independent streams per seed. Each purpose uses another stream of the scene's
+/// seed.
 const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
 const SIZES_STREAM: u64 = 2;
 const ORDER_OF_SIZES_STREAM: u64 = 3;
-/// Streams from this one on belong to frames of a motion.
+/// First stream for frames of a motion; each frame has its own.
 const MOTION_STREAM: u64 = 1 << 32;
 
 pub struct Draw {
@@ -22,7 +23,7 @@ impl Draw {
         Draw { rng: stream(seed, GENERATOR_STREAM), spare: None }
     }
 
-    /// The source for radii that the generator does not draw itself.
+    /// Returns the source for radii that the generator does not draw itself.
     pub fn of_sizes(seed: u64) -> Draw {
         Draw { rng: stream(seed, SIZES_STREAM), spare: None }
     }
@@ -41,8 +42,8 @@ impl Draw {
         2.0 * self.unit() - 1.0
     }
 
-    /// Returns a normal number with mean 0 and standard deviation 1, by Marsaglia's polar method,
-    /// which makes two at a time (Marsaglia and Bray 1964, doi:10.1137/1006063).
+    /// Returns a normally distributed number with mean 0 and standard deviation 1, by the polar
+    /// method, which makes two at a time (Marsaglia and Bray 1964, doi:10.1137/1006063).
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -59,12 +60,12 @@ impl Draw {
     }
 }
 
-/// The source for the order of particles, independent of the generator's draws.
+/// Returns the source for the order of particles, independent of the generator's draws.
 pub fn shuffler(seed: u64) -> ChaCha8Rng {
     stream(seed, SHUFFLE_STREAM)
 }
 
-/// The source for the assignment of radii to particles.
+/// Returns the source for the assignment of radii to particles.
 pub fn sizes(seed: u64) -> ChaCha8Rng {
     stream(seed, ORDER_OF_SIZES_STREAM)
 }

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! [`contactbench_io`] reads the formats. The file decides the number of particles and the
-//! dimension: n = 0 accepts any number, another n must be the file's. `file-dim` is the dimension
-//! of an array with three columns; see [`contactbench_io::Options`].
+//! dimension. n = 0 accepts any number; another n must equal the number in the file. `file-dim` is
+//! the dimension of an array with three columns; see [`contactbench_io::Options`].
 
 use std::path::Path;
 

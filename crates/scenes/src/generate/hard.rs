@@ -4,9 +4,9 @@
 //!   case = every-neighbour   ->   o|o   o/o  ...
 //! ```
 //!
-//! The case decides the number of particles: n = 0 accepts any number, another n must be the
-//! case's. The scene is the last step; [`crate::spec::Spec::history`] returns the steps before it.
-//! If the order of the particles matters, `order = generated` keeps it.
+//! The case decides the number of particles. n = 0 accepts any number; another n must equal the
+//! case's number. The scene is the last step; [`crate::spec::Spec::history`] returns the steps
+//! before it. If the order of the particles matters, `order = generated` keeps it.
 
 use anyhow::ensure;
 

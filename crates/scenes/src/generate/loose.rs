@@ -1,4 +1,4 @@
-//! `loose`: uniform random in a square or cube, a Poisson-like gas.
+//! `loose`: particles uniform at random in a square or cube, as in a Poisson process.
 //!
 //! ```text
 //!   +----------------+

@@ -77,7 +77,8 @@ const OF_BODIES: &[Parameter] = &[
     boxes::TILT,
 ];
 
-/// Returns the edge, in diameters, of the square or cube that the particles fill to `fraction`.
+/// Returns the edge, in diameters, of the square or cube of which the particles fill the share
+/// `fraction`.
 fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {
     let power = |r: f64| if D == 2 { r * r } else { r * r * r };
     let sum = radii.map_or(n as f64 * power(0.5), |radii| radii.iter().map(|&r| power(r)).sum());
@@ -96,7 +97,7 @@ fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
     Ok(list)
 }
 
-/// Makes the scene from centres and radii in diameters.
+/// Makes the scene; centres and radii are given in diameters.
 fn assemble<const D: usize>(
     inputs: &Inputs<'_>,
     centres: impl Iterator<Item = [f64; D]>,
@@ -105,7 +106,7 @@ fn assemble<const D: usize>(
     let diameter = inputs.number("diameter")?;
     let offset = inputs.number("offset").unwrap_or(0.0) * diameter;
     let mut points = room(inputs.n)?;
-    // Without an offset nothing is added: adding 0.0 would turn -0.0 into 0.0.
+    // An offset of 0 is not added, because adding 0.0 would turn -0.0 into 0.0.
     points.extend(centres.map(|centre| {
         Point::from(
             centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }),

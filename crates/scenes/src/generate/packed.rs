@@ -7,15 +7,16 @@
 //!   o o o o o o      o o o o o        o   o     o   o
 //! ```
 //!
-//! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart;
-//! particles occupy the first N, x fastest, then y, then z. Each coordinate is moved by a uniform
-//! number in ± `jitter`. By default about 58% of the lattice neighbours touch: 3.5 contacts per
-//! particle in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter
-//! are exactly i·spacing·diameter, rounded once, or not at all if spacing and diameter are dyadic.
+//! The sites are a near-square or near-cubic block of a lattice, with nearest neighbours `spacing`
+//! apart. Particles occupy the first N sites, with x fastest, then y, then z. Each coordinate is
+//! moved by a uniform number in ± `jitter`. By default about 58% of the lattice neighbours touch:
+//! 3.5 contacts per particle in 2D and 6.9 in 3D, as in a dense granular pack. Without jitter,
+//! coordinates of square and cubic sites are i·spacing·diameter, rounded once; they are exact if
+//! spacing and diameter are dyadic.
 //!
-//! `periodic` continues the lattice through the faces of the box, so hexagonal and fcc lattices
-//! then have an even number of rows and layers. Sites after the last particle stay empty. There are
-//! none in fcc if n = 4·k³, in cubic if n = k³, and in square if n = k².
+//! `periodic` continues the lattice through the faces of the box. Hexagonal and fcc lattices then
+//! have an even number of rows and layers. Sites after the last particle stay empty. All sites are
+//! filled in fcc if n = 4·k³, in cubic if n = k³, and in square if n = k².
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -78,7 +79,8 @@ where
     boxed(inputs, scene, period.map(|edge| edge * spacing))
 }
 
-/// Returns the sites of a lattice in 2D by number, and the edges of its period, for a spacing of 1.
+/// Returns a function from a number to the 2D lattice site, and the edges of the period, for a
+/// spacing of 1.
 fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) {
     let square = lattice == "square";
     let pitch = if square { 1.0 } else { 3f64.sqrt() / 2.0 };
@@ -92,9 +94,9 @@ fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) 
     (site, [columns as f64, rows as f64 * pitch])
 }
 
-/// Returns the sites of a lattice in 3D by number, and the edges of its period, for a spacing of 1.
-/// The fcc sites are the points of a cubic lattice of edge 1/√2 whose three indices have an even
-/// sum. A periodic fcc lattice has an even number of them along each axis.
+/// Returns a function from a number to the 3D lattice site, and the edges of the period, for a
+/// spacing of 1. The fcc sites are the points of a cubic lattice of edge 1/√2 whose three indices
+/// have an even sum. A periodic fcc lattice has an even number of cubic points along each axis.
 fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + use<>, [f64; 3]) {
     let cubic = lattice == "cubic";
     let even = if cubic { 1 } else { 2 };

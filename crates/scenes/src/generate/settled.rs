@@ -12,7 +12,7 @@
 //! This is random sequential addition (Feder 1980, doi:10.1016/0022-5193(80)90358-6) by falling
 //! radius. Centres are uniform in a square or cube with a corner at the origin, whose volume is
 //! that of all particles over `fraction`. A centre is drawn again if the particle would overlap an
-//! earlier one, or in a periodic box its image, by more than `overlap` of the sum of their radii,
+//! earlier one (or its image in a periodic box) by more than `overlap` of the sum of their radii,
 //! as computed in f64. Particles may extend over the border.
 //!
 //! Without overlap, one size fills up to about 0.54 of a square and 0.38 of a cube; several sizes
@@ -54,7 +54,7 @@ pub const GENERATOR: Generator = Generator {
     ..Generator::PLAIN
 };
 
-/// Maximum number of draws for one particle, and for each particle on average.
+/// Maximum number of draws: for one particle, then per particle on average.
 const TRIES: u64 = 100_000;
 const TRIES_EACH: u64 = 1_000;
 /// Ratio of the largest radius of a layer to that of the next.
@@ -122,16 +122,16 @@ where
     boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }
 
-/// Sum of the volumes, in units of the unit ball's.
+/// Returns the sum of the particles' volumes, in volumes of a ball of radius 1.
 fn volume<const D: usize>(radii: impl Iterator<Item = f64>) -> f64 {
     radii.map(|r| if D == 2 { r * r } else { r * r * r }).sum()
 }
 
-/// The particles placed so far: one grid with linked lists for each layer of sizes.
+/// The placed particles, in one grid with linked lists for each layer (class of sizes).
 struct Placed<const D: usize> {
     edge: f64,
     repeats: Option<Repeats>,
-    /// Least distance of two particles, as a multiple of the sum of their radii.
+    /// Least allowed distance of two particles, in units of the sum of their radii.
     apart: f64,
     centres: Vec<[f64; D]>,
     /// For each particle, the next one in its cell.
@@ -139,18 +139,18 @@ struct Placed<const D: usize> {
     layers: Vec<Layer>,
 }
 
-/// The particles with radii from `largest` down to about half of it.
+/// The grid of particles with radii from `largest` down to about half of it.
 struct Layer {
     largest: f64,
     count: usize,
-    /// The newest particle of each cell.
+    /// The particle of each cell that was placed last.
     heads: Vec<u32>,
 }
 
 impl<const D: usize> Placed<D> {
-    /// Begins a layer for about this many particles.
+    /// Begins a layer whose grid has cells for about `bodies` particles.
     fn begin(&mut self, largest: f64, bodies: usize) -> anyhow::Result<()> {
-        // A little wider than two radii, so that rounding does not matter.
+        // Cells are a little wider than two radii, so that rounding does not matter.
         let fine = self.edge / (2.000_002 * largest);
         let most = CELLS * bodies.max(1) as f64;
         let coarse = if D == 2 { most.sqrt() } else { libm::cbrt(most) };
@@ -162,14 +162,15 @@ impl<const D: usize> Placed<D> {
         Ok(())
     }
 
-    /// Finds the particle's images, itself included, that may be too near to a particle in the box.
+    /// Finds the images of the particle, including itself, that may be too near to a particle in
+    /// the box.
     fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
         images.clear();
         images.push(centre);
         let Some(Repeats { axes, tilt }) = self.repeats else { return };
         let largest = self.layers.first().map_or(0.0, |layer| layer.largest);
         let reach = self.reach(radius, largest);
-        // x comes last, because images along y are shifted along x.
+        // The axis x is last, because images along y are shifted along x.
         for k in (0..D).rev().filter(|&k| axes[k]) {
             for there in 0..images.len() {
                 for side in [-1.0, 1.0] {
@@ -190,7 +191,7 @@ impl<const D: usize> Placed<D> {
         }
     }
 
-    /// Returns the distance beyond which two particles of these radii are never too near.
+    /// Returns a distance at which two particles of these radii are never too near.
     fn reach(&self, radius: f64, largest: f64) -> f64 {
         1.000_001 * self.apart * (radius + largest)
     }
@@ -239,7 +240,7 @@ impl<const D: usize> Placed<D> {
 }
 
 impl Layer {
-    /// Returns the cell index at this fraction of the edge.
+    /// Returns the index of the cell at the fraction `part` of the edge.
     fn cell(&self, part: f64) -> usize {
         ((part * self.count as f64) as usize).min(self.count - 1)
     }

@@ -1,7 +1,8 @@
 //! Distributions of the radii.
 //!
-//! Radii lie between r / `size-ratio` and r, the largest. Without `sizes` they are uniform in
-//! between; with a ratio of 1 all are r. Otherwise, in d dimensions with ratio ω:
+//! Radii lie between r / `size-ratio` and r, the largest radius. Without `sizes` they are uniform
+//! in this interval; with a ratio of 1 all are r. If `sizes` is given, the dimension is d and the
+//! ratio is ω, radii are as follows.
 //!
 //! * `power`: the number of radii has the density r^`exponent`. Radii are its quantiles at 0,
 //!   1/(n-1), .. 1, as in Krijgsman, Ogarko and Luding 2014 (doi:10.1007/s40571-014-0020-9), so
@@ -16,7 +17,7 @@
 //!   passing per line, or written out (`grading=0.063 0, 0.2 15, 2 100`). Radii are quantiles of
 //!   the numbers, as for `power`. The curve sets the ratio, so `size-ratio` must not be given.
 //!
-//! The assignment of radii to particles is drawn independently of everything else.
+//! Which particle gets which radius is drawn independently of all other random numbers.
 
 use anyhow::{bail, ensure};
 use rand::seq::SliceRandom;
@@ -66,7 +67,7 @@ pub const GRADING: Parameter = optional(
               line, or these points",
 );
 
-/// The cube of the inverse is still a normal number.
+/// Maximum ratio of radii; the cube of its inverse is a normal number.
 const MOST: f64 = 1e100;
 const LARGEST: f64 = 0.5;
 
@@ -118,7 +119,7 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
             radii.extend(
                 (0..n).map(|k| inside(least * quantile(1.0 - k as f64 / last, power, ratio))),
             );
-            // The rounded power might miss the largest radius.
+            // A rounded power might differ from the largest radius.
             radii.iter_mut().take(1).for_each(|radius| *radius = LARGEST);
         }
         Some("binary") => {
@@ -140,7 +141,7 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
             let giants = inputs.whole(GIANTS.name)?;
             radii.extend((0..n).map(|k| if k < giants { LARGEST } else { least }));
         }
-        // The table of parameters admits no other word.
+        // The check of parameters refuses all other words.
         Some(other) => bail!("there are no sizes '{other}'"),
     }
     radii.shuffle(&mut sizes(inputs.seed));
@@ -161,7 +162,7 @@ fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
     if (power * libm::log(ratio)).abs() < 1e-9 {
         return libm::pow(ratio, part);
     }
-    // The formula starts at the end whose power is at most 1, so that nothing overflows.
+    // The formula starts at the end where no power is above 1, so that none overflows.
     if power > 0.0 {
         ratio * libm::pow(part + (1.0 - part) * libm::pow(ratio, -power), 1.0 / power)
     } else {

@@ -32,9 +32,9 @@ pub struct Generator {
     /// The name in experiments, in records and on the command line.
     pub name: &'static str,
     pub dims: &'static [u32],
-    /// A phrase for lists and help.
+    /// A phrase about the scene, for lists and help.
     pub summary: &'static str,
-    /// The generator decides the number of particles, and accepts n = 0.
+    /// True if the generator decides the number of particles, and n = 0 is accepted.
     pub own_n: bool,
     pub params: &'static [&'static [Parameter]],
     pub make: Make,
@@ -57,25 +57,25 @@ pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> 
 pub struct Parameter {
     pub name: &'static str,
     pub kind: Kind,
-    /// Value if the parameter is not given, in 2D and in 3D.
+    /// Default value in 2D and in 3D.
     pub default: [Preset; 2],
-    /// Meaning and unit, for lists and help.
+    /// Meaning and unit of the parameter, for lists and help.
     pub meaning: &'static str,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A finite number that passes the test; the text describes the test.
+    /// A finite number that passes a test, which the text describes.
     Number(&'static str, fn(f64) -> bool),
-    /// A whole number that passes the test; the text describes the test.
+    /// A whole number that passes a test, which the text describes.
     Whole(&'static str, fn(u64) -> bool),
     Yes,
-    /// Periodic axes, or true for all, or none.
+    /// Periodic axes: names such as `xy`, true for all, or false.
     Axes,
-    /// One of these words, in 2D and in 3D.
+    /// One of the listed words: the first list in 2D, the second in 3D.
     Word([&'static [&'static str]; 2]),
     Text,
-    /// The name of a hard case that exists in the dimension.
+    /// The name of a hard case that exists in the scene's dimension.
     Case,
 }
 
@@ -111,7 +111,7 @@ impl Preset {
     }
 }
 
-/// Parameters of every scene, besides those of its generator.
+/// Parameters that every scene has, besides those of its generator.
 const COMMON: [&str; 4] = ["dim", "n", "seed", "order"];
 
 pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
@@ -136,7 +136,7 @@ impl Generator {
         self.params.iter().copied().flatten()
     }
 
-    /// Returns whether a value of this parameter is text, even if it looks like a number.
+    /// Returns whether this parameter takes text, which may look like a number.
     pub fn is_text(&self, name: &str) -> bool {
         let of_text = |kind: Kind| matches!(kind, Kind::Text | Kind::Case);
         self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
@@ -236,7 +236,7 @@ impl Kind {
     }
 
     /// Returns the value in its canonical form (2 becomes 2.0 for a number), or a description of
-    /// accepted values. `known` is the dimension, if known.
+    /// accepted values. `known` is the dimension, or `None` if it is not known yet.
     fn check(&self, value: &Value, known: Option<u32>) -> Result<Value, String> {
         let dim = known.unwrap_or(3);
         let text =
@@ -245,7 +245,7 @@ impl Kind {
             Kind::Number(_, good) => {
                 value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
             }
-            // 1e3 is a whole number.
+            // 1e3 is accepted as a whole number.
             Kind::Whole(_, good) => {
                 let real = || {
                     value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()))

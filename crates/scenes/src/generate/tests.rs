@@ -21,7 +21,7 @@ fn in_box(text: &str) -> (Periodic<'static>, Vec<ImagePair>) {
     (periodic, truth.pairs)
 }
 
-/// Squared distances of all pairs, and the squared sums of their radii.
+/// Returns the squared distance and the squared sum of radii of each pair.
 fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
     let scene = scene.stored(Arithmetic::F64).unwrap();
     with_scene!(&scene, scene => {
@@ -44,8 +44,8 @@ fn coordination(scene: &AnyScene<'static>) -> f64 {
     stats(&scene.clone().into(), contacts).coordination
 }
 
-// Hashes computed once, on x86-64 Linux. If one changes, published scenes are no longer the same,
-// and results from before and after must not be compared: that needs a new major version.
+// Hashes computed once, on x86-64 Linux. If one changes, a published scene has changed and new
+// results must not be compared with old ones: this needs a new major version.
 #[test]
 fn the_bits_of_every_generator_are_fixed() {
     let golden = [
@@ -112,7 +112,7 @@ fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
     assert_eq!(a, b);
 }
 
-/// Border particles have fewer neighbours than others, but most particles are inside.
+/// Particles at the border have fewer neighbours, but most particles are inside.
 #[test]
 fn packings_and_lattices_have_their_neighbours() {
     let [plane, of_space] =
@@ -161,7 +161,7 @@ fn loose_and_clustered_have_the_requested_fraction() {
             let fraction = stats(&scene.into(), 0).packing_fraction;
             assert!((0.045..0.0501).contains(&fraction), "{of}: {fraction}");
         }
-        // On average a particle touches 4 · 5% others in 2D, and 8 · 5% in 3D.
+        // At a fraction of 5%, a particle touches on average 4 · 5% others in 2D, and 8 · 5% in 3D.
         let expected = if dim == 2 { 0.2 } else { 0.4 };
         let mean = coordination(&make(&format!("loose:n=4000,dim={dim}")));
         assert!((mean / expected - 1.0).abs() < 0.15, "{dim}D: {mean}");
@@ -171,8 +171,8 @@ fn loose_and_clustered_have_the_requested_fraction() {
     assert!(loose < 0.06 && tight > 1.3, "{loose} {tight}");
 }
 
-/// Lattices continue through the faces of their boxes, and random scenes have the contacts of an
-/// infinite scene.
+/// In periodic boxes, lattices continue through the faces, and random scenes have as many contacts
+/// as an infinite scene would.
 #[test]
 fn boxes_repeat() {
     use std::f64::consts::PI;
@@ -197,7 +197,7 @@ fn boxes_repeat() {
         assert!((stats.packing_fraction - 0.2).abs() < 1e-12);
         assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
     }
-    // The tilted lattice fits its images, too. Under `periodic=x` the top and bottom rows have no
+    // A tilted lattice also fits its images. Under `periodic=x` the top and bottom rows have no
     // images.
     assert_eq!(found("packed:n=36,periodic=true,tilt=1,jitter=0").0, 108);
     assert_eq!(found("packed:n=36,periodic=x,jitter=0").0, 108 - 2 * 6);
@@ -218,12 +218,13 @@ fn clusters_have_their_width_and_number() {
         assert!((deviation - 3.0).abs() < 0.1, "{deviation}");
         assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
     }
-    // Width 0: 3 clusters of 30 coincident particles; the 10 of the background are all apart.
+    // Width 0 makes 3 clusters of 30 coincident particles; the 10 background particles coincide
+    // with none.
     let couples = couples(&make("clustered:n=100,per-cluster=30,width=0"));
     assert_eq!(couples.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
 }
 
-/// The radii in generated order, for a largest radius of 1.
+/// Returns the radii in generated order, for a largest radius of 1.
 fn radii(text: &str) -> Vec<f64> {
     with_scene!(&make(&format!("{text},diameter=2")), scene => {
         let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
@@ -244,7 +245,7 @@ fn sizes_have_the_requested_distribution() {
         let part = (1.0 - (10.0 * r).powi(-2)) / 0.99;
         assert!((part - k as f64 / 1000.0).abs() < 1e-9, "{k}: {r}");
     }
-    // Density r^-1: equal numbers in each octave.
+    // The density r^-1 gives equal numbers in each octave.
     let even = radii("clustered:n=3000,size-ratio=8,sizes=power,exponent=-1");
     let octave = even.iter().filter(|&&r| r > 0.25 && r <= 0.5).count();
     assert!((999..=1001).contains(&octave), "{octave}");
@@ -263,7 +264,7 @@ fn sizes_have_the_requested_distribution() {
     assert!((within - 0.6827 / 0.9545).abs() < 0.01, "{within}");
     let giants = radii("loose:n=500,size-ratio=1000,sizes=giants,giants=3");
     assert_eq!(giants.iter().filter(|&&r| r == 1.0).count(), 3);
-    // The giants are not simply the first particles.
+    // The giants are spread over the particles.
     assert!(giants[..3].iter().any(|&r| r < 1.0));
     assert!(make("loose:n=100,sizes=power,exponent=-3").uniform(), "a ratio of 1 is one size");
 }
@@ -278,7 +279,7 @@ fn settled_particles_overlap_up_to_the_limit() {
     ] {
         let part = couples(&make(text)).into_iter().map(|[square, reach]| (square / reach).sqrt());
         let deepest = part.fold(2.0, f64::min);
-        // Some pairs are nearly as close as allowed, because space is scarce.
+        // Some pairs are nearly at the least allowed distance, because the box is nearly full.
         let near = 1.0 - overlap - 1e-12..1.05 - overlap;
         assert!(near.contains(&deepest), "{text}: {deepest}");
     }
@@ -293,7 +294,7 @@ fn settled_particles_overlap_up_to_the_limit() {
             0.05,
         ),
         ("settled:n=1500,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,periodic=x", 0.05),
-        // One cell holds all.
+        // The grid has a single cell here.
         ("settled:n=2,fraction=0.4,overlap=0,periodic=true,tilt=0.5", 0.0),
         ("settled:n=3,dim=3,fraction=0.9,overlap=0.4,periodic=true", 0.4),
     ] {
@@ -301,7 +302,7 @@ fn settled_particles_overlap_up_to_the_limit() {
             let (scene, pairs) = in_box(&format!("{text},seed={seed}"));
             let depths = pairs.iter().map(|&pair| periodic::depth(&scene, pair));
             let deepest = depths.fold(0.0, f64::max);
-            // Depths are in mean radii.
+            // Depths are overlaps in mean radii.
             assert!(deepest <= 2.0 * overlap + 1e-12, "{text}: {deepest}");
             through_faces += pairs.iter().filter(|pair| pair.image != [0; 3]).count();
         }

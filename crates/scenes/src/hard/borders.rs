@@ -48,8 +48,8 @@ pub const MAKERS: &[Maker] = &[
         let around = corners(dim).into_iter().map(|corner| plus([5.0; 3], two_to(-12), corner));
         uniform(dim, around.chain([[0.0; 3], [10.0; 3]]), 0.5)
     }),
-    // Cells have an edge of 1, or a few millionths more, and begin at 0. The pair of direction v
-    // lies across the face, edge or corner in that direction.
+    // Cells begin at 0, with an edge of 1 or a few millionths more. The pair of direction v lies
+    // across the face, edge or corner of a cell in that direction.
     ("every-neighbour", |dim| {
         let couple = |(k, v): (usize, Place)| {
             let middle = plus(site(k + 1, 4.0), 1.0, v.map(|x| if x == 0.0 { 4.5 } else { 4.0 }));
@@ -65,8 +65,8 @@ pub const MAKERS: &[Maker] = &[
 ];
 
 /// Returns `low` and, for each border of cells of edge d, two coordinates: the last one that rounds
-/// to the cell before the border, and the last one in reach of it. Border k is k cells from `low`;
-/// borders must be three cells apart.
+/// to the cell before the border, and the last one at most d beyond it. Border k is k cells from
+/// `low`; borders must be three cells apart.
 fn astride(low: f64, d: f64, borders: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut line = vec![low];
     for border in borders {

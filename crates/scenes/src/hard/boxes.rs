@@ -1,4 +1,4 @@
-//! Periodic boxes: contacts between particles and images, also images of themselves.
+//! Periodic boxes: contacts between particles and images, including images of the particle itself.
 //!
 //! ```text
 //!   |o .     o|o .     o|      through a face, on a face, outside, through several at once; boxes
@@ -98,8 +98,8 @@ fn alone(dim: u32, r: f64, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
     in_box(uniform(dim, [[0.25; 3]], r), vectors, periodic)
 }
 
-/// Two particles that touch through the face across x of a box of edge 8, if `away` is 0 and `edge`
-/// is 8.
+/// Returns two particles that touch through the face across x if `away` is 0 and `edge`, the edge
+/// of the box, is 8.
 fn facing(dim: u32, away: f64, edge: f64) -> Steps {
     in_box(uniform(dim, [[0.25 + away, 3.0, 3.0], [7.25, 3.0, 3.0]], 0.5), cube(edge), ALL)
 }
@@ -112,13 +112,14 @@ fn three(dim: u32, edge: f64) -> Steps {
     in_box(uniform(dim, places(3, |k| [k, 1.0, 1.0]), 0.5), edges([edge, 9.0, 9.0]), X)
 }
 
-/// A lattice of 6 (2D) or 4 (3D) sites per axis that continues through the faces.
+/// Returns a lattice of 6 (2D) or 4 (3D) sites per axis that continues through the faces.
 fn tiled(dim: u32, scale: f64, offset: f64) -> Steps {
     let edge = by_dim(dim, [6.0, 4.0]) * scale;
     in_box(grid(dim, [6, 4], 0.5 * scale, |k| (offset + 0.25 + k) * scale), cube(edge), ALL)
 }
 
-/// Two particles, `aside` apart along x, that touch through the faces across y of a sheared box.
+/// Returns two particles, `aside` apart along x, that touch through the faces across y of a sheared
+/// box.
 fn sheared(dim: u32, tilt: f64, aside: f64) -> Steps {
     let places = [[1.0, 0.25, 3.0], [1.0 + aside, 7.25, 3.0]];
     let vectors = [[8.0, 0.0, 0.0], [8.0 * tilt, 8.0, 0.0], [0.0, 0.0, 8.0]];

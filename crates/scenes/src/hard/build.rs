@@ -1,4 +1,4 @@
-//! Building blocks of the hard cases. Places have three coordinates; 2D scenes drop the third.
+//! Building blocks of the hard cases. Positions have three coordinates; 2D scenes drop the third.
 
 use nalgebra::Point;
 
@@ -6,31 +6,32 @@ use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Radii, Scene, SceneError};
 use contactbench_io::Given;
 
-/// The scenes that a detector gets in turn; an error if the scene is invalid.
+/// The scenes that one detector gets in turn, or an error if a scene is invalid.
 pub type Steps = anyhow::Result<Vec<Given>>;
 
 pub type Place = [f64; 3];
 
-/// Centre and radius.
+/// Centre and radius of a particle.
 pub type Body = (Place, f64);
 
-/// Returns one step of particles with one radius.
+/// Returns one step, with particles of equal radius.
 pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Steps {
     Ok(vec![scene(dim, places, Radii::Uniform(r))?])
 }
 
-/// Returns one step of particles with a radius each.
+/// Returns one step, with particles that each have their own radius.
 pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
     let (places, radii): (Vec<Place>, Vec<f64>) = bodies.into_iter().unzip();
     Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
 }
 
-/// Returns one step: a lattice of particles of one radius, with `sites` per axis in 2D and in 3D.
+/// Returns one step, a lattice of particles with equal radius. `sites` holds the sites per axis in
+/// 2D and in 3D.
 pub fn grid(dim: u32, sites: [u32; 2], r: f64, at: impl Fn(f64) -> f64) -> Steps {
     uniform(dim, lattice(dim, sites, at), r)
 }
 
-/// Puts the steps into a box with its corner at the origin.
+/// Puts the scenes into a box with its corner at the origin.
 pub fn in_box(steps: Steps, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
     let lattice = Lattice::new(vectors, periodic, [0.0; 3])?;
     steps?.into_iter().map(|step| Given::in_box(step.scene, lattice)).collect()
@@ -67,7 +68,7 @@ pub fn places(n: u32, at: impl Fn(f64) -> Place) -> Vec<Place> {
     (0..n).map(|k| at(f64::from(k))).collect()
 }
 
-/// Returns `n` places drawn from one random sequence.
+/// Returns `n` positions drawn from one random sequence.
 pub fn drawn(seed: u64, n: u32, mut place: impl FnMut(&mut Draw) -> Place) -> Vec<Place> {
     let mut draw = Draw::new(seed);
     (0..n).map(|_| place(&mut draw)).collect()
@@ -77,21 +78,21 @@ pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator
     places.into_iter().map(move |place| (place, r))
 }
 
-/// Returns the place with `x` on one axis and `other` on the others.
+/// Returns the position with coordinate `x` on one axis and `other` on the others.
 pub fn on_axis(axis: usize, x: f64, other: f64) -> Place {
     std::array::from_fn(|k| if k == axis { x } else { other })
 }
 
-/// Returns a line along every axis, with the coordinates `line` on that axis and `park` on the
-/// others. If `park` is above all of the line, lines do not meet, and the smallest coordinate on
-/// every axis is the line's.
+/// Returns a line of positions along every axis, with the coordinates `line` on that axis and
+/// `park` on the others. If `park` is above all of `line`, lines do not meet, and on every axis the
+/// smallest coordinate belongs to the line along it.
 pub fn lines(dim: u32, line: &[f64], park: f64) -> Vec<Place> {
     let along = |axis| line.iter().map(move |&x| on_axis(axis, x, park));
     (0..dim as usize).flat_map(along).collect()
 }
 
-/// Returns a square or cubic lattice with `sites` per axis in 2D and in 3D, x first. Site k of an
-/// axis has the coordinate `at(k)`.
+/// Returns a square or cubic lattice, with x fastest. `sites` holds the sites per axis in 2D and in
+/// 3D; site k of an axis has the coordinate `at(k)`.
 pub fn lattice(dim: u32, sites: [u32; 2], at: impl Fn(f64) -> f64) -> Vec<Place> {
     let m = by_dim(dim, sites);
     let layers = if dim == 2 { 1 } else { m };
@@ -126,7 +127,7 @@ pub fn plus(a: Place, s: f64, b: Place) -> Place {
     std::array::from_fn(|k| a[k] + s * b[k])
 }
 
-/// Returns place k of an endless staircase of places that are at least `gap` apart.
+/// Returns position k of an endless staircase whose positions are at least `gap` apart.
 pub fn site(k: usize, gap: f64) -> Place {
     [k % 8, k / 8, k % 3].map(|i| i as f64 * gap)
 }
@@ -134,7 +135,7 @@ pub fn site(k: usize, gap: f64) -> Place {
 /// Returns the largest double y with y - x <= d in exact arithmetic.
 pub fn reach_from(x: f64, d: f64) -> f64 {
     let sum = x + d;
-    // The rounding error (Knuth's two-sum): sum + lost = x + d.
+    // `lost` is the rounding error (Knuth's two-sum): sum + lost = x + d.
     let part = sum - x;
     let lost = (x - (sum - part)) + (d - part);
     if lost < 0.0 { sum.next_down() } else { sum }

@@ -1,4 +1,4 @@
-//! Very many particles in one cell: fixed capacities drop some, and N particles make N²/2 pairs.
+//! Very many particles in one cell: fixed capacities lose some, and N particles make N²/2 pairs.
 //!
 //! ```text
 //!   +------+------+
@@ -21,7 +21,7 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("clique-on-a-corner", |dim| {
         let mut clique = drawn(10, 240, |draw| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric()));
-        // A particle alone at 0, so that cells of edge 1 have a corner at 4.
+        // A separate particle at 0 makes cells of edge 1 have a corner at 4.
         clique.insert(120, [0.0; 3]);
         uniform(dim, clique, 0.5)
     }),
@@ -38,7 +38,7 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// Returns `n` particles in a box of edge 1/4 of the diameter; all touch.
+/// Returns `n` particles that all touch, in a box whose edge is 1/4 of their diameter.
 fn crowd(dim: u32, n: u32) -> Steps {
     uniform(dim, drawn(n.into(), n, |draw| [(); 3].map(|()| 0.25 * draw.unit())), 0.5)
 }

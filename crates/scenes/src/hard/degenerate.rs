@@ -1,4 +1,4 @@
-//! Invalid numbers; none, one and two particles; points, lines and planes.
+//! Invalid numbers; scenes without, with one and with two particles; points, lines and planes.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
@@ -32,20 +32,21 @@ pub const MAKERS: &[Maker] = &[
     ("all-on-one-z", |dim| on_a_plane(dim, 2)),
     ("collinear-diagonal", |dim| uniform(dim, places(300, |k| [k; 3]), 1.0)),
     ("coplanar-tilted", |dim| {
-        // Neighbours differ by (1, 0, 1) or (0, 1.25, 0) and touch, because the reach is 1.5.
-        // Diagonals have length √3.5625 and do not.
+        // Neighbours differ by (1, 0, 1) or (0, 1.25, 0) and touch, because the diameter is 1.5.
+        // Diagonals have length √3.5625 and do not touch.
         uniform(dim, places(400, |k: f64| [k % 20.0, 1.25 * (k / 20.0).floor(), k % 20.0]), 0.75)
     }),
 ];
 
-/// Returns five particles; `spoil` changes the one with number 3.
+/// Returns five particles; `spoil` changes particle 3.
 fn spoilt(dim: u32, spoil: impl Fn(&mut Body)) -> Steps {
     let mut bodies: Vec<Body> = of_size(places(5, |k| [k; 3]), 1.0).collect();
     spoil(&mut bodies[3]);
     each(dim, bodies)
 }
 
-/// Returns 400 particles at 1/3 on one axis: a touching row in 2D, a touching square in 3D.
+/// Returns 400 particles whose coordinate on one axis is 1/3: a touching row in 2D, a touching
+/// square in 3D.
 fn on_a_plane(dim: u32, axis: usize) -> Steps {
     let width = by_dim(dim, [400.0, 20.0]);
     let at = |k: f64| {

@@ -33,8 +33,8 @@ pub const MAKERS: &[Maker] = &[
         uniform(dim, [[f64::MAX, 0.0, 0.0], [-f64::MAX, 0.0, 0.0]], f64::MAX)
     }),
     ("large-beside-least", |dim| {
-        // Three pairs: in touch; apart by 2^-1074 across; as the second, but with a radius that
-        // reaches.
+        // There are three pairs: one in touch; one 2^-1074 apart across the line; and one like the
+        // second, but with a radius large enough to touch.
         let (least, more) = (two_to(-1074), 0.5f64.next_up());
         let couple = |x, y, r| [([x, 0.0, 0.0], 0.5), ([x + 1.0, y, 0.0], r)];
         each(

@@ -4,7 +4,7 @@
 //!   (ix, iy) -> ix + iy·2^b
 //! ```
 //!
-//! Cells (2^b, 0) and (0, 1) share a key, and so also a list, marks and neighbours.
+//! Cells (2^b, 0) and (0, 1) have the same key, and so share list, marks and neighbours.
 
 use crate::hard::Maker;
 use crate::hard::build::*;
@@ -42,19 +42,20 @@ pub const MAKERS: &[Maker] = &[
     ("neighbours-in-one-bucket", |dim| grid(dim, [24, 10], by_dim(dim, [0.75, 0.875]), |k| k)),
 ];
 
-/// Returns two touching pairs, at the origin and at `far` on every axis. If doubles are too coarse
-/// there, the far pair is two particles at one place.
+/// Returns two touching pairs, one at the origin and one at `far` on every axis. If doubles are too
+/// coarse at `far`, the two particles there coincide.
 fn two_couples(dim: u32, far: f64) -> Steps {
     uniform(dim, [[0.0; 3], [1.0, 0.0, 0.0], [far; 3], [far + 1.0, far, far]], 0.5)
 }
 
-/// Returns rows whose cells collide if a key holds `period` cells per axis.
+/// Returns rows of particles whose cells collide if a key holds `period` cells per axis.
 ///
-/// Two rows lie one above the other, in cells 0 to 15 along x. A third, level with the lower, lies
-/// around x = `period` and continues until its cells, modulo `period`, are those of the first row,
-/// also for cells a few millionths wider than a diameter. Colliding keys mix it up with the upper
-/// row. All three occur twice: the far row first, and last. One particle far up makes an array of
-/// all cells impossible. Contacts: along three rows of 22 particles and between two of them, twice.
+/// Two rows lie one above the other, in cells 0 to 15 along x. A third row, level with the lower
+/// one, lies around x = `period`. It continues until its cells, modulo `period`, are those of the
+/// first row, also for cells a few millionths wider than a diameter. Colliding keys confuse it with
+/// the upper row. All three rows occur twice: the far row comes first, and last. One particle far
+/// up makes an array of all cells impossible. Contacts: along three rows of 22 particles and
+/// between two of them, twice.
 fn aliases(dim: u32, period: f64) -> Steps {
     let row = |x: f64, y: f64| places(22, |k| [x + 0.75 * k, y, 0.5]);
     let near = |y: f64| [row(0.0, y + 0.5), row(0.0, y + 1.25)].concat();
@@ -64,7 +65,7 @@ fn aliases(dim: u32, period: f64) -> Steps {
 }
 
 /// Returns two touching chains along every axis: 64 particles from 0, and 64 across `period`. Cell
-/// numbers that wrap at `period` confuse both chains. The second crosses the border of cell
+/// numbers that wrap at `period` confuse both chains. The second chain crosses the border of cell
 /// `period` even if cells are some millionths wider than a diameter.
 fn chains(dim: u32, period: f64) -> Steps {
     let far = (-40..24).map(|k| period + f64::from(k));

@@ -50,7 +50,7 @@ pub const MAKERS: &[Maker] = &[
         let (large, small) = (two_to(16), two_to(-16));
         beside(dim, of_size(axes(dim, large + small), small), ([0.0; 3], large))
     }),
-    // The contacts are the whole-number points within 5 of the origin.
+    // The particles in contact are at the whole-number points within 5 of the origin.
     ("points-around-a-giant", |dim| {
         beside(dim, of_size(lattice(dim, [13; 2], |k| k - 6.0), 0.0), ([0.0; 3], 5.0))
     }),
@@ -93,8 +93,8 @@ fn beside(dim: u32, bodies: impl Iterator<Item = Body>, last: Body) -> Steps {
     each(dim, bodies.chain([last]))
 }
 
-/// Returns 13 pairs for the borders 2^-k, k = 0 to 12. Their distance is (1 + 2^-k)·scale; their
-/// radii are `scale` and `radius(2^-k)`·scale.
+/// Returns 13 pairs for the borders 2^-k, k = 0 to 12. The particles of a pair are (1 + 2^-k)·scale
+/// apart; their radii are `scale` and `radius(2^-k)`·scale.
 fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> {
     (0..13).flat_map(move |k| {
         let (border, y) = (two_to(-k), 8.0 * f64::from(k) * scale);
@@ -102,7 +102,7 @@ fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body
     })
 }
 
-/// Returns particles along x, each exactly in touch with the one before it.
+/// Returns particles along x, each exactly in touch with its predecessor.
 fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> {
     let mut x = 0.0;
     (0..count).map(move |k| {
@@ -114,7 +114,8 @@ fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> 
 }
 
 /// Returns a lattice of dust and a giant that exactly touches its first or last particle along x.
-/// `centre` maps the last site along x to the giant's centre, 1000 from that particle.
+/// `centre` maps the x of the last site to that of the giant's centre, 1000 from the touched
+/// particle.
 fn beside_dust(dim: u32, centre: impl Fn(f64) -> f64) -> Steps {
     let giant = ([centre(by_dim(dim, [11.0, 5.0])), 0.0, 0.0], 999.75);
     beside(dim, of_size(lattice(dim, [12, 6], |k| k), 0.25), giant)

@@ -1,14 +1,14 @@
 //! The catalogue of hard cases: small named scenes on which detectors have been, or can be, wrong.
 //!
-//! Every case has a reason, a source and an expected number of contacts: known by construction, or
-//! from testing every pair in exact arithmetic. A case is a list of *steps*, scenes that one
-//! detector gets in turn. Only the last is judged; the earlier ones leave state behind (group
-//! `state`), and may be refused.
+//! Every case has a reason, a source and an expected number of contacts, known by construction or
+//! from testing every pair in exact arithmetic. A case is a list of *steps*: scenes that one
+//! detector gets in turn. Only the answer to the last step is judged. Earlier steps leave state in
+//! the detector (group `state`), and may be refused.
 //!
 //! The table of all cases is `cases.md`. Each module makes the scenes of a group, except that
-//! `signs` makes two, and `sizes` and `levels` share one. `build` holds what they have in common.
+//! `signs` makes two, and `sizes` and `levels` share one. `build` holds their common parts.
 //!
-//! Coordinates are dyadic wherever ties matter, and use only + - * / and square roots, so that they
+//! If ties matter, coordinates are dyadic. They use only + - * / and square roots, so that they
 //! have the same bits on every machine.
 
 mod borders;
@@ -52,7 +52,7 @@ static MAKERS: [&[Maker]; 13] = [
     boxes::MAKERS,
 ];
 
-/// The rows of the table that have a maker; a test checks that all have one.
+/// The rows of the table that have a maker; a test checks that every row has one.
 static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
     let mut group = None;
     let case = |line: &'static str| {
@@ -68,18 +68,19 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
     CASES.iter()
 }
 
-/// A scene, or a sequence of scenes, on which detectors go wrong.
+/// A scene, or a sequence of scenes, on which detectors may be wrong.
 pub struct Case {
     pub name: &'static str,
-    /// One of [`GROUPS`].
+    /// Name of the group, one of [`GROUPS`].
     pub group: &'static str,
     pub dims: &'static [u32],
-    /// The fault that this case provokes, and why.
+    /// The error that this case provokes, and its cause.
     pub reason: &'static str,
-    /// Source: project#issue, a publication, a file of a project, or "own".
+    /// Source: project#issue, a publication, a file of a project, or "own" for this project.
     pub source: &'static str,
     pub expect: Expect,
-    /// Accepted refusals of the last step, in exact arithmetic with the default memory limit.
+    /// Refusals of the last step that are accepted in exact arithmetic with the default memory
+    /// limit.
     pub allows: &'static [Allowed],
     make: fn(u32) -> Steps,
 }
@@ -87,7 +88,7 @@ pub struct Case {
 /// The expected answer to the last step, in exact arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expect {
-    /// This number of contacts in 2D and in 3D, known by construction.
+    /// Number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
     /// The answer of [`contactbench_core::oracle::truth`], or in a box
     /// [`contactbench_core::periodic::truth()`].
@@ -124,8 +125,8 @@ pub const GROUPS: [&str; 13] = [
 ];
 
 impl Case {
-    /// Parses a row of the table: name, contacts in 2D and 3D, refusals, source, reason. `None` for
-    /// any other line.
+    /// Parses a row of the table: name, contacts in 2D and 3D, refusals, source, reason. Returns
+    /// `None` for any other line.
     fn of_row(group: &'static str, line: &'static str) -> Option<Case> {
         let cells: Vec<&'static str> = line.split('|').map(str::trim).collect();
         let &["", name, plane, space, allows, source, reason, ""] = &cells[..] else { return None };
@@ -149,8 +150,8 @@ impl Case {
         Some(Case { name, group, dims, reason, source, expect, allows, make })
     }
 
-    /// The scenes that one detector gets in turn, at least one. An invalid case returns an error
-    /// that holds the [`contactbench_core::scene::SceneError`].
+    /// Returns the scenes that one detector gets in turn, at least one. For an invalid case, the
+    /// error holds the [`contactbench_core::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
         ensure!(
             self.dims.contains(&dim),

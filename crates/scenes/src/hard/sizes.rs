@@ -18,7 +18,7 @@ pub const MAKERS: &[Maker] = &[
         let (length, scale) = by_dim(dim, [(65, two_to(5)), (9, two_to(8))]);
         let r = 0.125;
         let near = of_length(dim, length).into_iter().map(|v| v.map(|x| x * scale));
-        // A second crown of points, at least one unit farther out, that do not touch.
+        // A second shell of points, at least one unit farther out, does not touch.
         let far = near.clone().map(|v| v.map(|x| if x == 0.0 { x } else { x + x.signum() }));
         let giant = ([0.0; 3], f64::from(length) * scale - r);
         each(dim, of_size(near.chain(far), r).chain([giant]))

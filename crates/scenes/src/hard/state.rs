@@ -1,5 +1,5 @@
-//! State that an earlier detection left in the detector. One detector gets all steps in order; only
-//! the last is judged.
+//! State that earlier scenes left in the detector. One detector gets all steps in order; only the
+//! last is judged.
 //!
 //! ```text
 //!   step 1  ooooooooo   step 2  oo   step 3  oooooooooo
@@ -23,12 +23,12 @@ pub const MAKERS: &[Maker] = &[
         let all = lattice(dim, [8, 5], |k| k);
         let mut fewer = all.clone();
         fewer.remove(20);
-        // The removed particle comes back with the last number.
+        // The removed particle is inserted again, as the last one.
         let again = [&fewer[..], &[all[20]]].concat();
         history([all, fewer, again].map(|places| uniform(dim, places, 0.5)))
     }),
     ("all-cross-a-cell", |dim| {
-        // The last particle keeps the corner of the box in place.
+        // The last particle fixes the lowest corner of the scene.
         let moved = |by: f64| lattice(dim, [12, 6], |k| k + by).into_iter().chain([[-5.0; 3]]);
         history([0.0, 1.0].map(|by| uniform(dim, moved(by), 0.5)))
     }),

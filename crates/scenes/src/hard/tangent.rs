@@ -1,4 +1,4 @@
-//! Particles that exactly touch, or miss or overlap by the last bit.
+//! Particles that exactly touch, or overlap or miss each other by the last bit.
 //!
 //! ```text
 //!        o        |(3, 4)| = 5 = 2.5 + 2.5: all numbers dyadic, so the tie is exact.
@@ -18,7 +18,7 @@ pub const MAKERS: &[Maker] = &[
     ("tangent-2-3-6-7", |dim| ties(dim, [2.0, 3.0, 6.0], 7.0, 0.25)),
     ("tangent-4-4-7-9", |dim| ties(dim, [4.0, 4.0, 7.0], 9.0, 0.125)),
     ("tangent-many-bits", |dim| {
-        // The factors make the rounded squares report no contact, although the particles touch.
+        // Each factor makes the rounded squares report no contact, although the particles touch.
         let triples = [
             [128.0, 4095.0, 4097.0, two_to(24) - 111.0],
             [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
@@ -53,7 +53,7 @@ pub const MAKERS: &[Maker] = &[
     ("many-scales", |dim| {
         let (triple, length) = by_dim(dim, [([3.0, 4.0, 0.0], 5.0), ([2.0, 3.0, 6.0], 7.0)]);
         // For each scale: a pair exactly in touch, one nearer by 2^-20 of its distance, one farther
-        // by as much, and in 3D one with the axes turned.
+        // by the same, and in 3D one with exchanged axes.
         let couples = (-10..=10).flat_map(|k| {
             let (v, radii) = (triple.map(|x| two_to(k) * x), [0.5 * two_to(k) * length; 2]);
             let near = v.map(|x| x * (1.0 - two_to(-20)));
@@ -74,7 +74,7 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("sum-of-radii-rounds", |dim| {
         let r = two_to(-53);
-        // Two pairs along every axis, 1 + 2^-53 apart: one in touch, one 2^-106 short of it.
+        // Each axis has two pairs 1 + 2^-53 apart: one in touch, and one with a gap of 2^-106.
         let couple = |k: usize| {
             let (axis, small) = (k / 2, [r, r.next_down()][k % 2]);
             let at = |x| on_axis(axis, x, 8.0 * (k + 1) as f64);
@@ -84,8 +84,8 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-/// Two particles: the second is `v` from the first, moved `outward` steps of the last bit along the
-/// first axis on which they differ.
+/// Two particles. The second is at the first plus `v`, then moved outward by `outward` units in the
+/// last place along the first axis on which `v` is not 0.
 struct Couple {
     v: Place,
     outward: i32,
@@ -107,19 +107,19 @@ fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> St
     each(dim, bodies)
 }
 
-/// Returns pairs in all directions of a triple, each in all of these forms (steps outward, radii).
+/// Returns pairs in all directions of the triple `v`, each in all `forms` (units outward, radii).
 fn turned<const N: usize>(dim: u32, v: Place, gap: f64, forms: [(i32, [f64; 2]); N]) -> Steps {
     let of = |v| forms.map(|(outward, radii)| Couple { v, outward, radii });
     together(dim, gap, orientations(dim, v).into_iter().flat_map(of))
 }
 
-/// Returns pairs in all directions of a triple, all of one radius and exactly in touch.
+/// Returns pairs in all directions of the triple `v`, with equal radii and exactly in touch.
 fn ties(dim: u32, v: Place, length: f64, scale: f64) -> Steps {
     let couples = couples(dim, v.map(|x| x * scale), [-3.0; 3], 4.0 * length * scale);
     uniform(dim, couples, 0.5 * length * scale)
 }
 
-/// Returns pairs in all directions of `v`, at places `gap` apart that begin at `corner`.
+/// Returns pairs in all directions of `v`, at positions `gap` apart that begin at `corner`.
 fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
     orientations(dim, v).into_iter().enumerate().flat_map(move |(k, v)| {
         let first = plus(corner, 1.0, site(k, gap));
@@ -127,7 +127,7 @@ fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = 
     })
 }
 
-/// Returns all vectors that permutations and changes of sign make of `v`.
+/// Returns all vectors that result from `v` by permutations and changes of sign.
 fn orientations(dim: u32, v: Place) -> Vec<Place> {
     let orders = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
     let mut all: Vec<Place> = Vec::new();

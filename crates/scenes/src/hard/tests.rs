@@ -16,7 +16,7 @@ use contactbench_core::probe::{Silent, Tally};
 use contactbench_core::scene::{AnyScene, Real, SceneError, Stored};
 use contactbench_core::sink::Digest;
 
-/// All cases in all their dimensions, except those without a valid scene.
+/// Returns all valid cases in all their dimensions, with their scenes.
 fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
     cases()
         .filter(|case| case.expect != Expect::Invalid)
@@ -88,8 +88,8 @@ fn detectors() -> impl Iterator<Item = &'static Entry> {
     TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer))
 }
 
-/// The outcome of a new detector on the last step, and the digest of its contacts. Cases need
-/// little memory, because detectors must refuse large domains.
+/// Returns the outcome of a new detector on the last step, and the digest of its contacts. Cases
+/// need little memory, because detectors must refuse large domains.
 fn last_answer(
     entry: &Entry,
     arithmetic: Arithmetic,
@@ -128,7 +128,8 @@ fn last_answer(
     last
 }
 
-/// In exact arithmetic only the refusals that a case allows may occur; in others, any.
+/// In exact arithmetic only the refusals that a case allows may occur; in other arithmetics any
+/// may.
 #[test]
 fn every_detector_is_right_in_every_safe_arithmetic() {
     let mut refused: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
@@ -186,7 +187,8 @@ fn a_spec_gives_last_step_and_history() {
     assert!(cases().next().unwrap().steps(4).is_err());
 }
 
-/// Counts the contacts by the difference of the two particles' cells; particles in input order.
+/// Counts the contacts by the difference of the two cells; the particle that comes first in the
+/// input is subtracted.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
 impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
@@ -243,7 +245,7 @@ fn textbook_filters_fail_on_border_cases() {
             }
         }
     }
-    // A detector added by a user need not have the book's filters.
+    // Only built-in detectors are checked; one that a user adds need not have the book's filters.
     let textbook =
         ["binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "hgrid"];
     for Entry { name, .. } in detectors().filter(|entry| textbook.contains(&entry.name)) {
@@ -266,7 +268,7 @@ fn the_bits_of_every_case_are_fixed() {
                 format!("{} {dim} {}\n", case.name, hashes.join(" "))
             })
             .collect();
-        // FNV-1a
+        // FNV-1a hash.
         text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
         })

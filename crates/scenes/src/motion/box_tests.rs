@@ -19,7 +19,7 @@ fn lattice(given: &Given) -> Lattice {
     given.lattice.unwrap()
 }
 
-/// Coordinates along a vector of the box, in units of its length.
+/// Returns the fractional coordinates along a vector of the box.
 fn fractions(given: &Given, v: usize) -> Vec<f64> {
     let (dim, lattice) = (given.scene.dim(), lattice(given));
     let (dual, origin) = (lattice.dual(v), lattice.origin());
@@ -67,7 +67,7 @@ fn particles_stay_in_the_box_and_between_walls() {
     }
 }
 
-/// Seen from the middle, the faces along y move with the given speed. A tilt beyond one half is
+/// Relative to the middle, the faces along y move with the given speed. A tilt beyond one half is
 /// flipped back.
 #[test]
 fn a_shear_deforms_the_box() {
@@ -81,14 +81,15 @@ fn a_shear_deforms_the_box() {
         let frame = frames.at(k.into()).unwrap();
         let [first, second, third] = *lattice(&frame).vectors();
         assert_eq!((first, second[1], third), ([x, 0.0, 0.0], y, z));
-        // Particles at one face stay; those at the other move by 2 · 0.05 diameters per frame.
+        // Particles at the lower face stay; those at the upper face move by 2 · 0.05 diameters per
+        // frame.
         let tilt = xy + 0.1 * f64::from(k);
         let whole = (second[0] - tilt) / x;
         assert!((whole - whole.round()).abs() < 1e-9, "{k}: {second:?}");
         assert!(second[0].abs() <= 0.5 * x * (1.0 + 1e-12), "{k}: {second:?}");
         flips += usize::from(second[0] < before);
         before = second[0];
-        // Each particle is at an image of the place to which the flow moves it.
+        // Each particle is at an image of the position to which the flow moves it.
         let flow = 0.05 * f64::from(k);
         for (from, to) in coordinates(&still).chunks(3).zip(coordinates(&frame).chunks(3)) {
             assert_eq!(from[1..], to[1..]);
@@ -98,7 +99,7 @@ fn a_shear_deforms_the_box() {
         }
     }
     assert!(flips >= 2, "{flips}");
-    // If the box is open along y, layers slide and the box stays.
+    // If the box is open along y, layers slide and the box does not change.
     let layers = scene("loose:dim=2,n=60,fraction=0.4,periodic=x");
     let slid = Frames::new(&layers, motion(Kind::Shear, 0.3)).unwrap().at(50).unwrap();
     assert_eq!(slid.lattice, layers.lattice);
@@ -123,7 +124,7 @@ fn unsupported_motions_in_boxes_are_refused() {
     assert!(said.contains("is not along x but has y = 9 and z = 0; turn the box"), "{said}");
     let mut drift = Frames::new(&turned, motion(Kind::Drift, 0.1)).unwrap();
     assert!(fractions(&drift.at(99).unwrap(), 0).iter().all(|x| (-1e-9..1.0 + 1e-9).contains(x)));
-    // Discs from files may have a box that is periodic along z.
+    // A file of discs may have a box that is periodic along z.
     let vectors = [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [2.5, 3.5, 9.0]];
     let along = |axes| Lattice::new(vectors, axes, [0.0; 3]).unwrap();
     let discs = scene("loose:n=9,periodic=true");
@@ -134,7 +135,7 @@ fn unsupported_motions_in_boxes_are_refused() {
         };
         assert_eq!(frame([true; 3]), frame([true, true, false]), "{kind:?}");
     }
-    // Scenes without particles, and motions beyond the range of f64.
+    // Tests scenes without particles, and motions beyond the range of f64.
     for kind in goes() {
         let none = scene("loose:n=0,periodic=true");
         assert_eq!(Frames::new(&none, motion(kind, 0.1)).unwrap().at(3).unwrap().scene.len(), 0);

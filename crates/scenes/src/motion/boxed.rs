@@ -6,8 +6,8 @@
 //!
 //! A shear also shears the box (Lees and Edwards 1972, doi:10.1088/0022-3719/5/15/006; `fix deform`
 //! of LAMMPS): x grows by γ y for particles and vectors, with y from the corner of the box, which
-//! stays. If the tilt of a vector exceeds half of the first one, which lies along x, whole first
-//! vectors are subtracted. This changes no image.
+//! does not move. If the tilt of a vector exceeds half of the first one, which lies along x, whole
+//! first vectors are subtracted. This changes no image.
 
 use anyhow::ensure;
 use nalgebra::Point;
@@ -22,14 +22,14 @@ pub(super) struct Boxed<const D: usize> {
 }
 
 struct Wall<const D: usize> {
-    /// A unit vector.
+    /// Unit vector at right angles to the wall.
     normal: [f64; D],
     low: f64,
     extent: f64,
 }
 
 impl<const D: usize> Boxed<D> {
-    /// Builds the walls for the box of frame 0.
+    /// Builds the walls for a scene in the box of frame 0.
     ///
     /// # Errors
     /// Fails if the motion does not work in boxes or in this box, or if the box of discs leaves the
@@ -61,7 +61,7 @@ impl<const D: usize> Boxed<D> {
         (height > 0.0).then_some((height, self.first.origin()[1]))
     }
 
-    /// Returns the place of a particle after the displacement `way`.
+    /// Returns the position of a particle in the box after the displacement `way` from `first`.
     pub fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let mut at = Point::from(std::array::from_fn(|k| first[k] + way[k]));
         for Wall { normal, low, extent } in &self.walls {
@@ -97,7 +97,7 @@ impl<const D: usize> Boxed<D> {
     }
 }
 
-/// Returns the image of a place in the box, up to rounding.
+/// Returns the image of a position that lies in the box, up to rounding.
 pub(super) fn brought<const D: usize>(lattice: &Lattice, at: &Point<f64, D>) -> Point<f64, D> {
     let origin = lattice.origin();
     let mut brought = *at;
@@ -121,7 +121,7 @@ fn walls<const D: usize>(scene: &Scene<'_, f64, D>, lattice: &Lattice) -> Vec<Wa
     }
     let mut walls = Vec::new();
     while span.len() < D {
-        // Choose the axis farthest from the span, and the first of equal ones.
+        // Choose the axis farthest from the span; among equal ones, the first.
         let axes = (0..D).map(|axis| std::array::from_fn(|k| f64::from(u8::from(k == axis))));
         let left = axes.map(|axis| left_of(axis, &span));
         let Some(farthest) = left.reduce(|a, b| if dot(&b, &b) > dot(&a, &a) { b } else { a })

@@ -30,14 +30,14 @@ pub enum Kind {
     Jitter,
     Brownian,
     Bullet,
-    /// A motion of an earlier version, one of `GONE`. Records name it; it cannot be made.
+    /// A motion of an earlier version, one of `GONE`. Records may name it; it cannot be made.
     Gone(&'static str),
 }
 
 /// Motions in records until 26 November 2026, which this program does not make.
 const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
 
-/// Kind, name on the command line, and summary with the meaning of the speed.
+/// Kind of each motion, name on the command line, and summary with the meaning of the speed.
 const TABLE: [(Kind, &str, &str); 8] = [
     (Kind::Rest, "rest", "nothing moves"),
     (
@@ -102,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// Fails for motions of earlier versions.
+    /// Checks that this program can make the motion; fails for those of earlier versions.
     pub fn made(self) -> anyhow::Result<()> {
         let Kind::Gone(name) = self else { return Ok(()) };
         bail!(
@@ -121,12 +121,12 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     pub kind: Kind,
-    /// In diameters of the largest particle per frame.
+    /// Speed in diameters of the largest particle per frame.
     pub speed: f64,
     pub seed: u64,
 }
 
-/// The default. A particle needs about a hundred frames to move by its diameter.
+/// Default speed: a particle needs about a hundred frames to move by its diameter.
 pub const SPEED: f64 = 0.01;
 pub const SEED: u64 = 1;
 

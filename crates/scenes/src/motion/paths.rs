@@ -1,4 +1,4 @@
-//! The places of all particles in a frame.
+//! The positions of all particles in a frame.
 
 use nalgebra::Point;
 
@@ -7,10 +7,10 @@ use super::{Kind, Motion, diameter};
 use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Scene};
 
-/// For [`Kind::Brownian`]: a particle gets a new velocity after this many frames.
+/// Number of frames after which a particle gets a new velocity in [`Kind::Brownian`].
 const PERIOD: u64 = 100;
 
-/// Everything except the centres in frame 0 that determines the places in frame k.
+/// The values that, with the centres in frame 0, determine the positions in frame k.
 pub(super) struct Paths<const D: usize> {
     kind: Kind,
     seed: u64,
@@ -21,14 +21,15 @@ pub(super) struct Paths<const D: usize> {
     /// Velocities of the particles, in length per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
-    /// For [`Kind::Shear`]: the velocity along x per unit of y, and the y at which nothing moves.
+    /// For [`Kind::Shear`]: the velocity along x per unit of y, then the y at which particles stand
+    /// still.
     slope: f64,
     still: f64,
-    /// `None` in open space.
+    /// Box and walls of a periodic scene; `None` in open space.
     boxed: Option<Boxed<D>>,
 }
 
-/// State of a walk: the displacements up to `frame`, ignoring walls.
+/// State of a random walk: the displacements up to `frame`, ignoring walls.
 struct Walk<const D: usize> {
     frame: u64,
     at: Vec<[f64; D]>,
@@ -152,7 +153,8 @@ impl<const D: usize> Paths<D> {
         }
     }
 
-    /// Returns the place after the displacement `way` in open space, where walls reflect particles.
+    /// Returns the position after the displacement `way` in open space, where walls reflect
+    /// particles.
     fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
@@ -172,7 +174,7 @@ impl<const D: usize> Paths<D> {
         }
         while self.walk.frame < k {
             let frame = self.walk.frame;
-            // Particles with this remainder get a new velocity in this frame.
+            // Particles k with k mod `PERIOD` = `turn` get a new velocity in this frame.
             let turn = (frame % PERIOD) as usize;
             let mut draw = Draw::of_motion(self.seed, frame + 1);
             let velocities = &mut self.walk.velocities;
@@ -189,11 +191,11 @@ impl<const D: usize> Paths<D> {
     }
 }
 
-/// Reflects the coordinate `on` at walls at 0 and `extent` until it lies between them.
+/// Reflects the coordinate `on` between walls at 0 and `extent`.
 pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
     let period = 2.0 * extent;
     if period == f64::INFINITY {
-        // The walls are too far apart for f64: infinity makes the frame refused.
+        // The walls are too far apart for f64. The infinite coordinate makes the frame fail.
         return period;
     }
     if period == 0.0 {
@@ -225,7 +227,7 @@ fn on_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
     }
 }
 
-/// Distance from the axis through `middle` along z.
+/// Returns the distance from the line through `middle` along z.
 fn distance<const D: usize>(at: &Point<f64, D>, middle: &[f64; D]) -> f64 {
     let (x, y) = (at[0] - middle[0], at[1] - middle[1]);
     (x * x + y * y).sqrt()

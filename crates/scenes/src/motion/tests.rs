@@ -19,7 +19,7 @@ pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
     Motion { kind, speed, seed: 1 }
 }
 
-/// The longest displacement of a particle between two frames; the diameter is 1.
+/// Returns the longest displacement of a particle between two frames; the diameter is 1.
 fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     let (a, b) = (coordinates(a), coordinates(b));
     let ways = a
@@ -29,7 +29,7 @@ fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     ways.fold(0.0, f64::max)
 }
 
-/// Scenes in open space and in boxes, each with the motions that it supports.
+/// Returns scenes in open space and in boxes, each with a motion that it supports.
 fn moving() -> impl Iterator<Item = (Given, Kind)> {
     let open = ["loose:dim=2,n=150", "packed:dim=3,n=120"];
     let open = open.into_iter().flat_map(|text| Kind::ALL.map(|kind| (scene(text), kind)));
@@ -49,7 +49,7 @@ fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
     }
 }
 
-/// The positions must not change by a bit, because records identify scenes and motions by name.
+/// No bit of the positions may change, because records identify scenes and motions by name.
 #[test]
 fn frames_have_the_same_bits_on_every_machine() {
     let digest = |given: &Given| {
@@ -104,7 +104,8 @@ fn the_fastest_particle_has_about_the_given_speed() {
             }
             match kind {
                 Kind::Rest => assert_eq!(most, 0.0),
-                // The maximum over thousands of draws that are normal along each axis.
+                // The largest of thousands of displacements that are normally distributed along
+                // each axis.
                 Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
                 _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
             }

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Between two sieves the curve is linear in the logarithm of the size, as grading curves are drawn
-//! on paper. In d dimensions the numbers of particles there have the density size^(-d - 1); the
+//! on paper. In d dimensions the number of particles there has the density size^(-d - 1); the
 //! volume of a disc is its area. Sizes may have any unit; the largest becomes r. Percentages by
 //! mass are the same if all particles have one density.
 
@@ -22,12 +22,13 @@ use anyhow::{Context, ensure};
 
 use contactbench_io::short;
 
-/// A longer file is refused.
+/// Maximum size of a file, in bytes.
 const MOST_BYTES: u64 = 1 << 20;
-/// The cube is still finite.
+/// Maximum ratio of two sizes; its cube is finite.
 const MOST_RATIO: f64 = 1e100;
 
-/// Sieve sizes and the percentage that passes each. Both rise, the percentage from 0 to 100.
+/// Sieve sizes, and the percentage that passes each sieve. Sizes ascend; percentages rise from 0 to
+/// 100.
 #[derive(Debug)]
 pub struct Curve(Vec<[f64; 2]>);
 
@@ -37,7 +38,7 @@ pub fn is_points(text: &str) -> bool {
 }
 
 impl Curve {
-    /// Reads a file with a point per line, or the points themselves.
+    /// Reads the text of a file with a point per line, or points separated by commas.
     pub fn new(text: &str) -> anyhow::Result<Curve> {
         if is_points(text) {
             let points = text.split(',').filter_map(point).collect();
@@ -64,7 +65,7 @@ impl Curve {
             }
             match point(line) {
                 Some(point) => points.push(point),
-                // A header with column names.
+                // Skips a header with column names.
                 None if may_be_names && !line.contains(|c: char| c.is_ascii_digit()) => {}
                 None => anyhow::bail!(
                     "line {number} is '{}'; write a sieve size and the percent passing, as in \
@@ -116,8 +117,8 @@ impl Curve {
         Ok(curve)
     }
 
-    /// Returns the intervals that contain particles, the coarsest first: smaller size, larger size,
-    /// percentage between them.
+    /// Returns the intervals that contain particles, the coarsest first. Each holds the smaller
+    /// size, the larger size, and the percentage between them.
     fn intervals(&self) -> impl Iterator<Item = [f64; 3]> {
         let interval = |pair: &[[f64; 2]]| [pair[0][0], pair[1][0], pair[1][1] - pair[0][1]];
         self.0.windows(2).rev().map(interval).filter(|[_, _, percent]| *percent > 0.0)
@@ -129,13 +130,13 @@ impl Curve {
         largest / least
     }
 
-    /// Returns the sizes, relative to the largest, that the fractions 0, 1/(n-1), .. 1 of all
-    /// particles exceed.
+    /// Returns n sizes in descending order, relative to the largest. The fraction of all particles
+    /// above each is 0, 1/(n-1), .. 1.
     pub fn quantiles(&self, n: u64, dim: u32) -> impl Iterator<Item = f64> + use<> {
         let power = f64::from(dim);
         let largest = self.intervals().map(|[_, high, _]| high).fold(0.0, f64::max);
-        // For each interval: the particles above its lower end, the particles inside, its upper
-        // end, and the ratio of its ends to the power `dim`, minus 1.
+        // Each interval holds the number of particles above its lower end, the number inside, its
+        // upper end, and the ratio of its ends to the power `dim`, minus 1.
         let mut above = 0.0;
         let parts: Vec<[f64; 4]> = self
             .intervals()

@@ -11,7 +11,7 @@ fn made(text: &str) -> AnyScene<'static> {
     spec.unwrap_or_else(|error| panic!("{text}: {error:#}"))
 }
 
-/// The radii in ascending order, for a largest radius of 1.
+/// Returns the radii in ascending order, for a largest radius of 1.
 fn radii(text: &str) -> Vec<f64> {
     with_scene!(&made(&format!("{text},diameter=2")), scene => {
         let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
@@ -21,7 +21,7 @@ fn radii(text: &str) -> Vec<f64> {
     })
 }
 
-/// The volumes of the particles made pass each sieve as the curve states.
+/// The volume of particles below each sieve size is the percentage of the curve.
 #[test]
 fn particles_pass_the_sieves_as_the_curve_requires() {
     let text = std::fs::read_to_string(SAND).unwrap();
@@ -56,7 +56,7 @@ fn a_straight_line_is_a_power() {
 #[test]
 fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
     let found = radii("packed:n=3000,sizes=grading,grading=1 0,2 0,4 50,16 50,32 100,64 100");
-    // Sizes are from 2 to 4 and from 16 to 32, the largest.
+    // Sizes are from 2 to 4 and from 16 to 32; 32 becomes r.
     let (fine, coarse) = (0.0625..=0.125, 0.5..=1.0);
     assert!(found.iter().all(|r| fine.contains(r) || coarse.contains(r)));
     assert_eq!((found[0], found[2999]), (0.0625, 1.0));
@@ -67,7 +67,7 @@ fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
     assert!(wide.iter().all(|r| (1e-100..=1.0).contains(r)) && wide[999] == 1.0);
 }
 
-/// The bits are the same on every machine, and the same for a file as for its points.
+/// Radii have the same bits on every machine, from a file and from its points.
 #[test]
 fn the_bits_are_fixed() {
     let scene = made(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
