@@ -1,4 +1,5 @@
-//! Heap memory of detectors, measured by the counting allocator, against their formulas.
+//! Tests the heap memory of detectors, as the counting allocator measures it, against their
+//! formulas.
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
@@ -27,7 +28,7 @@ const SCENES: [&str; 9] = [
     "clustered:dim=3,n=3000,sizes=giants,giants=3,size-ratio=30",
 ];
 
-/// Large enough for a second thread of any detector; too large to test all pairs.
+/// Scenes that are large enough for a second thread, and too large to test all pairs.
 const LARGE: [&str; 2] = ["packed:n=30000", "packed:dim=3,n=30000"];
 
 #[test]
@@ -69,7 +70,7 @@ const BOXES: [&str; 4] = [
     "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
 ];
 
-/// Measures a scene in a box that is too small for it, so that particles are wrapped.
+/// Measures a scene in a box that is smaller than its extent, so that particles are wrapped.
 fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let scene = scene(text);
     let corners = with_scene!(&scene, scene => {
@@ -123,13 +124,13 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// For several threads, the formula includes the contacts that threads collect, but not the lists
-/// of their shares.
+/// With several threads the formula includes the contacts that the threads collect, but not the
+/// small lists of their shares of the work.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
-    /// Most bytes that rayon's queue of jobs may free during a measurement.
+    /// Maximum number of bytes that rayon's queue of jobs may free during a measurement.
     const QUEUE: u64 = 2 << 10;
-    // Starts the pool, which does not belong to the detector.
+    // Starts rayon's pool now, because its memory does not belong to the detector.
     rayon::join(|| (), || ());
     let scene = scene(text);
     let mut detector = entry.make(Options { threads: 2, ..Options::default() });
@@ -144,7 +145,7 @@ fn two_threads(entry: &Entry, text: &str) {
     );
     // A second call needs no more than the first.
     assert!(warm.peak_bytes <= formula + SHARES, "{what}, warm: {warm:?}, formula {formula}");
-    // The limit includes the contacts.
+    // The memory limit covers the contacts, too.
     let limited = |memory_limit| {
         let mut detector = entry.make(Options { threads: 2, memory_limit });
         detector.list(&scene, Test::Exact, &mut Vec::new())
@@ -154,7 +155,7 @@ fn two_threads(entry: &Entry, text: &str) {
     assert!(matches!(refusal, Refusal::Pairs { .. }), "{what}: {refusal}");
 }
 
-/// Measures a first and a second detection; returns the number of contacts as well.
+/// Measures a first and a second detection; also returns the number of contacts.
 fn cold_and_warm(
     detector: &mut dyn AnyDetector,
     scene: &AnyScene<'_>,
@@ -181,8 +182,8 @@ fn thrice(measured: impl Fn()) {
     }
 }
 
-/// The book's numbers for example III at S/D = 200 on 100 x 100 particles (BOOK, section 4), which
-/// count no border cells.
+/// The book's numbers for example III, 100 x 100 particles with S/D = 200 (BOOK, section 4). They
+/// do not count border cells.
 fn book_formulas() {
     let scene = scene("pack-c:n=10000,s=200");
     let bytes = |name: &str| {

@@ -1,4 +1,4 @@
-//! Memory for reading files, also of files that announce more than they contain.
+//! Tests the memory for reading files, including files that announce more data than they contain.
 
 use std::io::{BufReader, Read, Write};
 
@@ -12,7 +12,7 @@ use crate::quiet;
 const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
-/// Returns the error of reading a file, and the peak of bytes.
+/// Returns the error of reading a file, and the peak of memory in bytes.
 fn refusal(bytes: &[u8], options: Options) -> (String, u64) {
     let (read, usage) = alloc::measure(|| io::load_from(bytes, "p", "", options));
     let message = read.map(|(_, about)| about).expect_err("it is refused");
@@ -51,7 +51,7 @@ fn npz(member: &[u8]) -> Vec<u8> {
     archive
 }
 
-/// Returns a point cloud in VTK XML, with a piece of this many points.
+/// Returns a point cloud in VTK XML whose only piece announces this many points.
 fn vtu(attributes: &str, points: u64, array: &str, after: &str) -> String {
     format!(
         "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" {attributes}>\
@@ -92,7 +92,7 @@ fn promises_and_bombs_are_bounded() {
     deflate.write_all(&array).unwrap();
     bounded(&npz(&deflate.finish().unwrap()));
 
-    // 70 MB in 70 KB.
+    // A file of 70 KB that decompresses to 70 MB.
     let line = [b"#".as_slice(), &[b' '; 1022], b"\n"].concat();
     let message = bounded(&gz(&line.repeat(1000)).repeat(70));
     assert!(message.contains("200 times"), "{message}");
@@ -112,12 +112,12 @@ fn promises_and_bombs_are_bounded() {
     assert!(usage.unwrap().peak_bytes < 4 << 20);
 }
 
-/// 160 MB in some KB: the compression ratio of each layer is within the limit, that of both
-/// together is not.
+/// A few KB decompress to 160 MB: the compression ratio of each layer is within the limit, but not
+/// that of both layers together.
 #[test]
 fn layers_of_compression_are_bounded_together() {
     let _guard = quiet();
-    // Noise, which cannot be compressed, and zeros.
+    // Noise, which cannot be compressed, then zeros.
     let mut state = 1u64;
     let mut noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

@@ -1,4 +1,4 @@
-//! Heap memory of detectors and readers, under the counting allocator. It counts all threads, so
+//! Tests the heap memory of detectors and readers. The counting allocator counts all threads, so
 //! tests take turns.
 
 mod detectors;
@@ -13,7 +13,7 @@ static ALLOCATOR: Counting = Counting;
 
 static QUIET: Mutex<()> = Mutex::new(());
 
-/// Lets one test run at a time. The harness allocates while it prints the end of the test before.
+/// Lets one test run at a time. The harness may still allocate while it prints the previous result.
 fn quiet() -> MutexGuard<'static, ()> {
     let guard = QUIET.lock().unwrap_or_else(PoisonError::into_inner);
     std::thread::sleep(std::time::Duration::from_millis(200));

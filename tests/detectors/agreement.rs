@@ -1,5 +1,5 @@
-//! All detectors find the same pairs as brute force: on every generator, on hard cases, after any
-//! earlier scene, in every arithmetic.
+//! All detectors find the same pairs as brute force: on every generator, on hard cases, with used
+//! buffers, in every arithmetic.
 
 use std::time::Duration;
 
@@ -32,7 +32,7 @@ where
 }
 
 /// Compares a detector with brute force in every arithmetic that can store the scene. Returns the
-/// numbers of answers and refusals; a refusal must not report pairs.
+/// numbers of answers and refusals; a detector that refuses must not report pairs.
 fn agree(detector: &mut dyn AnyDetector, scene: &AnyScene<'static>, what: &str) -> [u32; 2] {
     let mut seen = [0; 2];
     for arithmetic in Arithmetic::SAFE {
@@ -67,7 +67,7 @@ fn every_generator_with_seeds() {
     assert!(report.failures.is_empty() && report.cases > 8_000, "{} cases", report.cases);
 }
 
-/// Scenes whose contacts are known, besides those of the catalogue of hard cases.
+/// Scenes with known contacts that are not in the catalogue of hard cases.
 #[test]
 fn known_scenes() {
     let row = |from: f64| (0..2000).map(|k| [from + f64::from(k), 0.0]).collect::<Vec<_>>();
@@ -78,7 +78,8 @@ fn known_scenes() {
     let column: Vec<_> = (0..50).map(|k| [3.0, f64::from(k), 0.0]).collect();
     let tiny = f64::from_bits(1);
     for (name, scene, expected) in [
-        // In cells of edge 1 with i = floor(x), the middle disc is in cell 0, the right one in 2.
+        // If cells of edge 1 were numbered by floor(x), the middle disc would be in cell 0, the
+        // right one in cell 2.
         ("three", of(&[[0.0, 0.0], [1f64.next_down(), 0.0], [2.0, 0.0]], 0.5), Some(1)),
         ("row from -1", of(&row(-1.0), 0.5), Some(1999)),
         // Rounding decides which neighbours touch.
@@ -108,7 +109,7 @@ fn known_scenes() {
     }
 }
 
-/// None of our detectors refuses points (particles of radius 0), however many there are.
+/// None of our detectors refuses any number of points (particles of radius 0).
 #[test]
 fn points_are_taken() {
     let AnyScene::Plane(Stored::F64(loose)) = make("loose:n=300") else { unreachable!() };
@@ -120,8 +121,8 @@ fn points_are_taken() {
     assert_eq!(oracle::truth(&points, Arithmetic::Exact).unwrap().pairs, [[0; 2]; 0]);
 }
 
-/// Buffers of an earlier call never change the next answer: scenes shrink, grow, move, and change
-/// dimension and arithmetic.
+/// Buffers left by an earlier call do not change an answer when scenes shrink, grow, move, or
+/// change dimension or arithmetic.
 #[test]
 fn history_does_not_matter() {
     let scenes: Vec<AnyScene<'static>> = [
@@ -146,8 +147,8 @@ fn history_does_not_matter() {
     }
 }
 
-/// Parameters that split particles by size work on all hard cases in turn, so that each case is
-/// also the history of the next.
+/// Detectors that split particles by size are right on all hard cases, one after the other with the
+/// same buffers.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {
     for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {
@@ -155,7 +156,7 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
         let (mut answers, mut refusals) = (0, 0);
         for case in cases().filter(|case| case.expect != Expect::Invalid) {
             let steps = case.dims.iter().flat_map(|&dim| case.steps(dim).unwrap());
-            // In a box all detectors get the same images.
+            // Scenes in boxes are skipped, because there all detectors get the same images.
             for scene in steps.filter(|step| step.lattice.is_none()).map(|step| step.scene) {
                 let seen = agree(&mut *detector, &scene, &format!("{spec} on {}", case.name));
                 [answers, refusals] = [answers + seen[0], refusals + seen[1]];
@@ -165,7 +166,7 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
     }
 }
 
-/// A detector works after a refusal.
+/// A detector still works after it has refused a scene.
 #[test]
 fn a_refusal_leaves_no_trace() {
     let (small, sparse) = (make("packed:n=300"), make("pack-c:n=2800,s=100"));

@@ -1,4 +1,4 @@
-//! Exact operation counts: the claims of the book, on real scenes.
+//! Tests the book's claims with exact operation counts.
 
 use contactbench::contact::Test;
 use contactbench::detect::Options;
@@ -47,7 +47,8 @@ fn nbs_pushes_at_most_three_times_in_2d_and_eight_times_in_3d() {
     }
 }
 
-/// Pack C with N = 10,000: the cells grow from 40,000 to 4·10^8, the list operations do not.
+/// In pack C with N = 10,000 the number of cells grows from 40,000 to 4·10^8, but not the number of
+/// list operations.
 #[test]
 fn nbs_does_not_mind_how_loose_the_pack_is() {
     let operations = |s: f64| {
@@ -95,7 +96,7 @@ fn the_binary_tree_descends_one_way_per_particle_and_mask_cell() {
     }
 }
 
-/// `cell-grid` visits the same cells and half of the neighbours as `screening`.
+/// `cell-grid` makes the same contact tests as `screening`.
 #[test]
 fn the_cell_grid_tests_what_screening_tests() {
     for text in SCENES {
@@ -106,7 +107,7 @@ fn the_cell_grid_tests_what_screening_tests() {
     }
 }
 
-/// Each particle meets at most two bricks in each of five rows (two in 2D).
+/// Each particle looks into at most two bricks of cells in each of five rows (two rows in 2D).
 #[test]
 fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     let counts = |text: &str| {
@@ -124,7 +125,7 @@ fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     }
 }
 
-/// The pairs that overlap along one axis of a box grow as N^(2 - 1/D).
+/// In a cube, the number of pairs that overlap along one axis grows as N^(2 - 1/D).
 #[test]
 fn sweeps_compare_more_per_particle_the_more_there_are() {
     for dim in [2, 3] {
@@ -141,7 +142,7 @@ fn sweeps_compare_more_per_particle_the_more_there_are() {
 fn trees_sort_in_n_log_n_and_search_in_n() {
     for detector in ["kd-tree", "bvh"] {
         for dim in [2, 3] {
-            // Leaves are equally full for these N; the share of inner leaves grows.
+            // For these N all leaves are equally full; the share of inner leaves grows with N.
             let per = |n: u64, op| {
                 count(detector, &scene(&format!("loose:dim={dim},n={n}"))).get(op) as f64 / n as f64
             };
@@ -178,7 +179,7 @@ fn counting_changes_nothing_and_repeats_exactly() {
 }
 
 fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
-    // A new standard library may sort with other comparisons.
+    // Key comparisons are left out where the standard library sorts: another version may differ.
     let own = |op| {
         op != Op::KeyCompare
             || !["sweep", "kd-tree", "bvh", "hgrid"].iter().any(|name| detector.starts_with(name))
@@ -191,7 +192,7 @@ fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
         .join(" ")
 }
 
-/// Counts are the same on every machine, and change only with an algorithm.
+/// Counts do not depend on the machine, and change only if an algorithm changes.
 #[test]
 fn counts_are_the_same_on_every_machine() {
     let scene = scene("clustered:dim=3,n=2000");
@@ -227,7 +228,7 @@ const GOLDEN: [(&str, &str); 10] = [
     ("streamed-nbs", "integerise=6000 list_push=2000 cell_probe=4000 move=2000 contact_test=22458"),
 ];
 
-/// As above, for detectors with size classes and particles of different sizes.
+/// Counts of detectors with size classes do not depend on the machine, either.
 #[test]
 fn counts_of_levels_are_the_same_on_every_machine() {
     let found = ["dim=2", "dim=3"].map(|dim| {

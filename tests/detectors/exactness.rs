@@ -14,12 +14,13 @@ use nalgebra::Point;
 use num_bigint::BigInt;
 use proptest::prelude::*;
 
-/// Returns whether the depth is 2(s² - d²) / (s² + sd) within 10^-15, or 2^-1074 if subnormal.
+/// Returns whether `depth` is 2(s² - d²) / (s² + sd) within a relative error of 10^-15, or within
+/// 2^-1074 if subnormal; s is `reach`, d is `distance`.
 fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {
     if *reach == BigInt::ZERO || *distance == *reach {
         return depth == if distance == reach { 0.0 } else { f64::NEG_INFINITY };
     }
-    // s² + sd with 200 fractional bits.
+    // s² + sd as a fixed-point number with 200 fractional bits.
     let below: BigInt = (reach << 200) + ((reach * distance) << 400u32).sqrt();
     let above: BigInt = (reach - distance) << (1274 + 1);
     if depth.is_infinite() {
@@ -98,7 +99,7 @@ proptest! {
         check([x[0], x[1]], [x[2], x[3]], x[4].abs(), x[4].abs())?;
     }
 
-    /// Pythagorean pairs, scaled by powers of two, translated, and a few ulps off tangency.
+    /// Pythagorean pairs, scaled by powers of two, translated, and moved a few ulps off tangency.
     #[test]
     fn near_tangency(
         triple in prop::sample::select(vec![[3., 4., 0., 5.], [5., 12., 0., 13.], [1., 2., 2., 3.], [2., 3., 6., 7.], [1., 0., 0., 1.], [4., 4., 7., 9.]]),

@@ -1,4 +1,4 @@
-//! The fuzz targets on their seeds, mutations of them, and random bytes, the same on every run.
+//! Runs the fuzz targets on their seeds, on mutated seeds and on random bytes, equal on every run.
 
 use std::path::Path;
 
@@ -66,7 +66,7 @@ fn readers_take_any_bytes() {
     inputs("files", 20_000).for_each(|bytes| fuzz_reader(&bytes));
 }
 
-/// Every reader gets its own seeds and those of the others.
+/// Every reader gets its own seeds and those of the other readers.
 #[test]
 fn every_reader_takes_any_bytes() {
     for name in [
@@ -92,7 +92,8 @@ fn every_reader_takes_any_bytes() {
     assert_eq!(reader("zip"), None);
 }
 
-/// The inputs give scenes with contacts, exact ties, both kinds of radii, and both dimensions.
+/// The fuzz inputs make scenes in 2D and 3D, with equal and with different radii, many with
+/// contacts that rounding would decide otherwise.
 #[test]
 fn bytes_make_hard_scenes() {
     for (name, bytes) in seeds("scenes") {

@@ -1,4 +1,4 @@
-//! Every detector ends a list of pairs at the memory limit, with one thread and with several.
+//! Every detector stops a list of pairs at the memory limit, with one thread and with several.
 
 use contactbench::contact::Test;
 use contactbench::detect::table::TABLE;
@@ -6,7 +6,7 @@ use contactbench::detect::{Options, Refusal};
 use contactbench::oracle::{self, NoTruth};
 use contactbench::scene::{AnyScene, Radii, Scene};
 
-/// Returns `n` separate discs on a lattice, with the first `heap` in one place.
+/// Returns `n` separate discs on a lattice, except that the first `heap` discs coincide.
 fn clump(n: u32, heap: u32) -> AnyScene<'static> {
     let place = |k: u32| if k < heap { [0.0; 2] } else { [k % 150, k / 150].map(f64::from) };
     let centres: Vec<_> = (0..n).map(|k| nalgebra::Point::from(place(k))).collect();
@@ -16,7 +16,7 @@ fn clump(n: u32, heap: u32) -> AnyScene<'static> {
 const LIMIT: u64 = 8 << 20;
 const PAIRS: u64 = 3000 * 2999 / 2;
 
-/// Enough particles for a second thread of any detector.
+/// The scene has enough particles for a second thread of any detector.
 #[test]
 fn nobody_lists_more_than_the_limit_allows() {
     let scene = clump(21_000, 3000);
@@ -33,7 +33,7 @@ fn nobody_lists_more_than_the_limit_allows() {
                 assert_eq!((found, &pairs), (PAIRS, &vec![[7, 9]]), "{what}");
                 assert!(room <= LIMIT && pairs.capacity() as u64 * 8 <= LIMIT, "{what}");
             }
-            // The detector works afterwards.
+            // The detector still works after the refusal.
             pairs.clear();
             detector.list(&clump(21_000, 2), Test::Exact, &mut pairs).unwrap();
             assert_eq!(pairs.len(), 1, "{}", entry.name);

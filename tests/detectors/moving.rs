@@ -7,7 +7,7 @@ use contactbench_campaigns::{Plan, What};
 
 const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
 
-/// Each motion once, in each dimension and arithmetic.
+/// Runs each motion once in each dimension and arithmetic.
 #[test]
 fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
     let table = courses(PLAN);
@@ -24,7 +24,7 @@ fn couples_at_the_limit_of_the_skin_are_found() {
     let table = couples(PLAN);
     let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
-    // Rules that promise nothing do miss contacts.
+    // Rules without a guarantee do miss contacts here.
     assert!(of(false, What::Missed) > 50, "\n{}", table.text());
     assert!(of(true, What::Built) < of(true, What::Frames), "\n{}", table.text());
     for name in ["line", "thin"] {

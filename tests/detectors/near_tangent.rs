@@ -25,7 +25,7 @@ fn the_contact_test_is_right_on_every_family() {
     let sum = right(&table, 150);
     assert!(sum.get(What::Pairs) >= PLAN.pairs && sum.get(What::Sampled) > 30);
     assert!(sum.get(What::Tangent) > 1_500, "\n{}", table.text());
-    // These pairs must reach exact arithmetic, and f64 must decide some of them wrongly.
+    // Filters must leave most of these pairs to exact arithmetic, and f64 must decide some wrongly.
     assert!(sum.get(What::Exact) > PLAN.pairs / 2, "\n{}", table.text());
     assert!(sum.get(What::RoundedWrong) > 3_000, "\n{}", table.text());
 }
@@ -43,7 +43,7 @@ fn detectors_neither_lose_nor_add_nor_repeat_a_couple() {
     assert!(wrong > 500 && exact > 50_000, "\n{}", table.text());
 }
 
-/// The campaign fails in all parts if decisions are rounded.
+/// All parts of the campaign find errors if contacts are decided with rounding.
 #[test]
 fn rounded_decisions_are_found_out() {
     let plan = |pairs| Plan { pairs, test: Test::Rounded, ..PLAN };

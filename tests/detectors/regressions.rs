@@ -24,13 +24,13 @@ fn given(path: &Path) -> Given {
 #[test]
 fn all_detectors_are_right_on_all_files() {
     let detectors: Vec<&Entry> = TABLE.iter().filter(|entry| entry.must_be_right()).collect();
-    // Detectors may refuse arrays for very many cells.
+    // This limit lets detectors refuse scenes that need an array over very many cells.
     let options = Options { memory_limit: 64 << 20, ..Options::default() };
     let limits = Limits { options, ..Limits::default() };
     assert!(files().len() >= 5);
     for path in files() {
         let text = std::fs::read_to_string(&path).unwrap();
-        // Extended XYZ has no place for a comment.
+        // A scene in a box is in extended XYZ, which has no comments; other files begin with one.
         assert!(
             given(&path).lattice.is_some()
                 || text.starts_with("# ") && text.contains("\n# contactbench check --scene "),
@@ -48,7 +48,7 @@ fn all_detectors_are_right_on_all_files() {
     }
 }
 
-/// The files hold exactly the contacts for which they were written.
+/// Each file has exactly the contacts for which it was written.
 #[test]
 fn the_files_hold_the_pairs_that_they_name() {
     let pairs = |name: &str, arithmetic| {

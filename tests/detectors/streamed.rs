@@ -1,4 +1,5 @@
-//! Every form of `streamed-nbs`, on every instruction set and with several threads, is right.
+//! Every form of `streamed-nbs` gives right answers on every instruction set and with several
+//! threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -58,7 +59,7 @@ fn in_form<const D: usize>(level: Level, form: Option<Form>) -> Streamed<D> {
     }
 }
 
-/// Returns the number of answers compared.
+/// Compares the answers of all forms and levels; returns the number of answers compared.
 fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usize {
     let truth = answer(&mut Direct::with(Options::default()), scene, test);
     let mut compared = 0;
@@ -94,8 +95,7 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
     assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 8);
 }
 
-/// Two heaps are so far apart that a coordinate wraps many times between them; one heap lies across
-/// a wrap.
+/// Stored coordinates wrap. They wrap many times between two distant heaps, and once inside a heap.
 #[test]
 fn coordinates_that_begin_again() {
     let heap = |x: f64, y: f64| {
@@ -110,7 +110,7 @@ fn coordinates_that_begin_again() {
 }
 
 /// Some particles have more neighbours than a vector or a buffer holds. Crowds at the corners of a
-/// cube fill the buffers of neighbours and candidates exactly, and exceed them by one.
+/// cube fill the buffers exactly, and exceed them by one.
 #[test]
 fn heaps_of_any_height_and_rooms_that_are_filled() {
     for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
@@ -125,8 +125,8 @@ fn heaps_of_any_height_and_rooms_that_are_filled() {
     }
 }
 
-/// Layers with less than one particle each. The 32 bits of a coordinate limit the layers of a
-/// bundle.
+/// Layers hold less than one particle on average. The 32 bits of a coordinate limit the number of
+/// layers in a bundle.
 #[test]
 fn lines_strips_and_columns() {
     for n in [1000, 2000, 4999] {
@@ -140,7 +140,7 @@ fn lines_strips_and_columns() {
     }
 }
 
-/// A crowd in an extent beyond the range of cell numbers is refused without a panic.
+/// A crowd is refused without a panic if its extent is beyond the range of cell numbers.
 #[test]
 fn crowds_far_apart_are_refused() {
     let heap = |at: f64| (0..2500).map(move |k| [at + 1e-3 * f64::from(k), at]);
@@ -159,7 +159,8 @@ fn textbook_loses_nothing() {
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
-/// Several threads find the same pairs, also with more threads than bundles and in used buffers.
+/// Several threads find the same pairs as one, also with more threads than bundles and with used
+/// buffers.
 #[test]
 fn threads_find_the_same() {
     let n = FEWEST_FOR_THREADS;
@@ -184,7 +185,7 @@ fn threads_find_the_same() {
     }
 }
 
-/// f32 leaves few pairs undecided, but all contacts of a lattice of tangent particles.
+/// The f32 filter leaves few pairs undecided, but on a lattice of tangent particles all contacts.
 #[test]
 fn few_pairs_are_left_to_the_contact_test() {
     let asked_of_contacts = |text: &str| {
@@ -237,7 +238,7 @@ impl WithBodies<f64, 3> for Counting<'_> {
     }
 }
 
-/// Memory does not depend on the number of cells: 4·10^8 of them, and 10^27.
+/// Memory does not depend on the number of cells, tried with 4·10^8 and 10^27 cells.
 #[test]
 fn memory_is_of_particles_not_of_cells() {
     let per_particle = |scene: &AnyScene<'_>| {
@@ -251,8 +252,8 @@ fn memory_is_of_particles_not_of_cells() {
     assert!(far(1e9) <= far(1e3) + 64.0 && far(1e9) < 20_000.0, "{} {}", far(1e3), far(1e9));
 }
 
-/// Counted contact tests are the particles in the ranges at every level; undecided pairs count
-/// once.
+/// On every instruction set a contact test is counted for each particle in a visited range, and
+/// undecided pairs are counted once.
 #[test]
 fn counts_are_the_same_on_all_levels() {
     for text in [
@@ -275,7 +276,7 @@ fn counts_are_the_same_on_all_levels() {
                 }
                 .unwrap();
                 assert!(tally.get(Op::ContactTest) >= digest.contacts);
-                // The flat form has one range in 2D, two in 3D.
+                // The flat form visits one range for each particle in 2D, two in 3D.
                 if form == Form::Flat && !text.contains("ratio") {
                     let ranges = u64::from(text.contains("dim=3")) + 1;
                     assert_eq!(tally.get(Op::CellProbe), ranges * scene.len() as u64, "{text}");
@@ -289,8 +290,8 @@ fn counts_are_the_same_on_all_levels() {
     }
 }
 
-/// The ranges visited for each particle show the form: 2D has two by cells and one by columns, 3D
-/// five and two.
+/// The number of ranges visited for each particle shows the form: with cells 2 in 2D and 5 in 3D,
+/// with columns 1 and 2.
 #[test]
 fn columns_are_for_few_bodies_far_apart() {
     fn ranges<const D: usize>(scene: &Stored<'_, D>) -> u64 {
@@ -319,8 +320,8 @@ fn columns_are_for_few_bodies_far_apart() {
     assert_eq!(ranges(&Stored::F64(of(row))), 2);
 }
 
-/// Pairs within some steps of a diameter, where f32 has few bits left for coordinates. Half of the
-/// proven bound on rounding would lose or add some.
+/// Pairs whose distance is a few steps of f32 from a diameter, far from the origin. The filter
+/// needs its full bound on rounding: half of it would lose or add some pairs.
 #[test]
 fn couples_where_floats_are_coarse() {
     let mut state = 1;
@@ -328,15 +329,16 @@ fn couples_where_floats_are_coarse() {
         state = contactbench::sink::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    // 270 cells along x, or 3000 columns in the flat form; then 2110 along both axes.
+    // The first scene has 270 cells along x, or 3000 columns in the flat form; the second has 2110
+    // cells along both axes.
     let wide: Vec<_> =
         (0..7800).map(|_| [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]).collect();
     let corner: Vec<_> =
         (0..7800).map(|_| [2050.0 + 60.0 * unit(), 2050.0 + 60.0 * unit()]).collect();
     for (mut places, turned) in [(wide, 0.0), (corner, 1.0)] {
         places[0] = [0.0, 0.0];
-        // The rounding of a difference depends on the difference modulo a step of the floats, so
-        // diameters and directions go through all residues.
+        // The rounding error depends on the difference modulo a step of the floats, so diameters
+        // and directions go through all residues.
         for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
             let couple = |(k, [x, y]): (usize, [f64; 2])| {
                 let apart = diameter + 1e-5 * (k as f64 / 3900.0 - 1.0);

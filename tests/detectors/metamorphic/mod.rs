@@ -15,7 +15,7 @@
 //! | translation | same | all | dyadic numbers with few bits: no difference changes |
 //! | a copy far away | twice | all | as translation |
 //!
-//! The relations do not use the oracle, so they also test `direct`, on which it rests.
+//! The relations do not use the oracle, so they also test `direct`, on which the oracle rests.
 //!
 //! `cargo test --test detectors metamorphic -- --nocapture` prints the number of comparisons.
 
@@ -37,7 +37,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use relations::Given;
 
-/// Pairs with i < j, ascending.
+/// Pairs with i < j, in ascending order.
 type Pairs = Vec<[u32; 2]>;
 
 type Flat<const D: usize> = Scene<'static, f64, D>;
@@ -48,11 +48,11 @@ struct Claim<const D: usize> {
     after: Flat<D>,
     /// Computes the pairs after the change from those before.
     expected: Box<dyn Fn(&Pairs) -> Pairs>,
-    /// Whether more pairs are allowed.
+    /// Whether the detector may find more pairs than expected.
     superset: bool,
 }
 
-/// A relation; `None` if it is not exact.
+/// A relation; it returns `None` where the change of pairs is not exact.
 type Relation<const D: usize> = fn(Given<'_, D>) -> Option<Claim<D>>;
 
 const ALL: &[Arithmetic] = &Arithmetic::SAFE;
@@ -85,8 +85,8 @@ relations! {
 /// A small limit, so that scenes with far particles are refused quickly.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
-/// Compares the pairs of a detector before and after a change. Returns the number of pairs before,
-/// or `None` if nothing was compared.
+/// Compares the pairs that a detector finds before and after a change. Returns the number of pairs
+/// before, or `None` if nothing was compared.
 fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared
 where
     AnyScene<'static>: From<Flat<D>>,

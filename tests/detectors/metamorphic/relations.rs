@@ -1,4 +1,4 @@
-//! The relations: each change, and why it is exact.
+//! The metamorphic relations: each change of a scene, and why its effect is exact.
 
 use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Scene, array};
@@ -16,7 +16,7 @@ pub struct Given<'a, const D: usize> {
     pub random: &'a mut ChaCha8Rng,
 }
 
-/// `None` if the change is not exact.
+/// A changed scene; `None` where the change of pairs is not exact.
 type Change<const D: usize> = Option<Claim<D>>;
 
 impl<const D: usize> Given<'_, D>
@@ -27,7 +27,7 @@ where
         self.scene.len() as u32
     }
 
-    /// Expects the same pairs.
+    /// Expects the same pairs after the change.
     fn same(self, after: Flat<D>) -> Change<D> {
         self.becomes(after, Pairs::clone)
     }
@@ -104,14 +104,15 @@ where
         let k = [low, high, self.random.random_range(low..=high)][self.random.random_range(0..3)];
         let scene = self.scene;
         let scaled = |k: i32| map(scene, |c| c.map(|x| libm::ldexp(x, k)), |r| libm::ldexp(r, k));
-        // The nearest scale without under- or overflow.
+        // The scene before the change has the scale nearest to 1 without under- or overflow.
         Given { scene: &scaled(0.clamp(low, high))?, ..self }.same(scaled(k)?)
     }
 
     pub fn mirror(self) -> Change<D> {
         let axis = self.random.random_range(0..D);
         let before = match self.arithmetic {
-            // Half a step of an offset rounds upwards, and so downwards in the mirror.
+            // Storing rounds half a step upwards, which is downwards in the mirror, so it comes
+            // first.
             Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
             Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
             _ => self.scene.clone(),
@@ -141,7 +142,8 @@ where
     }
 
     pub fn translation(self) -> Change<D> {
-        // The sums fit the 24 bits of f32; in cells, steps are 2^-24 of a diameter.
+        // Sums of coordinate and offset fit the 24 bits of f32. In cells, steps are 2^-24 of a
+        // diameter.
         let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
         let offset: [f64; D] = std::array::from_fn(|_| {
             self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0
@@ -168,7 +170,7 @@ where
     }
 }
 
-/// Rounds coordinates to multiples of 2^-8, at most 2^12.
+/// Rounds coordinates to multiples of 2^-8 with an absolute value of at most 2^12.
 fn dyadic<const D: usize>(scene: &Flat<D>) -> Flat<D> {
     let dyadic = |x: f64| (x * 256.0).round().clamp(-1048576.0, 1048576.0) / 256.0;
     map(scene, |c| c.map(dyadic), |r| r).unwrap()
@@ -187,9 +189,9 @@ where
     let (last_bit, first_bit) =
         (own.iter().map(lowest_bit).min()?, own.iter().map(|&x| exponent(x)).max()?);
     let (least_square, most_square): (i32, i32) = match arithmetic {
-        // No bit may be lost below 2^-1074 or above the largest number.
+        // Scaling must neither move a bit below 2^-1074 nor exceed the largest number.
         Arithmetic::Exact => return Some((-1074 - last_bit, 1023 - first_bit)),
-        // The edge of the cells must be a normal number, even if it is 2^-20 of the extent.
+        // The edge of the cells must stay a normal number, even if it is 2^-20 of the extent.
         Arithmetic::F32Cell => return Some((-990 - last_bit, 1021 - first_bit)),
         Arithmetic::F32 => (-126, 127),
         _ => (-1022, 1023),

@@ -23,8 +23,8 @@ pub fn map<const D: usize>(
     Scene::new(centres.collect::<Vec<_>>(), radii).ok()
 }
 
-/// Returns a scene as an arithmetic stores it, in f64 (in units of the cell if stored by cell);
-/// `None` if it cannot be stored.
+/// Returns the scene as `arithmetic` stores it, converted to f64 (for f32-cell, in units of the
+/// cell); `None` if it cannot be stored.
 pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>>
 where
     AnyScene<'static>: From<Flat<D>>,
@@ -40,7 +40,7 @@ where
     })
 }
 
-/// How the sites of particles become positions.
+/// How the integer sites of particles become coordinates.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Lattice,
@@ -49,7 +49,7 @@ enum Shape {
     Line,
 }
 
-/// A particle without place and size.
+/// A particle before its site and size are scaled to coordinates and a radius.
 #[derive(Clone, Debug)]
 struct Seed<const D: usize> {
     site: [i8; D],
@@ -59,7 +59,7 @@ struct Seed<const D: usize> {
 }
 
 fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
-    // Radii from 1/100 to 10.
+    // Relative radii: 0, or from 1/100 to 10.
     let size = prop_oneof![12 => Just(1.0), 2 => Just(0.5), 2 => 0.3..1.0, 2 => Just(0.01), 1 => Just(0.0), 1 => Just(10.0)];
     // Multiples of 2^-30, so that no difference is tiny.
     let noise = (-(1i32 << 29)..1 << 29).prop_map(|k| f64::from(k) / f64::from(1 << 30));
@@ -72,7 +72,7 @@ pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     let shape = prop_oneof![3 => Just(Shape::Lattice), 2 => Just(Shape::Cloud), 1 => Just(Shape::Clusters), 1 => Just(Shape::Line)];
     let spacing = prop_oneof![3 => Just(1.0), 2 => Just(0.25), 2 => Just(0.1), 1 => Just(0.3), 1 => Just(1.0 / 3.0), 1 => Just(3e3)];
     // Radii in units of the spacing: particles touch at an offset of 1, 2, 3 or (3, 4) sites, miss
-    // by one bit, or are apart.
+    // tangency by one bit, or are apart.
     let (above, below) = (0.5f64.next_up(), 0.5f64.next_down());
     let shares = [0.5, 0.5, 0.5, 1.0, 1.5, 2.5, 0.7, 0.3, above, below, 0.0];
     let share = prop::sample::select(shares.to_vec());
@@ -108,7 +108,7 @@ pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
     )
 }
 
-/// Returns the next number up or down; for zero, the other zero.
+/// Returns the next number up or down; for zero, the zero of the other sign.
 fn nudged(x: f64, nudge: i8) -> f64 {
     match nudge {
         0 => x,

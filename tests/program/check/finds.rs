@@ -15,7 +15,7 @@ use contactbench::sink::Sink;
 
 use crate::common::Place;
 
-/// Brute force with defect `WAY`.
+/// Brute force with the defect number `WAY`.
 struct Mutant<const WAY: u8> {
     calls: u32,
 }
@@ -60,7 +60,7 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
         let mut first = true;
         for i in 0..n {
             for j in i + u32::from(WAY != PAIRS_PARTICLES_WITH_THEMSELVES)..n {
-                // One wrong character in a sweep causes this defect.
+                // A sweep that compares with `>=` instead of `>` has this defect.
                 let far = (bodies.position(i)[0] - bodies.position(j)[0]).abs() >= bodies.reach();
                 if bodies.touch(i, j, probe) && !(WAY == SKIPS_PAIRS_AT_REACH && far) {
                     sink.contact(i, j);
@@ -105,7 +105,7 @@ static MUTANTS: [Entry; 9] = [
     entry::<6>(), entry::<7>(), entry::<8>(),
 ];
 
-/// Deadline for mutants that hang.
+/// Deadline for detectors that hang on purpose.
 const SHORT: Duration = Duration::from_millis(500);
 
 fn found(entry: &'static Entry, arithmetics: &[Arithmetic], deadline: Duration) -> Failure {
@@ -117,7 +117,7 @@ fn found(entry: &'static Entry, arithmetics: &[Arithmetic], deadline: Duration) 
 
 fn failure(way: u8) -> Failure {
     let hangs = [HANGS_AT_THREE_PARTICLES, REPORTS_WITHOUT_END].contains(&way);
-    // Long for the others, because a backtrace on a busy machine takes time.
+    // Detectors that do not hang get 20 s, because a backtrace on a busy machine takes time.
     found(
         &MUTANTS[way as usize],
         &Arithmetic::SAFE,
@@ -186,8 +186,8 @@ fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failur
     report.unwrap().failures.remove(0)
 }
 
-/// The book's cells lose a pair because of the last bits of a coordinate; shrinking keeps only
-/// those bits.
+/// The book's cells lose a pair because of the last bits of a coordinate. Shrinking keeps only
+/// these bits.
 #[test]
 fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
     let mut values = vec![-4.0, 0.7, 2.0, -2.0 * f64::EPSILON, 0.7, 2.0, 4.0, 0.7, 2.0];

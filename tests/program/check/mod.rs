@@ -1,4 +1,4 @@
-//! `check`: right detectors and runners pass, wrong ones fail, each in its way.
+//! `check` accepts right detectors and runners, and reports each kind of wrong one.
 
 mod finds;
 mod runners;

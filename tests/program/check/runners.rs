@@ -1,4 +1,4 @@
-//! Right runners: the examples, noisy ones, this program.
+//! `check` accepts right runners: the examples, runners that print other text, and this program.
 
 use std::process::Command;
 
@@ -35,7 +35,7 @@ fn the_example_in_cpp_passes() {
         return;
     }
     let at = Place::new();
-    // The command in the example, with paths of this checkout.
+    // Takes the command from the example, and replaces its paths by those of this checkout.
     let line = CPP.lines().find_map(|line| line.strip_prefix("//     g++ ")).unwrap();
     let line = line.replace("runners ", &format!("'{}' ", root().join("runners").display()));
     built(&at, &line.replace("examples/", &format!("'{}'/", root().join("examples").display())));
@@ -44,7 +44,7 @@ fn the_example_in_cpp_passes() {
     check(&at, "./my_detector", "--seconds 0", 0, &words);
 }
 
-/// Output of a library, from Python or through its descriptor, is not taken for a reply.
+/// Text that a library prints, from Python or through its descriptor, is not taken for a reply.
 #[test]
 fn noisy_runners_in_python_are_understood() {
     if !has("python3") {

@@ -17,7 +17,7 @@ fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     let words = ["2 particles, 1 missed, 0 spurious, 0 duplicate pairs"];
     let wrong = at.ends(1, "check --detector nothing --seeds 1 --annotations", &words).stdout;
     assert!(wrong.contains("::error title=contactbench check%3A generated%3A nothing%2C exact"));
-    // The printed commands show the difference.
+    // Running the printed commands shows the missed pair.
     let lines = wrong.lines().filter(|line| !line.starts_with("::"));
     let commands: Vec<&str> =
         lines.filter_map(|line| Some(line.split_once("contactbench ")?.1)).collect();

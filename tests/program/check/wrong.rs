@@ -1,4 +1,4 @@
-//! Each way to be wrong is found.
+//! `check` finds each kind of wrong runner.
 
 use super::{changed, smallest};
 use crate::common::{Place, has};
@@ -23,7 +23,7 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
     let again = "check --scene ./failing-my-detector-f64.csv --runner 'python3 changed.py'";
     assert!(ended.stdout.contains(&format!("  again:  contactbench {again}")), "{}", ended.stdout);
     at.ends(1, again, &[": 1 missed, 0 spurious"]);
-    // Neighbours in the list that do not touch become spurious pairs.
+    // Pairs that do not touch are listed, too, and become spurious.
     let change = ["<= total * total:", "<= 1.21 * total * total:"];
     let ended = changed(&at, change, "", 1, &["0 missed, 1 spurious"]);
     assert_eq!(smallest(&ended).0, 2, "{}", ended.stdout);
@@ -31,7 +31,7 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
 
 const NONE: &str = "    pairs = []\n";
 
-/// Pieces of the example, their replacements, and words of the error.
+/// Pieces of the example's code, their replacements, and words of the expected error.
 const WAYS: [(&str, &str, &str); 14] = [
     // The runner prints other lines before and between replies.
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
@@ -47,13 +47,13 @@ const WAYS: [(&str, &str, &str); 14] = [
         "nanoseconds",
     ),
     ("while calls == 0 or time.perf_counter_ns() - start < min_ns:", "while calls == 0:", "min_ns"),
-    // A count that differs from the written list.
+    // The count differs from the number of pairs in the written list.
     (
         "\"contacts\": len(pairs)}\n    return",
         "\"contacts\": len(pairs) + 1}\n    return",
         "file holds",
     ),
-    // A runner that dies on a missing file, and one that rejects unknown fields.
+    // The first runner dies on a missing file, the second rejects unknown fields.
     ("except Exception", "except ZeroDivisionError", "sample before"),
     (
         ", **load_fields):",
@@ -61,7 +61,7 @@ const WAYS: [(&str, &str, &str); 14] = [
          n=n, radius=radius)",
         "WRONG",
     ),
-    // Answers that depend on earlier scenes.
+    // Answers depend on earlier scenes.
     (
         NONE,
         "    known = globals().setdefault('known', {})\n    radii = \
@@ -86,7 +86,7 @@ fn every_way_to_be_wrong_is_named() {
         "    if len(centres) > 10: sys.exit('first words\\nno room for more')\n    pairs = []\n";
     let words = ["exit status: 1: no room for more", "    first words\n    no room for"];
     let ended = changed(&at, [NONE, dies], "--seconds 0", 1, &words);
-    // Each death costs a restart, so the size of the scene depends on the machine.
+    // Each death costs a restart, so the time allows less shrinking on a slow machine.
     assert!((11..=17).contains(&smallest(&ended).0), "{}", ended.stdout);
     at.file(
         "hangs.py",
@@ -104,7 +104,8 @@ fn every_way_to_be_wrong_is_named() {
     changed(&at, ["reply = answer(scene, **asked)", refuses], "--seconds 0", 2, &words);
 }
 
-/// Near-tangent pairs and subnormal numbers, which only the hard scenes have.
+/// The defects show only on near-tangent pairs and subnormal numbers, which only the hard scenes
+/// have.
 #[test]
 fn what_is_nearly_right_is_found() {
     if !has("python3") {
