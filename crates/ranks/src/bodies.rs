@@ -7,17 +7,17 @@ use contactbench_core::scene::{Radii, Scene, SceneError, array};
 
 use crate::rank::Failure;
 
-/// Particles of a larger scene, each with its number there.
+/// Particles of a larger scene, each with its number in that scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbered<const D: usize> {
     ids: Vec<u32>,
     centres: Vec<Point<f64, D>>,
-    /// Radii of the particles; empty if all have one radius, which is stored elsewhere.
+    /// Radii of the particles; empty if all have the same radius, which is stored elsewhere.
     radii: Vec<f64>,
 }
 
 impl<const D: usize> Numbered<D> {
-    /// The particles of a scene, numbered from `first`, with a radius each.
+    /// Collects the particles of a scene, numbered from `first`, with a radius each.
     ///
     /// # Errors
     /// [`SceneError::TooMany`] if a number would exceed 2^32 - 2; a refusal if memory is exhausted.
@@ -74,21 +74,24 @@ impl<const D: usize> Numbered<D> {
         &self.radii
     }
 
-    /// The particles as a scene, with this radius, or a radius each if it is `None`.
+    /// Returns the particles as a scene, with this radius, or with a radius each if it is `None`.
     pub fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
         let each = || Radii::Each((&self.radii[..]).into());
-        // The particles come from valid scenes, and each has a radius unless all share one.
+        // This cannot fail: the particles come from valid scenes, and each has a radius unless all
+        // share one.
         Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
     }
 
-    /// Packs a message for each rank; `to` calls its argument with each rank that gets particle k.
+    /// Packs a message for each rank. For particle k, `to` calls its argument with each rank that
+    /// gets the particle.
     pub fn letters(
         &self,
         ranks: usize,
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Failure> {
-        // `to` is called once per particle, because for a halo it mostly finds no rank.
+        // A single pass calls `to` once per particle, because for a halo `to` usually finds no
+        // rank.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
         chosen.resize_with(ranks, Vec::new);
@@ -100,7 +103,7 @@ impl<const D: usize> Numbered<D> {
                     room = reserve(chosen, chosen.len().max(64));
                 }
                 if room.is_ok() {
-                    // The capacity was checked above; particle numbers are u32.
+                    // The capacity was reserved above; particle numbers are u32.
                     chosen.push(k as u32);
                 }
             });
@@ -133,7 +136,7 @@ impl<const D: usize> Numbered<D> {
             let (id, numbers) = body.split_at(size_of::<u32>());
             let real = |k: usize| {
                 let at = k * size_of::<f64>();
-                // Cannot fail: `numbers` has D or D + 1 pieces of eight bytes.
+                // This cannot fail: `numbers` has D or D + 1 pieces of eight bytes.
                 f64::from_le_bytes(*numbers[at..].first_chunk().unwrap())
             };
             self.ids.push(u32::from_le_bytes(*id.first_chunk().unwrap()));

@@ -1,5 +1,6 @@
-//! One scene over several ranks: cost of each step, traffic, and a check that the contacts are
-//! those of one process. Ranks are processes of MPI (feature `mpi`) or threads.
+//! Detects the contacts of one scene on several ranks, which are processes of MPI (feature `mpi`)
+//! or threads. Measures the cost of each step and the traffic, and checks that the contacts are
+//! those that one process finds.
 
 pub mod bodies;
 pub mod model;
@@ -35,14 +36,14 @@ use contactbench_core::sink::Digest;
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
     pub spec: &'a DetectorSpec,
-    /// Limit for the detector's arrays, and for a list of contacts, in bytes.
+    /// Memory limit in bytes: for the detector's arrays, and again for a list of contacts.
     pub memory_limit: u64,
     /// Number of timed steps, after one warm-up step; at least 1.
     pub steps: usize,
 }
 
-/// Results of all ranks together. Counts are sums, or those of the largest rank where the name has
-/// `most`. Times are the slowest rank's, as the median over the steps.
+/// Results of all ranks together. A count is the sum over the ranks, or the maximum if its name has
+/// `most`. A time is that of the slowest rank, as the median over the steps.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The scene as named on the command line.
@@ -50,48 +51,48 @@ pub struct Row {
     pub n: u64,
     pub dim: usize,
     pub detector: String,
-    /// `mpi` or `threads`.
+    /// Kind of the ranks: `mpi` or `threads`.
     pub kind: &'static str,
     pub ranks: usize,
-    /// The axis, or the vector of the box, along which slabs lie, from 0.
+    /// Index (from 0) of the axis, or of the box vector, along which slabs lie.
     pub along: usize,
     /// Whether slabs lie along a periodic vector, so that the last slab meets the first.
     pub around: bool,
-    /// Fewest and most particles that a rank owns.
+    /// Smallest and largest number of particles that a rank owns.
     pub own: [u64; 2],
-    /// Largest number of particles that a rank holds for others.
+    /// Largest number of copies of other ranks' particles (its halo) that a rank holds.
     pub halo_most: u64,
     pub sent: u64,
-    /// Bytes sent in a step, counted; `sent` times the bytes of one particle.
+    /// Bytes sent in a step: `sent` times the bytes of one particle.
     pub sent_bytes: u64,
     pub sent_bytes_most: u64,
     pub partners_most: u64,
     /// Time from the start of a step to the last contact.
     pub step_ms: f64,
-    /// The part of `step_ms` until the particles of other ranks have arrived.
+    /// Part of `step_ms` until the particles of other ranks have arrived.
     pub exchange_ms: f64,
     /// Time of the search: the rest of `step_ms`.
     pub search_ms: f64,
-    /// Time of the search if it is repeated after each step while all other ranks wait.
+    /// Time of the search when it is repeated after each step while all other ranks wait.
     pub alone_ms: f64,
     /// Ratio of `alone_ms` to the longest step of any rank, per step: the part of a step that an
-    /// undisturbed search of own particles and halo takes.
+    /// undisturbed search takes.
     pub alone_over_step: Option<Interval>,
-    /// Ratio of `alone_ms` to the longest search: about the speed that sharing memory and cores
-    /// leaves, because the later search finds warm caches.
+    /// Ratio of `alone_ms` to the longest search. It shows how far shared memory and cores slow the
+    /// search down, approximately, because the repeated search finds warm caches.
     pub alone_over_search: Option<Interval>,
-    /// Largest memory of a rank, in bytes by formula: particles, buffers and contacts, without
-    /// messages.
+    /// Largest memory of a rank in bytes, computed from array sizes: particles, buffers and
+    /// contacts, without messages.
     pub memory_most: u64,
     pub pairs: u64,
     pub digest: String,
-    /// The answer of one process, if it was computed.
+    /// Contacts that one process finds, if they were computed.
     pub whole: Option<Whole>,
     /// The commit that this program was built from.
     pub revision: Option<&'static str>,
     /// Whether the sources differed from that commit.
     pub dirty: Option<bool>,
-    /// The machine of the first rank.
+    /// Machine on which the first rank runs.
     pub machine: String,
 }
 
@@ -108,7 +109,8 @@ impl Whole {
 }
 
 impl Row {
-    /// Returns whether the contacts are those of one process; `None` if that was not computed.
+    /// Returns whether the contacts are those of one process; `None` if one process did not compute
+    /// them.
     pub fn is_right(&self) -> Option<bool> {
         let whole = self.whole.as_ref()?;
         Some(whole.pairs == self.pairs && whole.digest == self.digest)
@@ -123,7 +125,7 @@ pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     Ok(Whole::of(contacts.digest()))
 }
 
-/// Measures, as one of the ranks, and returns the same row in all of them. Fails if any rank
+/// Measures the steps as one of the ranks, and returns the same row in all ranks. Fails if any rank
 /// refuses.
 pub fn measure(
     world: &impl World,
@@ -133,8 +135,8 @@ pub fn measure(
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
-    // If ranks read files of different lengths, rows usually overlap or are missing. Contents are
-    // not compared, only the digest.
+    // If ranks read files of different lengths, their rows usually overlap or leave gaps, which is
+    // checked here. Different contents only change the digest.
     let mut lens = vec![0; world.size()];
     lens[world.rank()] = scene.len() as u64;
     world.sum(&mut lens);
@@ -204,7 +206,7 @@ where
     let mut sums = [own, traffic.particles, traffic.bytes, digest.contacts, digest.sum];
     world.sum(&mut sums);
     let most = [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory];
-    // Exact, because the numbers are below 2^53.
+    // The conversion is exact, because the numbers are below 2^53.
     let [own_most, halo, bytes, partners, memory] = most.map(|number| number as f64);
     let mut most = [own_most, -own_most, halo, bytes, partners, memory];
     world.largest(&mut most);

@@ -1,4 +1,4 @@
-//! The program that `contactbench ranks` runs.
+//! The program that `contactbench ranks` starts.
 
 use std::process::ExitCode;
 

@@ -6,33 +6,33 @@
 //! ```
 //!
 //! s is the measured search time per particle, own or received, while no other rank works: the
-//! longest time over the most particles, as ranks are assumed to be alike. h is the measured number
-//! of particles that cross a border; b is the bytes of one particle.
+//! longest time over the most particles, because ranks are assumed to be alike. h is the measured
+//! number of particles that cross a border; b is the bytes of one particle.
 //!
-//! A scene that grows along its slabs keeps h. One that keeps its shape has an area that grows as
-//! N^((D - 1) / D). A rank sends one message, or as many as there are slabs in a layer of h
-//! particles. The sizes of messages are exchanged first, in log2 R steps.
+//! A scene that grows along its slabs keeps h. In a scene that keeps its shape, h grows like the
+//! area of a slab, N^((D - 1) / D). A rank sends one message, or one for each slab that a layer of
+//! h particles covers. The sizes of messages are exchanged first, in log2 R steps.
 //!
-//! The search model leaves out the pass before the search, shared memory and cores, and unequal
-//! slabs. Their contribution to the measured step is added to all others, unchanged. Steps are
-//! predicted for at most [`FARTHEST`] times the measured ranks.
+//! The search model omits the pass before the search, shared memory and cores, and unequal slabs.
+//! Their part of the measured step is added unchanged to every predicted step. Steps are predicted
+//! for at most [`FARTHEST`] times the measured ranks.
 
 use serde::Serialize;
 
 use super::Row;
 
-/// The model covers at most this many times the measured ranks.
+/// Maximum ratio of predicted to measured ranks.
 pub const FARTHEST: u64 = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
-    /// Seconds until an empty message arrives.
+    /// Seconds from sending an empty message to its arrival.
     pub latency_s: f64,
-    /// Bytes per second of one rank.
+    /// Bytes per second that one rank sends.
     pub bytes_per_s: f64,
 }
 
-/// Parses `2e-6,12.5e9`: seconds, bytes per second.
+/// Parses `2e-6,12.5e9`: latency in seconds, then bytes per second.
 impl std::str::FromStr for Network {
     type Err = String;
 
@@ -57,23 +57,23 @@ pub struct Step {
     pub n: f64,
     pub halo: f64,
     pub ms: f64,
-    /// The time of one rank with as many own particles, divided by `ms`.
+    /// Time of a single rank that owns equally many particles, divided by `ms`.
     pub efficiency: f64,
-    /// The time by the search model alone.
+    /// Time that the search model alone predicts.
     pub search_ms: f64,
 }
 
-/// How the scene grows with the number of ranks; the particles per rank stay the same.
+/// Growth of the scene with the number of ranks; the particles per rank stay the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
     Long,
-    /// In all directions, so that the scene keeps its shape.
+    /// Grows in all directions, so that the scene keeps its shape.
     Alike,
 }
 
-/// Predicts the step on `ranks` ranks from one measured on several. `one_ms` is the measured step
-/// of one rank with as many own particles; without it the model estimates it. `None` if the row is
-/// of one rank, or `ranks` exceeds [`FARTHEST`] times its ranks.
+/// Predicts the step on `ranks` ranks from a measured row. `one_ms` is the measured step of a
+/// single rank with equally many own particles; without it the model estimates this step. Returns
+/// `None` if the row is of one rank, or `ranks` exceeds [`FARTHEST`] times the ranks of the row.
 pub fn step(
     row: &Row,
     one_ms: Option<f64>,
@@ -92,7 +92,8 @@ pub fn step(
     Some(Step { ms, efficiency: one_ms / ms, ..found })
 }
 
-/// Predicts the search on `ranks` ranks and their messages, without the rest of a step.
+/// Predicts the time of the search on `ranks` ranks and of their messages, without the rest of a
+/// step.
 fn search(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
     // In a periodic box the last slab meets the first.
     let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };
@@ -121,7 +122,7 @@ mod tests {
 
     const NETWORK: Network = Network { latency_s: 1e-3, bytes_per_s: 1e6 };
 
-    /// Two ranks of a thousand spheres each; a hundred cross the border.
+    /// A row of two ranks with a thousand spheres each, of which a hundred cross the border.
     fn row() -> Row {
         Row {
             scene: "packed".into(),
@@ -161,12 +162,12 @@ mod tests {
         assert!((one.ms - 1.0).abs() < 1e-12);
         let long = search(&row(), NETWORK, Growth::Long, 8).unwrap();
         assert_eq!((long.n, long.halo), (8000.0, 100.0));
-        // 1.1 ms of search, four messages of 1 ms, 2.8 ms of transfer.
+        // Expect 1.1 ms of search, four messages of 1 ms, and 2.8 ms of transfer.
         assert!((long.ms - (1.1 + 4.0 + 2.8)).abs() < 1e-9, "{long:?}");
-        // Eight times as many in the same shape: four times the area.
+        // Eight times the particles in the same shape have four times the area.
         let alike = search(&row(), NETWORK, Growth::Alike, 16).unwrap();
         assert!((alike.halo - 400.0).abs() < 1e-9, "{alike:?}");
-        // Slabs are thinner than the halo, so there are more messages.
+        // These slabs are thinner than the halo, so there are more messages.
         let thin = search(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
         assert!(thin.halo > thin.n / 1048576.0 && thin.efficiency < 0.02, "{thin:?}");
         assert_eq!(search(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
@@ -176,8 +177,8 @@ mod tests {
     fn a_predicted_step_starts_from_the_measured_one() {
         let row = Row { step_ms: 8.0, ..row() };
         let at = |one_ms, ranks| step(&row, one_ms, NETWORK, Growth::Long, ranks);
-        // The model alone gives 1.1 + 2.0 + 2.8 ms, but 8 are measured: 2.1 more for any number of
-        // ranks.
+        // The model alone gives 1.1 + 2.0 + 2.8 ms, but 8 ms are measured. The difference of 2.1 ms
+        // is added for any number of ranks.
         let measured = at(Some(4.0), 2).unwrap();
         assert!((measured.search_ms - 5.9).abs() < 1e-9 && (measured.ms - 8.0).abs() < 1e-9);
         assert!((measured.efficiency - 0.5).abs() < 1e-9, "{measured:?}");

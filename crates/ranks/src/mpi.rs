@@ -13,21 +13,21 @@ use crate::world::World;
 /// Maximum number of bytes that a rank sends at once, because MPI counts them in 32 bits.
 const MOST: usize = 1 << 30;
 
-/// The ranks that `mpirun` started. Dropping this ends MPI.
+/// The ranks that `mpirun` started. Dropping this value ends MPI.
 pub struct Processes {
     world: SimpleCommunicator,
     _universe: Universe,
 }
 
 impl Processes {
-    /// `None` if MPI was initialized before.
+    /// Starts MPI; returns `None` if it was initialized before.
     pub fn begin() -> Option<Processes> {
         let universe = mpi::initialize()?;
         Some(Processes { world: universe.world(), _universe: universe })
     }
 }
 
-/// A rank that panics aborts all, because the others and MPI would wait for it.
+/// A rank that panics aborts all ranks, because the others would wait for it.
 impl Drop for Processes {
     fn drop(&mut self) {
         if std::thread::panicking() {
@@ -56,7 +56,7 @@ impl World for Processes {
         self.world.all_reduce_into(&mine[..], numbers, SystemOperation::max());
     }
 
-    /// Sends in rounds, so that the bytes of a round fit MPI's counters.
+    /// Sends the parts in rounds, so that the bytes of a round fit MPI's counters.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
         assert_eq!(parts.len(), self.size(), "one part for each rank");
         let sizes: Vec<u64> = parts.iter().map(|part| part.len() as u64).collect();
@@ -68,9 +68,9 @@ impl World for Processes {
         self.largest(&mut longest);
         let most = (MOST / parts.len()) as u64;
         for round in 0..(longest[0] as u64).div_ceil(most) {
-            // Start and end of this round's piece.
+            // Returns the start and the end of the piece that this round sends.
             let ends = |size: u64| [(round * most).min(size), ((round + 1) * most).min(size)];
-            // Lengths and offsets in bytes, at most MOST.
+            // Computes lengths and offsets in bytes; each is at most MOST.
             let places = |sizes: &[u64]| -> (Vec<i32>, Vec<i32>) {
                 let mut begin = 0;
                 let place = |&size: &u64| {

@@ -35,16 +35,16 @@ use crate::world::World;
 pub enum Failure {
     #[error(transparent)]
     Here(#[from] Refusal),
-    /// Another rank refuses, and prints why.
+    /// Another rank has refused, and prints the reason.
     #[error("rank {0} has failed; it prints why")]
     Elsewhere(usize),
-    /// More particles than u32 can number.
+    /// There are more particles than u32 can number.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The box does not fit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
-    /// The inputs of the ranks differ.
+    /// The ranks got different inputs.
     #[error(
         "ranks do not agree on one scene: {0} differs between ranks; give all of them the \
          same file and the same options"
@@ -59,7 +59,8 @@ pub fn failed(world: &impl World, here: bool) -> Option<usize> {
     (highest[0] >= 0.0).then_some(highest[0] as usize)
 }
 
-/// Returns this rank's result if no rank has failed, so that none waits for one that ended.
+/// Returns this rank's result if no rank has failed; otherwise fails in all ranks, so that none
+/// waits for one that ended.
 ///
 /// # Errors
 /// The error of this rank, or the number of the highest rank that failed.
@@ -69,7 +70,7 @@ pub fn together<T, E: From<Failure>>(world: &impl World, result: Result<T, E>) -
     failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
-/// Returns whether the numbers are the same in all ranks. None may be NaN.
+/// Returns whether every rank has the same numbers. None may be NaN.
 pub fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
     let mut ends = numbers.map(|number| [number, -number]);
     world.largest(ends.as_flattened_mut());
@@ -79,7 +80,7 @@ pub fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
 /// Messages that a rank sends for one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Particles, each counted as often as it was sent.
+    /// Number of particles sent; a particle counts once for each rank that gets it.
     pub particles: u64,
     /// Bytes: 4 for a particle's number, 8 per coordinate, 8 for the radius if radii differ.
     pub bytes: u64,
@@ -87,7 +88,7 @@ pub struct Traffic {
     pub partners: u64,
 }
 
-/// A rank: the particles of its slab, and copies of those of other slabs that may touch them.
+/// A rank: the particles of its slab, and copies of particles of other slabs that may touch them.
 pub struct Rank<const D: usize> {
     slabs: Slabs<D>,
     lattice: Option<Lattice>,
@@ -100,12 +101,12 @@ impl<const D: usize> Rank<D>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    /// Sends the particles that each rank has made or read to the owners of their slabs. The
-    /// numbers of all particles must differ.
+    /// Sends the particles that each rank has made or read to the owners of their slabs. No two
+    /// particles may have the same number.
     ///
     /// # Errors
-    /// Fails if the box does not fit, if dimensions or boxes differ between ranks, and with
-    /// [`Refusal::Skewed`] or [`Refusal::Exhausted`] in any rank.
+    /// Fails if the box does not fit the scene, if dimensions or boxes differ between ranks, and
+    /// with [`Refusal::Skewed`] or [`Refusal::Exhausted`] in any rank.
     pub fn new(
         world: &impl World,
         bodies: Numbered<D>,
@@ -115,7 +116,7 @@ where
             let empty = Scene::<f64, D>::new(Vec::new(), Radii::Uniform(0.0))?;
             Ok(Periodic::new(empty.into(), lattice)?.into_parts().1)
         };
-        // The same length in 2D and 3D.
+        // The list has the same length in 2D and 3D.
         let told = |lattice: Lattice| {
             let axes = [lattice.periodic().map(f64::from), lattice.origin()];
             [lattice.vectors().as_flattened(), axes.as_flattened()].concat()
@@ -154,15 +155,15 @@ where
         Ok(Rank { slabs, lattice, radius, own: own.len(), bodies: own })
     }
 
-    /// Replaces the copies of other ranks' particles by current ones, and returns what this rank
-    /// sent.
+    /// Replaces the copies of other ranks' particles by current ones, and returns this rank's
+    /// traffic.
     ///
     /// # Errors
     /// Fails if any rank runs out of memory ([`Refusal::Exhausted`]).
     pub fn refresh(&mut self, world: &impl World) -> Result<Traffic, Failure> {
         self.bodies.truncate(self.own);
         let (bodies, slabs, radius) = (&self.bodies, &self.slabs, self.radius);
-        // Read once, because MPI's call costs more than a particle.
+        // The number is read once, because a call of MPI takes longer than the work for a particle.
         let rank = world.rank();
         let reached = |k: usize, to: &mut dyn FnMut(usize)| {
             let r = radius.unwrap_or_else(|| bodies.radii()[k]);
@@ -194,38 +195,39 @@ where
         &self.slabs
     }
 
-    /// Returns the number in the whole scene of particle `k` of this rank.
+    /// Returns the number that particle `k` of this rank has in the whole scene.
     pub fn id(&self, k: u32) -> u32 {
         self.bodies.ids()[k as usize]
     }
 
-    /// Replaces the lists by the exact contacts that belong to this rank, in the rank's own
-    /// numbers, own particles first ([`Rank::id`]). Fails if the detector refuses.
+    /// Replaces the contents of `contacts` by the exact contacts that belong to this rank.
+    /// Particles have the rank's own numbers, with own particles first ([`Rank::id`] converts
+    /// them). Fails if the detector refuses.
     pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
-            // Users know the particle by its number in the whole scene.
+            // The refusal must name the particle by its number in the whole scene.
             Refusal::Away { particle, vector, boxes } => {
                 Refusal::Away { particle: self.id(particle), vector, boxes }
             }
             other => other,
         })?;
-        // The scene has at most 2^32 - 1 particles.
+        // The cast is lossless, because the scene has at most 2^32 - 1 particles.
         let own = self.own as u32;
         contacts.plain.retain(|&[i, j]| i.min(j) < own);
         contacts.shifted.retain(|&ImagePair { i, .. }| i < own);
         Ok(())
     }
 
-    /// Returns the memory of the particles and of the searcher's last detection, in bytes by
-    /// formula. The lists of contacts are not included.
+    /// Returns the bytes of the particles and of the searcher's last detection, computed from array
+    /// sizes. The lists of contacts are not included.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
         (self.bodies.len() * each) as u64 + searcher.formula_bytes()
     }
 
-    /// Returns number and digest of this rank's contacts, in the numbers of the whole scene. Both
-    /// can be added over ranks.
+    /// Returns number and digest of this rank's contacts, with the particle numbers of the whole
+    /// scene. Both can be added over ranks.
     pub fn digest(&self, contacts: &Contacts) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in &contacts.plain {
@@ -241,7 +243,7 @@ where
         let scene = self.bodies.scene(self.radius);
         match self.lattice {
             None => Loaded::Open(scene.into()),
-            // Cannot fail: the box was checked with an empty scene of this dimension in f64.
+            // This cannot fail: the box was checked with an empty f64 scene of this dimension.
             Some(lattice) => Loaded::InBox(Periodic::new(scene.into(), lattice).unwrap()),
         }
     }

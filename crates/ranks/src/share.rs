@@ -10,33 +10,34 @@ use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::rank::together;
 use crate::world::World;
 
-/// Particles that one rank makes or reads, whatever rank will own them.
+/// Particles that one rank makes or reads, which other ranks may own later.
 #[derive(Clone, Debug)]
 pub struct Share {
     /// The particles, and the box of the whole scene.
     pub given: Given,
-    /// The number of the first particle in the whole scene.
+    /// Number that the first particle has in the whole scene.
     pub first: u64,
     /// Number of frames in the file; 1 for a generated scene.
     pub frames: u64,
 }
 
 pub trait Dealt {
-    /// Returns the part of one rank. From an npy file it reads only its rows. Other files and
-    /// generated scenes are held as a whole for a moment.
+    /// Returns the part of one rank. From an npy file it reads only the rows of this part. Other
+    /// files and generated scenes are held as a whole for a moment.
     ///
     /// # Errors
-    /// As [`Origin::whole`].
+    /// Fails as [`Origin::whole`] does.
     fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share>;
 
-    /// Makes a scene for each rank, with consecutive seeds, side by side along x. The whole grows
-    /// with the number of ranks, and no rank makes more than its part.
+    /// Makes a scene for each rank, with consecutive seeds, side by side along x. The whole scene
+    /// grows with the number of ranks, and no rank makes more than its part.
     ///
     /// # Errors
-    /// As [`Origin::whole`]; also for a file and for a periodic box.
+    /// Fails as [`Origin::whole`] does, for a file, and for a periodic box.
     fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
 
-    /// The scene of [`Dealt::beside`] for this many ranks, as a whole; fails likewise.
+    /// Makes the scenes of [`Dealt::beside`] for this many ranks as one scene; fails in the same
+    /// cases.
     fn row(&self, ranks: usize) -> anyhow::Result<Given>;
 }
 
@@ -103,8 +104,8 @@ impl Share {
     }
 }
 
-/// Returns the distance along x to the next scene: where they meet, centres are 0.9 of the largest
-/// diameter apart.
+/// Returns the distance along x to the next scene, which leaves 0.9 of the largest diameter between
+/// the nearest centres.
 fn width(given: &Given) -> f64 {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     contactbench_core::with_scene!(&given.scene, scene => for x in scene.centres() {

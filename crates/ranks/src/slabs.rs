@@ -1,9 +1,9 @@
 //! The slabs that ranks own, and the ranks that need copies of a particle.
 //!
 //! A slab is a range of *places*. A place is a coordinate in open space, and a fraction along a
-//! vector of a periodic box, modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has one
-//! owner, whatever rounding does. The borders are places of particles: quantiles of a sample that
-//! all ranks draw alike.
+//! vector of a periodic box, modulo 1. Slab k is \[c(k), c(k + 1)), so every particle has one owner
+//! in spite of rounding. The borders c(k) are places of particles: quantiles of a sample that is
+//! the same in all ranks.
 //!
 //! **In open space** particles touch if |xi - xj| <= ri + rj. Let i be in a slab above that of j,
 //! whose upper border is c. Then xj < c, so a contact implies xi - c < ri + rj. If R is the largest
@@ -11,12 +11,12 @@
 //! is at most the rounded sum. A particle that fails this comparison touches none in that slab.
 //!
 //! **In a box** let g be the computed dual of vector a. By (1) of
-//! [`frame`](contactbench_core::periodic::frame), a contact through S vectors implies
-//! |Ta - g·(xi - xj)| <= |g| (ri + rj) + the coupling of the other vectors, for a whole number Ta.
-//! So the exact places are as near on a circle of length 1. A computed place differs from the exact
-//! one by at most 4u times the sum of |g| |x|, and by another u from the modulo. The slack is twice
-//! the largest of these, and more for the sums here. On the circle, i reaches the slab of j
-//! downwards from its own place, or upwards through the face.
+//! [`frame`](contactbench_core::periodic::frame), a contact through S vectors implies |Ta - g·(xi -
+//! xj)| <= |g| (ri + rj) + the coupling of the other vectors, for a whole number Ta. So the exact
+//! places are at most that far apart on a circle of length 1. A computed place differs from the
+//! exact one by at most 4u times the sum of |g| |x|, and by another u from the modulo. The slack is
+//! twice the largest of these errors, plus an allowance for the sums here. On the circle, i reaches
+//! the slab of j downwards from its own place, or upwards through the face.
 
 use contactbench_core::periodic::frame::{Frame, U};
 use contactbench_core::refusal::Refusal;
@@ -30,11 +30,11 @@ use crate::world::World;
 /// Number of places that each rank adds to the sample.
 const SAMPLE: usize = 512;
 
-/// The borders of all slabs, and their largest radii.
+/// The borders of all slabs, and the largest radius in each.
 #[derive(Clone, Debug)]
 pub struct Slabs<const D: usize> {
     along: Along<D>,
-    /// c(1), c(2), ...
+    /// Borders c(1), c(2), ... between slabs.
     borders: Vec<f64>,
     /// The largest radius in each slab; minus infinity if it is empty.
     largest: Vec<f64>,
@@ -48,7 +48,7 @@ enum Along<const D: usize> {
 }
 
 impl<const D: usize> Slabs<D> {
-    /// Makes slabs with about equally many of the particles that all ranks hold together.
+    /// Makes slabs that hold about equally many of the particles of all ranks.
     pub fn new(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -57,11 +57,11 @@ impl<const D: usize> Slabs<D> {
     ) -> Result<Slabs<D>, Failure> {
         let along = match lattice {
             None => Along::axis(world, bodies),
-            // The box is the same in all ranks, so all refuse it or none.
+            // The box is the same in all ranks, so either all ranks refuse it or none.
             Some(lattice) => Along::vector(world, bodies, largest_radius, lattice)?,
         };
-        // One particle is drawn from each interval: regular steps might take a single row of a
-        // lattice.
+        // One random particle is taken from each interval, because regular steps might always hit
+        // the same row of a lattice.
         let step = bodies.len().div_ceil(SAMPLE).max(1);
         let drawn = |begin: usize| {
             let some = step.min(bodies.len() - begin) as u64;
@@ -80,7 +80,7 @@ impl<const D: usize> Slabs<D> {
         Ok(Slabs { along, borders, largest: Vec::new(), largest_of_all: largest_radius })
     }
 
-    /// Stores the largest radius of each slab; `largest` is this rank's.
+    /// Stores the largest radius of each slab; `largest` is that of this rank's slab.
     pub fn settle(&mut self, world: &impl World, largest: f64) {
         self.largest = vec![f64::NEG_INFINITY; world.size()];
         self.largest[world.rank()] = largest;
@@ -92,8 +92,8 @@ impl<const D: usize> Slabs<D> {
         self.borders.partition_point(|&border| border <= place)
     }
 
-    /// Calls `send` once for each rank whose particles may touch a particle at `x` with radius `r`.
-    /// `rank` owns it; ranks above `rank` are not needed.
+    /// Calls `send` once for each rank whose particles may touch a particle at `x` with radius `r`,
+    /// which `rank` owns. Ranks above `rank` are left out.
     pub fn reached(&self, rank: usize, x: &[f64; D], r: f64, send: &mut dyn FnMut(usize)) {
         let place = self.along.place(x);
         // A comparison with NaN counts as near.
@@ -125,8 +125,8 @@ impl<const D: usize> Slabs<D> {
         }
     }
 
-    /// Returns the axis, or the vector of the box, along which slabs lie (0, 1 or 2), and whether
-    /// it is a vector.
+    /// Returns the index (0, 1 or 2) of the axis or the box vector along which slabs lie, and
+    /// whether it is a vector.
     pub fn direction(&self) -> (usize, bool) {
         match self.along {
             Along::Axis(axis) => (axis, false),
@@ -145,13 +145,13 @@ impl<const D: usize> Along<D> {
             }
         }
         world.largest(ends.as_flattened_mut());
-        // Halved, so that the extent does not overflow.
+        // Values are halved, so that the extent does not overflow.
         let extent = |axis: usize| 0.5 * ends[axis][0] + 0.5 * ends[axis][1];
         let longest = (0..D).rev().max_by(|&a, &b| extent(a).total_cmp(&extent(b)));
         Along::Axis(longest.unwrap_or(0))
     }
 
-    /// Returns the vector whose faces are farthest apart.
+    /// Returns the box vector whose two faces are farthest apart.
     fn vector(
         world: &impl World,
         bodies: &Numbered<D>,
@@ -162,7 +162,7 @@ impl<const D: usize> Along<D> {
         let periodic = (0..3).filter(|&a| frame.periodic[a]);
         let vector = periodic.min_by(|&a, &b| frame.lengths[a].total_cmp(&frame.lengths[b]));
         let vector = vector.unwrap_or(0);
-        // Along each vector: the largest fraction, the largest negated fraction, the largest sum.
+        // Each vector has three maxima: of the fraction, of the negated fraction, and of the sum.
         let mut most = [[f64::NEG_INFINITY; 3]; 3];
         for x in bodies.places() {
             for a in (0..3).filter(|&a| frame.periodic[a]) {
@@ -191,7 +191,8 @@ impl<const D: usize> Along<D> {
         }
     }
 
-    /// Returns the largest distance of two places in contact, if `sum` is the sum of their radii.
+    /// Returns the largest distance of two places whose particles touch; `sum` is the sum of their
+    /// radii.
     fn reach(&self, sum: f64) -> f64 {
         match self {
             Along::Axis(_) => sum,

@@ -121,7 +121,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     say(options, &rows)
 }
 
-/// More threads would take longer to start than to work.
+/// Maximum number of ranks that are threads; more would take longer to start than to work.
 const MOST_THREADS: usize = 64;
 
 #[cfg(feature = "mpi")]
@@ -132,7 +132,7 @@ fn by_mpi<'a>(
 ) -> anyhow::Result<ExitCode> {
     let world = crate::mpi::Processes::begin().context("cannot initialize MPI")?;
     let (rank, size) = (world.rank(), world.size());
-    // If --steps differed, ranks would wait for each other; so they would if one found no file.
+    // If --steps differed, or only one rank found no file, ranks would wait for each other.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
     let origin = match same {
         true => together(&world, options.source.input.origin(name)),
@@ -155,8 +155,8 @@ fn by_mpi<'a>(
     let (mut row, origin) = match row {
         Ok(row) => row,
         Err(error) => {
-            // A rank that knows the reason prints it; if inputs differ, the first rank does. All
-            // wait for that, because mpirun kills the others when one has failed.
+            // A rank that knows the reason prints it; if inputs differ, the first rank prints it.
+            // All ranks wait for that, because mpirun kills the others when one has failed.
             let knows = match error.downcast_ref() {
                 Some(Failure::Elsewhere(_)) => false,
                 Some(Failure::Unlike(_)) => rank == 0,
@@ -188,7 +188,7 @@ fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::R
     )
 }
 
-/// Prefers the error of a rank that knows the reason.
+/// Returns the rows, or the error of a rank that knows the reason if any does.
 fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
     let mut ended = None;
     for row in rows {

@@ -6,8 +6,8 @@ use std::thread;
 
 use crate::rank::Failure;
 
-/// The ranks of one scene, as one of them sees them. All must call the same functions in the same
-/// order, as in MPI.
+/// The ranks of one scene, from the view of one of them. All must call the same functions in the
+/// same order, as in MPI.
 pub trait World {
     /// This rank's number, from 0.
     fn rank(&self) -> usize;
@@ -17,7 +17,7 @@ pub trait World {
     fn sum(&self, numbers: &mut [u64]);
     /// Replaces each number by its maximum over all ranks; none may be NaN.
     fn largest(&self, numbers: &mut [f64]);
-    /// Sends part k to rank k, and replaces part k by the one that came from rank k.
+    /// Sends part k to rank k, and replaces part k by the one received from rank k.
     ///
     /// # Errors
     /// [`Refusal::Exhausted`](contactbench_core::Refusal) if any rank lacks memory for the parts.
@@ -36,13 +36,13 @@ struct Shared {
     turned: Condvar,
 }
 
-/// Each list has an entry per rank.
+/// Data shared by all threads. Each list has an entry per rank.
 struct Table {
     arrived: usize,
     round: u64,
-    /// Whether all threads were started; `None` until that is known.
+    /// Whether all threads were started; `None` until this is known.
     complete: Option<bool>,
-    /// The first rank that returned: others may wait for it in vain.
+    /// The first rank that returned; others must not wait for it.
     left: Option<usize>,
     /// The first rank that panicked.
     lost: Option<usize>,
@@ -50,14 +50,14 @@ struct Table {
     mail: Vec<Vec<Vec<u8>>>,
 }
 
-/// Runs the work in this many threads, one per rank, and returns the results in their order.
+/// Calls `work` in this many threads, one per rank, and returns the results in the order of ranks.
 ///
 /// # Errors
 /// Fails before any work if the system cannot start that many threads.
 ///
 /// # Panics
-/// Panics if the work of a rank does. The panic is that of the first such rank; ranks that wait for
-/// it, or for a rank that has returned, panic, too.
+/// Panics if the work of a rank does, with the panic of the first such rank. Ranks that wait for a
+/// rank that has panicked or returned panic, too.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
@@ -84,7 +84,7 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
         {
             std::panic::resume_unwind(cause);
         }
-        // No rank has panicked, and all were started.
+        // Here no rank has panicked, and all were started.
         Ok(ended.into_iter().filter_map(|end| end.ok().flatten()).collect())
     })
 }
@@ -128,7 +128,7 @@ impl Thread {
         }
     }
 
-    /// Calls `put`, waits for all ranks, and calls `take`.
+    /// Calls `put`, waits until all ranks have done so, and calls `take`.
     fn meet<R>(
         &self,
         put: impl FnOnce(&mut Table, usize),
@@ -239,7 +239,7 @@ mod tests {
                 world.sum(&mut [1]);
             })
         });
-        // The first panic is returned, not those of the ranks that wait.
+        // The result is the first panic, not that of a rank that waits.
         assert_eq!(panics.unwrap_err().downcast_ref::<&str>(), Some(&"on purpose"));
     }
 

@@ -1,5 +1,5 @@
-//! A scene on several ranks has the contacts that one process finds: all generators and hard cases,
-//! in boxes and in open space, with all detectors.
+//! Compares the contacts of a scene on several ranks with those that one process finds: for all
+//! generators and hard cases, in boxes and in open space, with all detectors.
 
 use contactbench::detect::spec::parse;
 use contactbench::detect::table::TABLE;
@@ -13,7 +13,8 @@ use contactbench_ranks::{Row, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 
-/// Small scenes of all kinds: touching lattices, different sizes, boxes smaller than the reach.
+/// Small scenes of all kinds: touching lattices, different sizes, boxes smaller than the largest
+/// diameter.
 const SCENES: [&str; 12] = [
     "packed:n=0",
     "packed:n=300",
@@ -52,9 +53,10 @@ fn ranks_find_the_contacts_of_one_process() {
     for (k, scene) in scenes.enumerate() {
         let given = Spec::parse(&scene).unwrap().given().unwrap();
         let setting = Setting { spec: &direct, memory_limit: MEMORY, steps: 1 };
-        // Skips scenes that no process can list.
+        // Scenes that one process refuses are skipped.
         let Ok(truth) = whole(&given, setting) else { continue };
-        // Every second detector runs with three ranks, and one detector with all other numbers.
+        // Every second detector is tested with three ranks, and one detector with all other
+        // numbers.
         let turn = detectors[k % detectors.len()];
         let others = [1, 2, 4, 8].map(|ranks| (turn, ranks));
         let half = detectors.iter().skip(k % 2).step_by(2).map(|&name| (name, 3));
@@ -66,7 +68,7 @@ fn ranks_find_the_contacts_of_one_process() {
                     assert!(row.ranks == ranks && row.n == given.scene.len() as u64);
                     sent += row.sent;
                 }
-                // A detector with cells may refuse only on ranks: the whole scene has few large
+                // A detector with cells may refuse on ranks alone: the whole scene has few large
                 // cells, but a slab of dust has many small ones.
                 Err(_) => refused += 1,
             }

@@ -1,4 +1,4 @@
-//! `contactbench ranks`: one scene over several ranks.
+//! Tests the program `contactbench ranks`: one scene over several ranks.
 
 use std::path::Path;
 use std::process::Command;
@@ -60,17 +60,17 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
     let made = rows(folder, &[packed, "--ranks", "1,3"]);
     assert_eq!(made.iter().map(|row| number(row, "ranks")).collect::<Vec<_>>(), [1, 3]);
     assert_eq!((number(&made[0], "sent"), number(&made[1], "partners_most")), (0, 1));
-    // For one rank and one step, ratios equal those of the times.
+    // In a row of one rank and one step, each ratio is the ratio of the times.
     let real = |name: &str| made[0][name].as_f64().unwrap();
     for (ratio, time) in [("alone_over_step", "step_ms"), ("alone_over_search", "search_ms")] {
         let median = made[0][ratio]["median"].as_f64().unwrap();
         assert!((median - real("alone_ms") / real(time)).abs() < 1e-9 * median, "{ratio}");
     }
     assert!(real("alone_ms") > 0.0 && made[0]["machine"].is_string());
-    // 4 bytes for a number, 8 for each coordinate.
+    // A particle takes 4 bytes for its number, and 8 for each coordinate.
     assert!(number(&made[1], "sent") > 100);
     assert_eq!(number(&made[1], "sent_bytes"), 28 * number(&made[1], "sent"));
-    // Also from a file, and in a periodic box with mixed sizes.
+    // The scene may also come from a file, and have a periodic box and different sizes.
     scene(folder, packed, "scene.csv");
     let read = rows(folder, &["scene.csv", "--ranks", "3"]);
     assert_eq!(read[0]["digest"], made[0]["digest"]);
@@ -78,13 +78,13 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
     let around = rows(folder, &[boxed, "--ranks", "4", "--detector", "nbs"]);
     assert!(around[0]["around"] == true && number(&around[0], "partners_most") == 2);
     assert_eq!(number(&around[0], "sent_bytes"), 36 * number(&around[0], "sent"));
-    // A scene per rank: two ranks have twice as many particles.
+    // If each rank makes a scene, two ranks have twice the particles of one.
     let each = rows(folder, &[packed, "--each", "--ranks", "1,2"]);
     assert_eq!(each.iter().map(|row| number(row, "n")).collect::<Vec<_>>(), [2000, 4000]);
     assert!(2 * number(&each[1], "pairs") > 3 * number(&each[0], "pairs"));
 }
 
-/// Notices are printed once, as by every verb that reads a file, and not for generated scenes.
+/// Notices about a file are printed once, as by every verb; generated scenes have none.
 #[test]
 fn doubts_are_printed() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +104,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     let said = good(folder, &["loose:n=1000", "--ranks", "2", "--model"]).stdout;
     let last = said.lines().last().unwrap();
     let words: Vec<&str> = last.split_whitespace().collect();
-    // At most 64 times the two ranks that were measured.
+    // The largest prediction is for 64 times the two measured ranks.
     assert_eq!(words[..2], ["128", "64000"], "{said}");
     let alone = good(folder, &["loose:n=1000", "--ranks", "1", "--model"]).stdout;
     assert!(alone.ends_with("The model needs a measurement with at least 2 ranks.\n"), "{alone}");
@@ -123,7 +123,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     refuse(&["loose:periodic=true", "--each"], "this one has a periodic box; leave out the box");
     std::fs::write(folder.join("p.csv"), "x,y,r\n0,0,1\n").unwrap();
     refuse(&["p.csv", "--each"], "a file is split between ranks; leave out --each");
-    // Only the last ranks fail, by overflow, and the others do not wait for them.
+    // Only the last ranks fail, by overflow; the others do not wait for them.
     let far = "packed:n=4,diameter=1e307";
     good(folder, &[far, "--each", "--ranks", "2"]);
     let ended = finished(program(folder, &[far, "--each", "--ranks", "16"]));
@@ -138,7 +138,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     }
 }
 
-/// Runs real processes if the program was built with `mpi` and there is an `mpirun`.
+/// Starts processes if the program was built with `mpi` and there is an `mpirun`.
 #[cfg(feature = "mpi")]
 #[test]
 fn mpi_processes_find_the_contacts_of_threads() {
@@ -179,7 +179,7 @@ fn of_mpi() -> Result<(), String> {
     }
     let ended = mpirun("3", &["missing.npy"]);
     assert!(ended.code != Some(0) && ended.stderr.contains("missing.npy"), "{}", ended.stderr);
-    // If one rank finds no file, or another one, the other rank ends, too.
+    // If one rank finds no file or a different file, the other rank also ends.
     let alone = |words: &'static str| ["-n", "1", PROGRAM].into_iter().chain(words.split(' '));
     scene(folder, "packed:dim=2,n=3000,size-ratio=2", "flat.csv");
     scene(folder, "packed:dim=3,n=2000,size-ratio=2", "few.npy");

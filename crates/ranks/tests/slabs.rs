@@ -1,4 +1,4 @@
-//! Slabs and the data sent between them, on scenes where both are known.
+//! Slabs and the data sent between them, on scenes for which both can be predicted.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
@@ -14,10 +14,10 @@ use contactbench_ranks::world::{Thread, World, threads};
 
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
-/// Result of each rank: contacts in numbers of the whole scene, digest, data sent, and halo size.
+/// Result of a rank: contacts in numbers of the whole scene, digest, data sent, and halo size.
 type Found = (Vec<ImagePair>, Digest, Traffic, usize);
 
-/// Runs several ranks, each starting with particles dealt in turn.
+/// Runs several ranks, each of which starts with consecutive particles of the scene.
 fn ask<const D: usize>(
     scene: &Scene<'_, f64, D>,
     lattice: Option<Lattice>,
@@ -36,7 +36,7 @@ where
         let mut rank = Rank::new(world, bodies, lattice)?;
         let mut searcher = Searcher::new(&spec, OPTIONS);
         let mut contacts = Contacts::default();
-        // Two steps, as in a simulation.
+        // Two steps are made, as in a simulation.
         let mut traffic = Traffic::default();
         for _ in 0..2 {
             traffic = rank.refresh(world)?;
@@ -66,8 +66,8 @@ where
     contacts.sorted(scene.len(), u64::MAX)
 }
 
-/// Asserts that the ranks find each contact once. Returns the number of contacts, and of those with
-/// a halo particle.
+/// Asserts that the ranks find each contact once. Returns the number of contacts, and the number of
+/// contacts with a halo particle.
 fn agree<const D: usize>(
     scene: &Scene<'_, f64, D>,
     lattice: Option<Lattice>,
@@ -113,7 +113,7 @@ where
     seen
 }
 
-/// A touching lattice: borders of slabs coincide with the places of many particles.
+/// The scene is a touching lattice, on which borders of slabs coincide with many particles.
 #[test]
 fn borders_at_particles_separate_them() {
     let at = |k: usize| nalgebra::Point::from([(k % 12) as f64, (k / 12) as f64]);
@@ -122,8 +122,8 @@ fn borders_at_particles_separate_them() {
     let found = ask(&scene, None, "nbs", 4).unwrap();
     let pairs: usize = found.iter().map(|rank| rank.0.len()).sum();
     assert_eq!(pairs, 11 * 5 + 12 * 4);
-    // Columns of five particles. Each rank but the first sends its lowest column and the next one,
-    // which is just within reach of the border.
+    // There are columns of five particles. Each rank but the first sends its lowest column and the
+    // next one, which is just within reach of the border.
     assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 10]);
     let cylinder = Lattice::along_axes([12.0, 1.0, 1.0], [true, false, false]).unwrap();
     let found = ask(&scene, Some(cylinder), "nbs", 4).unwrap();
@@ -133,7 +133,7 @@ fn borders_at_particles_separate_them() {
     assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 15]);
 }
 
-/// Rows in file order, as long as the stride of the sample: the sample must not fall on one column.
+/// Rows of the lattice are as long as the stride of the sample, which must not fall on one column.
 #[test]
 fn a_lattice_is_divided_evenly_for_any_row_length() {
     let at = |k: usize| nalgebra::Point::from([k % 64, k / 64 % 16, k / 1024].map(|x| x as f64));
@@ -149,7 +149,8 @@ fn a_lattice_is_divided_evenly_for_any_row_length() {
     }
 }
 
-/// One particle larger than all slabs, and dust: only particles near the giant are sent far.
+/// One giant is larger than all slabs, and the rest is dust: only particles near the giant are sent
+/// far.
 #[test]
 fn a_particle_larger_than_slabs_is_sent_to_all_it_reaches() {
     for place in [0.0, 50.0, 100.0] {
@@ -200,10 +201,11 @@ fn ranks_with_different_scenes_fail() {
     assert_eq!(threads(3, missing).unwrap(), unlike("its box"));
 }
 
-/// Particles far from the box have inaccurate places; tangent ones must still be sent.
+/// Particles far from the box have inaccurate places; those in contact must be sent all the same.
 #[test]
 fn tangent_particles_many_boxes_away_are_sent() {
-    // A tenth and the fractions are not doubles; the coordinates are.
+    // Fractions along the vector are multiples of 1/10, and so not doubles; the coordinates are
+    // doubles.
     let cylinder = Lattice::along_axes([5.0, 9.0, 1.0], [true, false, false]).unwrap();
     for seed in 0..20 {
         let away = |k: u64| (splitmix64(seed << 8 ^ k) % 2001) as f64 - 1000.0;
@@ -216,7 +218,7 @@ fn tangent_particles_many_boxes_away_are_sent() {
     }
 }
 
-/// The extent of the scene overflows.
+/// The extent of this scene overflows.
 #[test]
 fn slabs_lie_along_the_longest_axis_however_long() {
     let centres = [[-1.2e308, -1.7e308], [1.2e308, 1.7e308]].map(nalgebra::Point::from);

@@ -18,14 +18,15 @@
 pub enum Arithmetic {
     /// The scene is rounded to f32; |xi - xj|² <= (ri + rj)² is evaluated in f32.
     F32,
-    /// Like [`Arithmetic::F32`], but each coordinate is a cell number and an f32 offset from the
-    /// cell's origin.
+    /// Like [`Arithmetic::F32`], but a coordinate is stored as a cell number and an f32 offset from
+    /// the origin of the cell.
     F32Cell,
-    /// f64 with the filters as printed in the book, without a safety margin: contacts may be lost.
+    /// Stored as f64 and decided in f64, with the filters as printed in the book. These have no
+    /// safety margin, so contacts may be missed.
     Textbook,
-    /// |xi - xj|² <= (ri + rj)² evaluated in f64.
+    /// Stored as f64; |xi - xj|² <= (ri + rj)² is evaluated in f64.
     F64,
-    /// The exact sign of |xi - xj|² - (ri + rj)² for the given f64 numbers.
+    /// Stored as f64 and decided by the exact sign of |xi - xj|² - (ri + rj)².
     #[default]
     Exact,
 }
@@ -41,7 +42,7 @@ impl Arithmetic {
     ];
 
     /// The arithmetics in which every detector must find exactly the pairs that the contact test
-    /// accepts. Textbook filters do not promise this.
+    /// accepts; all but [`Arithmetic::Textbook`].
     pub const SAFE: [Arithmetic; 4] =
         [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64, Arithmetic::Exact];
 
@@ -107,11 +108,11 @@ impl Arithmetic {
 /// The number format in which centres and radii are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// Rounded to f32.
+    /// Centres and radii rounded to f32.
     F32,
-    /// Unchanged f64 numbers.
+    /// Centres and radii as given, in f64.
     F64,
-    /// A cell number, and an f32 offset from the cell's origin.
+    /// For each coordinate, a cell number and an f32 offset from the origin of the cell.
     Cell,
 }
 
@@ -127,7 +128,7 @@ impl std::fmt::Display for Arithmetic {
     }
 }
 
-/// The error for a name that is not the name of an arithmetic.
+/// The error for an unknown name of an arithmetic.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no arithmetic '{0}'; the arithmetics are: {names}", names = Arithmetic::names())]
 pub struct UnknownArithmetic(pub String);
@@ -146,21 +147,21 @@ impl std::str::FromStr for Arithmetic {
 /// Whether the filters of a detection may lose pairs to rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Margin {
-    /// The filters lose no pair.
+    /// No pair of particles in contact is lost.
     Safe,
-    /// The filters are those printed in the book: cells of edge d, found by i = Int((x - xmin) /
-    /// d). Rounding may separate a touching pair.
+    /// The filters are those printed in the book, with cells of edge d that are found by i = Int((x
+    /// - xmin) / d). Rounding may put two touching particles too many cells apart.
     Textbook,
 }
 
 /// How a stored scene is tested for contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Test {
-    /// Rounded in the number format of the stored scene.
+    /// A rounded test, in the number format of the stored scene.
     Rounded,
-    /// Rounded, with filters without a safety margin.
+    /// A rounded test, with filters that have no safety margin.
     Textbook,
-    /// The exact sign for the stored numbers.
+    /// The exact sign of |xi - xj|² - (ri + rj)² for the stored numbers.
     Exact,
 }
 
@@ -174,7 +175,7 @@ impl Test {
         }
     }
 
-    /// The same contact test with filters that lose no pair; answers are judged by it.
+    /// The same contact test, but with filters that lose no pair. It judges answers.
     pub fn safe(self) -> Test {
         if self == Test::Textbook { Test::Rounded } else { self }
     }

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The differences between a list of pairs and the list taken as true.
+/// The differences between a list of pairs and the true list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Touching pairs that were not reported.
     pub missed: u64,
     /// Reported pairs of two different particles that do not touch.
     pub spurious: u64,
-    /// Repeated reports of a pair.
+    /// Repeated reports of a pair: each report after the first.
     pub duplicate: u64,
     /// Particles reported as touching themselves.
     #[serde(default)]
@@ -64,25 +64,25 @@ impl Errors {
 /// Errors by cause. The serde aliases are the names in older records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Causes {
-    /// Error of representation: exact decisions on the stored scene, compared with exact decisions
-    /// on the given scene.
+    /// Errors of representation: exact contacts of the stored scene, compared with exact contacts
+    /// of the given scene.
     #[serde(alias = "input")]
     pub representation: Errors,
-    /// Error of the predicate: the arithmetic's own contact test on all pairs, compared with exact
-    /// decisions, both on the stored scene.
+    /// Errors of the predicate: pairs that the arithmetic's contact test accepts, compared with
+    /// exact contacts, both of the stored scene.
     #[serde(alias = "arithmetic")]
     pub predicate: Errors,
-    /// Error of the search: the detector's pairs, compared with the arithmetic's own contact test
-    /// on all pairs.
+    /// Errors of the search: the detector's pairs, compared with all pairs that the arithmetic's
+    /// contact test accepts.
     #[serde(alias = "algorithm")]
     pub search: Errors,
     /// Errors of predicate and search together, which may cancel: the detector's pairs, compared
-    /// with exact decisions on the stored scene.
+    /// with exact contacts of the stored scene.
     pub stored: Errors,
 }
 
 impl Causes {
-    /// Adds the errors of another answer, cause by cause.
+    /// Adds the errors of another answer to those with the same cause.
     pub fn add(&mut self, other: &Causes) {
         self.representation.add(&other.representation);
         self.predicate.add(&other.predicate);

@@ -3,13 +3,14 @@
 
 use crate::nearest::hint;
 
-/// Parameters of a tracker; all other parameters in its text belong to its detector.
+/// Parameters that belong to a tracker; all others in its text belong to its detector.
 pub const TRACKER: [&str; 3] = ["margin", "rule", "skin"];
 
-/// A name with parameters, as written. Blanks around names, keys and values are removed.
+/// A name with parameters, as the user wrote them. Blanks around names, keys and values are
+/// removed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec<'a> {
-    /// The whole text, for messages.
+    /// The text as a whole, for messages.
     pub text: &'a str,
     /// The text before the colon or the parenthesis.
     pub name: &'a str,
@@ -17,7 +18,7 @@ pub struct Spec<'a> {
     pub over: Option<String>,
     /// Keys and values, in the given order.
     pub params: Vec<(&'a str, String)>,
-    /// The first piece that does not fit the grammar.
+    /// The first piece of the text that does not fit the grammar.
     pub stray: Option<&'a str>,
 }
 
@@ -90,7 +91,7 @@ impl<'a> Spec<'a> {
     /// Checks the same as [`Spec::form`], and that all keys are among `known`.
     ///
     /// # Errors
-    /// Those of [`Spec::form`], and the first unknown key.
+    /// Fails as [`Spec::form`] does, and for the first unknown key.
     pub fn keys(&self, known: &[&str], takes: &str) -> Result<(), Error> {
         self.form(takes)?;
         match self.params.iter().find(|(key, _)| !known.contains(key)) {
@@ -102,8 +103,8 @@ impl<'a> Spec<'a> {
         }
     }
 
-    /// Builds the error for a value that `key` does not take. `allowed` describes the allowed
-    /// values; `words` lists those that are names, for the suggestion.
+    /// Builds the error for a value that is not allowed for `key`. `allowed` describes the allowed
+    /// values; `words` lists those that are names, for a suggestion.
     pub fn wrong(&self, key: &str, value: &str, words: &[&str], allowed: &str) -> Error {
         let hint = hint(value, words.iter().copied());
         self.error(format!("{key} cannot be '{value}'{hint}; it is {allowed}"))

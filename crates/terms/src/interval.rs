@@ -26,7 +26,7 @@ impl Interval {
         self.ends().is_some_and(|[low, high]| value < low || value > high)
     }
 
-    /// Returns the interval of `by` times the value, for positive `by`.
+    /// Returns the interval with all values multiplied by `by`, which must be positive.
     pub fn scaled(self, by: f64) -> Interval {
         let Interval { median, low, high, .. } = self;
         Interval { median: by * median, low: by * low, high: by * high, ..self }

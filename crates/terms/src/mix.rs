@@ -16,7 +16,7 @@ mod tests {
 
     #[test]
     fn splitmix64_gives_the_published_sequence() {
-        // The first outputs for seed 0, as listed with the reference implementation.
+        // The first outputs for seed 0, as published with the reference implementation.
         let outputs: Vec<u64> =
             (0..3u64).map(|k| splitmix64(k.wrapping_mul(0x9e37_79b9_7f4a_7c15))).collect();
         assert_eq!(outputs, [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4, 0x06c4_5d18_8009_454f]);

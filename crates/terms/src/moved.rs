@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Changes from frame to frame, summed over the frames or as the largest value.
+/// Changes from frame to frame: their sum over the frames, or the largest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
     /// Number of particles.
@@ -11,29 +11,29 @@ pub struct Moved {
     pub frames: u64,
     /// Contacts, summed over the frames.
     pub contacts: u64,
-    /// Contacts that were not in the frame before, summed over the frames.
+    /// Contacts that the previous frame lacks, summed over the frames.
     pub born: u64,
-    /// Contacts that are not in the next frame, summed over the frames.
+    /// Contacts that the next frame lacks, summed over the frames.
     pub ended: u64,
     /// Pairs that touch between two frames but in neither of them, if particles move in straight
-    /// lines. Exact for the given numbers; in a periodic box, images are rounded to f64.
+    /// lines. Exact for the given coordinates; in a periodic box, images are rounded to f64.
     pub tunnelled: u64,
-    /// Why `tunnelled` leaves out some steps.
+    /// Reason why `tunnelled` leaves out some steps, if it does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncounted: Option<String>,
-    /// Displacements per frame.
+    /// Displacements from frame to frame.
     pub way: Way,
 }
 
-/// Displacements of particles from one frame to the next, in diameters of the largest particle; in
-/// a periodic box, to the nearest image.
+/// Displacements of particles from one frame to the next, in diameters of the largest particle. In
+/// a periodic box, displacements are to the nearest image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Way {
     /// Longest displacement.
     pub longest: f64,
-    /// Sum of all displacements.
+    /// Sum of the displacements of all particles in all steps.
     pub sum: f64,
-    /// Number of particles that did not move at all, summed over the frames.
+    /// Number of particles without any displacement, summed over the steps.
     pub at_rest: u64,
 }
 

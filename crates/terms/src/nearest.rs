@@ -8,8 +8,8 @@ pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String 
     }
 }
 
-/// Returns the known name with the fewest letters to insert, remove, replace or swap, if they are
-/// fewer than half of the letters. Case is ignored, and `_` counts as `-`.
+/// Returns the known name that needs the fewest letters inserted, removed, replaced or swapped;
+/// `None` if half of the letters or more would change. Case is ignored, and `_` counts as `-`.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |name: &str| name.trim().to_lowercase().replace('_', "-");
     let (name, letters) = (plain(name), name.trim().chars().count());

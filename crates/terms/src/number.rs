@@ -2,7 +2,7 @@
 
 use crate::interval::Interval;
 
-/// Formats a number with about four significant digits; whole numbers below 10^7 in full.
+/// Formats a number with about four significant digits; whole numbers below 10^7 have all digits.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
@@ -29,7 +29,7 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Formats a time with three significant digits: most intervals support no more.
+/// Formats a time with three significant digits; the intervals of most times justify no more.
 pub fn short(value: f64) -> String {
     let whole = value.abs().log10().floor() as i32;
     match value.is_finite() && (0..3).contains(&whole) {
@@ -43,13 +43,13 @@ pub fn mean_radii(depth: f64) -> String {
     format!("{} mean radii", number(depth))
 }
 
-/// Formats a depth or a gap as [`mean_radii`], but short, for tables.
+/// Formats a depth or a gap like [`mean_radii`], but shorter, for tables.
 pub fn radii(depth: f64) -> String {
     format!("{} r", number(depth))
 }
 
-/// Parses a whole number such as `1000000`, `1e6` or `1_000_000`. The limit is 2^53, or 2^64 - 1 if
-/// written in digits alone.
+/// Parses a whole number such as `1000000`, `1e6` or `1_000_000`. The largest is 2^53, or 2^64 - 1
+/// if written in digits alone.
 pub fn whole(text: &str) -> Option<u64> {
     let text = text.trim().replace('_', "");
     let real = || {
@@ -100,7 +100,7 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// Digits after the decimal point of a ratio, so that at least two significant digits are shown.
+/// Returns how many digits after the decimal point show at least two significant digits of a ratio.
 fn digits(ratio: f64) -> usize {
     match ratio {
         _ if ratio >= 10.0 => 1,
@@ -115,13 +115,13 @@ pub fn times(ratio: f64) -> String {
     format!("{ratio:.*}", digits(ratio))
 }
 
-/// Formats a ratio, such as `1.25 (1.20 to 1.31)`, or `1.25 (no interval)` from a single value.
+/// Formats a ratio as `1.25 (1.20 to 1.31)`, or as `1.25 (no interval)` if it is a single value.
 pub fn with_interval(ratio: &Interval) -> String {
     let digits = digits(ratio.median);
     with_ends(ratio, |value| format!("{value:.digits$}"))
 }
 
-/// [`with_interval`], with each number formatted by `write`.
+/// Formats a ratio like [`with_interval`], but formats each number by `write`.
 pub fn with_ends(interval: &Interval, write: impl Fn(f64) -> String) -> String {
     let ends = match interval.ends() {
         Some([low, high]) => format!("{} to {}", write(low), write(high)),

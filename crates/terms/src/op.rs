@@ -1,4 +1,4 @@
-//! The operations that are counted.
+//! The counted operations.
 
 macro_rules! operations {
     ($($(#[$doc:meta])* $op:ident = $name:literal,)*) => {
@@ -28,13 +28,13 @@ operations! {
     Integerise = "integerise",
     /// Insertion of a particle into a list.
     ListPush = "list_push",
-    /// Step from one particle of a list to the next; finding the end is not counted.
+    /// Step from one particle of a list to the next; reaching the end is not counted.
     ListStep = "list_step",
     /// Reset of a list head or link to "empty".
     ListReset = "list_reset",
     /// Test whether a cell or list is empty or already visited.
     CellProbe = "cell_probe",
-    /// Look at the cells of another size class than the particle's own.
+    /// Look-up of the cells of a size class that is not the particle's.
     LevelProbe = "level_probe",
     /// Comparison of two keys (integer coordinates) in a sort or a search.
     KeyCompare = "key_compare",
@@ -42,7 +42,7 @@ operations! {
     NodeVisit = "node_visit",
     /// Move of a particle by a sort.
     Move = "move",
-    /// Test of two bounding volumes other than those of single particles.
+    /// Test of two bounding volumes, except those of single particles.
     BoundTest = "bound_test",
     /// Contact test of two particles.
     ContactTest = "contact_test",
@@ -56,7 +56,7 @@ operations! {
     /// Move of a particle from its list in an earlier frame to another list; also counted as
     /// `list_push`.
     Reinsert = "reinsert",
-    /// Update of a bounding box from an earlier frame, because a particle left it or a box inside
-    /// it grew.
+    /// Update of a bounding box from an earlier frame, because a particle left the box or a box
+    /// inside it grew.
     Refit = "refit",
 }

@@ -1,7 +1,7 @@
-//! Escaping of text from outside before it is printed: file names, messages of runners, names of
-//! columns, lines of files.
+//! Escaping of text that comes from outside (file names, messages of runners, names of columns,
+//! lines of files) before it is printed.
 //!
-//! Terminals obey escape sequences. Logs of continuous integration obey `::error::` or
+//! Terminals obey escape sequences. Logs of continuous integration obey commands: `::error::` or
 //! `::add-mask::` at the start of a line, and `##[error]` anywhere.
 
 use std::borrow::Cow;
@@ -27,8 +27,9 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Escapes text for a cell of a CSV file by an apostrophe in front. Spreadsheets take a cell that
-/// begins with `=`, `+`, `-`, `@`, a tab or a carriage return for a formula, unless it is a number.
+/// Escapes text for a cell of a CSV file, by an apostrophe in front if a spreadsheet would take it
+/// for a formula: if it begins with `=`, `+`, `-`, `@`, a tab or a carriage return and is not a
+/// number.
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
     let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
     if formula && text.parse::<f64>().is_err() {
@@ -56,8 +57,8 @@ fn apart(line: &str) -> String {
     }
 }
 
-/// Escapes text for HTML and XML, between tags or in a quoted attribute. Characters that neither
-/// allows become U+FFFD.
+/// Escapes text for HTML and XML, between tags or in a quoted attribute. Characters that are
+/// invalid in both become U+FFFD.
 pub fn html(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -75,7 +76,7 @@ pub fn html(text: &str) -> String {
     out
 }
 
-/// Replaces each `{{name}}` of a template by its value, or by nothing if the value is missing.
+/// Replaces each `{{name}}` of a template by its value, or by empty text if the value is missing.
 /// Values are not searched for further names.
 pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut out = String::new();
