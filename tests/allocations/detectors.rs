@@ -1,5 +1,4 @@
-//! Tests the heap memory of detectors, as the counting allocator measures it, against their
-//! formulas.
+//! Tests the heap memory of detectors, as the allocator counts it, against their formulas.
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
@@ -124,8 +123,8 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// With several threads the formula includes the contacts that the threads collect, but not the
-/// small lists of their shares of the work.
+/// The formula for several threads includes the contacts that they collect, but not the small lists
+/// of their work.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
     /// Maximum number of bytes that rayon's queue of jobs may free during a measurement.

@@ -147,8 +147,7 @@ fn history_does_not_matter() {
     }
 }
 
-/// Detectors that split particles by size are right on all hard cases, one after the other with the
-/// same buffers.
+/// Detectors that split particles by size are right on all hard cases, with used buffers.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {
     for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {

@@ -47,8 +47,7 @@ fn nbs_pushes_at_most_three_times_in_2d_and_eight_times_in_3d() {
     }
 }
 
-/// In pack C with N = 10,000 the number of cells grows from 40,000 to 4·10^8, but not the number of
-/// list operations.
+/// Pack C with N = 10,000: the cells grow from 40,000 to 4·10^8, but not the list operations.
 #[test]
 fn nbs_does_not_mind_how_loose_the_pack_is() {
     let operations = |s: f64| {

@@ -1,5 +1,4 @@
-//! Every form of `streamed-nbs` gives right answers on every instruction set and with several
-//! threads.
+//! Every form of `streamed-nbs` is right on every instruction set and with several threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -159,8 +158,7 @@ fn textbook_loses_nothing() {
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
-/// Several threads find the same pairs as one, also with more threads than bundles and with used
-/// buffers.
+/// Several threads find the same pairs as one, even if they outnumber bundles or reuse buffers.
 #[test]
 fn threads_find_the_same() {
     let n = FEWEST_FOR_THREADS;

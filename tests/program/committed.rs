@@ -1,8 +1,9 @@
-//! The committed records. A user's own runs are in `results/` too, and no test depends on them.
+//! Finds the committed records. Tests must not depend on a user's own runs, which are in
+//! `results/`, too.
 
 use std::path::{Path, PathBuf};
 
-/// Returns the folders of the committed records, sorted: each `results/reference*`, or its parts.
+/// Returns the folders of committed records, sorted: each `results/reference*` or its subfolders.
 pub fn committed() -> Vec<PathBuf> {
     let inside = |folder: &Path| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).into_iter().flatten();

@@ -1,4 +1,4 @@
-//! Helpers of the program's tests: running it, and making files for it.
+//! Helpers for tests of the program: they run it and make files for it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::sync::{Mutex, Once, PoisonError};
 use contactbench::record::row::{self, Measurement, Row};
 use serde_json::Value;
 
-/// The program under test.
+/// Path of the program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
 
 /// A finished run of the program.
@@ -18,8 +18,8 @@ pub struct Ended {
     pub stderr: String,
 }
 
-/// Returns the program with arguments, in `folder`, which is also its temporary folder. Colours,
-/// width and locale do not depend on the user.
+/// Returns a command that runs the program in `folder`, which is also its temporary folder.
+/// Colours, width and locale do not depend on the user.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command
@@ -67,13 +67,13 @@ impl Place {
             .unwrap();
     }
 
-    /// Runs the program with the arguments of a shell line.
+    /// Runs the program with the arguments in `line`, split as in a shell.
     pub fn run(&self, line: &str) -> Ended {
         let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
         run(self.root(), &words.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// Like [`Place::run`], with help on this many columns.
+    /// Like [`Place::run`], for a terminal of this many columns.
     pub fn run_wide(&self, line: &str, columns: usize) -> Ended {
         let words = shlex::split(line).unwrap_or_else(|| panic!("a quote is open in {line}"));
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
@@ -81,7 +81,7 @@ impl Place {
         ended(program.env("COLUMNS", columns.to_string()).output().unwrap())
     }
 
-    /// Runs the program; the exit code and all these words must match.
+    /// Runs the program; fails unless it has this exit code and prints all these words.
     pub fn ends(&self, code: i32, line: &str, words: &[&str]) -> Ended {
         let ended = self.run(line);
         let said = format!("{}{}", ended.stdout, ended.stderr);
@@ -100,14 +100,14 @@ impl Place {
         ended(shell.stdin(Stdio::null()).output().unwrap())
     }
 
-    /// Returns what a run prints as JSON; its exit code must be 0 or 1.
+    /// Returns the JSON that a run prints; the exit code must be 0 or 1.
     pub fn json(&self, line: &str) -> Value {
         let ended = self.run(&format!("{line} --json"));
         assert!(matches!(ended.code, Some(0 | 1)), "{line}: {}", ended.stderr);
         serde_json::from_str(&ended.stdout).unwrap_or_else(|_| panic!("{line}: {}", ended.stdout))
     }
 
-    /// Returns the rows of a record without warnings.
+    /// Returns the rows of a record; fails if reading it gives warnings.
     pub fn rows(&self, folder: &str) -> Vec<Row> {
         let record = row::read(&self.path(folder).join(row::FILE)).unwrap();
         assert!(record.warnings.is_empty(), "{:?}", record.warnings);
@@ -169,7 +169,7 @@ pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
         "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {columns}), }}",
         rows.len()
     );
-    // Data begin at a multiple of 64 bytes, after 10 bytes and a newline.
+    // The data of an npy file begin at a multiple of 64 bytes; 10 bytes precede the header.
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
     }
@@ -198,17 +198,17 @@ pub fn fake(answers: &[(&str, &str)]) -> String {
         .iter()
         .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))
         .collect();
-    // A runner without an answer would be waited for.
+    // The program would wait for a runner that does not reply.
     let rest = say(r#"{"reply":"unsupported"}"#);
     format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}*) {rest} ;;\nesac\ndone")
 }
 
-/// Returns shell code that prints a line.
+/// Returns shell code that prints `line`.
 pub fn say(line: &str) -> String {
     format!("echo '{line}'")
 }
 
-/// Returns a runner that loads, gives these answers, and is unsupported otherwise.
+/// Returns a runner that loads scenes, gives these answers, and replies `unsupported` to all else.
 pub fn answers(answers: &[(&str, &str)]) -> String {
     let loaded = say(r#"{"reply":"loaded"}"#);
     fake(&[answers, &[("load", &*loaded)]].concat())
@@ -236,8 +236,8 @@ unsafe extern "C" {
     fn atexit(callback: extern "C" fn()) -> std::ffi::c_int;
 }
 
-/// Notes that `what` is skipped because `missing` is not installed. The test passes; a line at the
-/// end of all tests names it.
+/// Notes that the test `what` is skipped because `missing` is not installed. The test passes, and a
+/// line after all tests names it.
 pub fn untested(what: &str, missing: &str) {
     static AT_EXIT: Once = Once::new();
     let mut untested = UNTESTED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -255,7 +255,7 @@ extern "C" fn summary() {
 }
 
 /// Runs a test of a foreign program, one at a time because several MPI programs cannot start
-/// together. If `test` returns a reason twice, the test is skipped with it.
+/// together. If `test` fails twice with a reason, the test is skipped for this reason.
 pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -264,7 +264,7 @@ pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
     }
 }
 
-/// Returns the line of an error that shows that MPI could not start.
+/// Returns the first line of the errors that shows that MPI could not start.
 pub fn not_started(stderr: &str) -> Option<String> {
     let signs = ["ompi_mpi_init", "MPI_Init", "MPI_INIT", "unable to start a daemon", "orte_init"];
     let of_start = |line: &&str| {
@@ -289,7 +289,7 @@ pub fn has(program: &'static str) -> bool {
     there
 }
 
-/// Returns the rows without times, by measurement; fails if a measurement has two rows.
+/// Returns the rows without their times, by measurement; fails if a measurement has two rows.
 pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
     let of = |row: &Row| {
         let row = Row {

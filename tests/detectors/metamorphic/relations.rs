@@ -111,8 +111,7 @@ where
     pub fn mirror(self) -> Change<D> {
         let axis = self.random.random_range(0..D);
         let before = match self.arithmetic {
-            // Storing rounds half a step upwards, which is downwards in the mirror, so it comes
-            // first.
+            // Storing rounds half a step upwards, which is downwards in the mirror: store first.
             Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
             Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
             _ => self.scene.clone(),
@@ -142,8 +141,7 @@ where
     }
 
     pub fn translation(self) -> Change<D> {
-        // Sums of coordinate and offset fit the 24 bits of f32. In cells, steps are 2^-24 of a
-        // diameter.
+        // Shifted coordinates fit the 24 bits of f32; cells have steps of 2^-24 of a diameter.
         let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
         let offset: [f64; D] = std::array::from_fn(|_| {
             self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0

@@ -113,7 +113,7 @@ fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A folder in which the program runs, the last run, and the failed expectations.
+/// A folder in which the program runs, its last run, and the expectations that failed.
 struct Scenario {
     place: Place,
     last: Option<(String, Ended)>,
@@ -129,7 +129,7 @@ impl Scenario {
         self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
     }
 
-    /// Records a fault for each of the words that the text lacks, or has against expectation.
+    /// Records a fault for each of the words that is in the text, if not `there`, or is not in it.
     fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
         let text = flat(text);
         for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {
@@ -155,7 +155,7 @@ impl Scenario {
         self.words(at, words, &said, true);
     }
 
-    /// Executes a line; returns false if the line is invalid.
+    /// Executes a line of a scenario; returns false if the line is invalid.
     fn obey(&mut self, at: &str, line: &str) -> bool {
         let (head, rest) = line.split_once(' ').unwrap_or((line, ""));
         let (name, text) = rest.split_once(' ').unwrap_or((rest, ""));

@@ -186,8 +186,7 @@ fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failur
     report.unwrap().failures.remove(0)
 }
 
-/// The book's cells lose a pair because of the last bits of a coordinate. Shrinking keeps only
-/// these bits.
+/// The book's cells lose a pair because of a coordinate's last bits, which shrinking keeps.
 #[test]
 fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
     let mut values = vec![-4.0, 0.7, 2.0, -2.0 * f64::EPSILON, 0.7, 2.0, 4.0, 0.7, 2.0];

@@ -104,8 +104,7 @@ fn every_way_to_be_wrong_is_named() {
     changed(&at, ["reply = answer(scene, **asked)", refuses], "--seconds 0", 2, &words);
 }
 
-/// The defects show only on near-tangent pairs and subnormal numbers, which only the hard scenes
-/// have.
+/// These defects show only on near-tangent pairs and subnormal numbers, as in hard scenes.
 #[test]
 fn what_is_nearly_right_is_found() {
     if !has("python3") {

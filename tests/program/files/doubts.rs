@@ -59,7 +59,7 @@ fn each_kind_is_recognised_and_nothing_else() {
         (scaled, &["apart", "scaled"]),
         (gas, &["deep"]),
         (format!("x,y,z,r\n{}", six.collect::<String>()), &["digits"]),
-        // Coordinates of a lattice have few digits by nature, which needs no notice.
+        // Coordinates on a lattice have few digits, but need no notice.
         (table(lattice), &["apart"]),
         ("x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n".into(), &["flat"]),
     ] {

@@ -1,8 +1,8 @@
-//! Files that cannot be written whole.
+//! Tests writes that fail before the file is complete.
 
 use crate::common::{PROGRAM, Place};
 
-/// The disk is full, or the process is killed, in the middle of a file.
+/// A file that could not be completed leaves no part of it under its name.
 #[cfg(unix)]
 #[test]
 fn no_part_of_a_file_is_left_under_its_name() {
@@ -11,9 +11,9 @@ fn no_part_of_a_file_is_left_under_its_name() {
     at.file("discs.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(300)));
     at.file("before.csv", "i,j\n7,9\n");
     for output in ["pairs.vtk", "pairs.csv", "pairs.npy", "before.csv"] {
-        // The system reports a file over the limit by an error or by a signal.
+        // The system reports a file over the limit by an error, or else by a signal.
         for trap in ["trap '' XFSZ;", ""] {
-            // Files may have 64 blocks of 512 or 1024 bytes.
+            // The limit is 64 blocks of 512 or 1024 bytes.
             let failed = at.shell(&format!(
                 "{trap} ulimit -f 64; exec {PROGRAM} detect discs.csv -o {output}"
             ));
@@ -23,7 +23,7 @@ fn no_part_of_a_file_is_left_under_its_name() {
         }
     }
     assert_eq!(at.read("before.csv"), "i,j\n7,9\n");
-    // A link stays a link, a file keeps its mode, and a device is written to.
+    // Output keeps a link and the mode of an existing file, and can go to a device.
     symlink("before.csv", at.path("link.csv")).unwrap();
     symlink("/dev/null", at.path("null.csv")).unwrap();
     let mode = |name: &str| std::fs::metadata(at.path(name)).unwrap().permissions().mode() & 0o777;

@@ -1,4 +1,4 @@
-//! `detect` and the files that it reads and writes.
+//! Tests `detect`, and the files that the program reads and writes.
 
 mod doubts;
 mod limits;
@@ -25,7 +25,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
             at.good(&format!("scene {spec} -o {name}"));
             let dim = name.ends_with("npy").then_some(expected.dim() as u32);
             let found = io::scene(&at.path(name), Options { dim, ..Options::NONE }).unwrap();
-            // Equal radii are read back as one radius.
+            // Equal radii are read back as one radius for all particles.
             assert_eq!(found, expected, "{spec} in {name}");
         }
         assert_eq!(at.good(&format!("scene {spec}")).stdout, at.read("scene.csv"));

@@ -1,4 +1,4 @@
-//! Pairs in every form of output.
+//! Tests the output of pairs in every format.
 
 use std::process::Stdio;
 
@@ -19,8 +19,7 @@ const DETECTORS: [&str; 12] = [
     "bvh",
 ];
 
-/// Returns a hexagonal layer of 12 x 12 discs that overlap a little, with three radii, in an order
-/// that is not sorted.
+/// Returns a hexagonal layer of 12 x 12 slightly overlapping discs, shuffled, with three radii.
 fn layer() -> Vec<[f64; 3]> {
     let place = |k: u32| {
         let (row, column) = (k / 12, k % 12);
@@ -58,7 +57,7 @@ fn every_form_of_output_holds_the_same_pairs() {
         let line = format!("detect layer.csv --detector {detector} --threads 2");
         assert_eq!(at.good(&line).stdout, text, "{detector}");
     }
-    // The same particles as npy; with --dim 2, three columns are x, y and radius.
+    // In an npy file with three columns, --dim 2 makes them x, y and radius.
     at.file("layer.npy", npy(&particles.iter().map(|it| it.to_vec()).collect::<Vec<_>>()));
     assert_eq!(at.good("detect layer.npy --dim 2").stdout, text);
     at.file("nan.npy", npy(&[vec![0.0, 0.0, 0.0], vec![1.0, f64::NAN, 0.0]]));
@@ -72,7 +71,7 @@ fn a_reader_that_has_seen_enough_is_no_error_and_a_full_disk_is_one() {
     let at = Place::new();
     // 400 discs in one place: 79,800 pairs, more than a pipe holds.
     at.file("heap.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(400)));
-    // The few lines of its output stay in a buffer until the end.
+    // The program keeps these few lines in a buffer until its end.
     at.file("two.csv", "x,y,r\n0,0,1\n0,0,1\n");
     let first = at.shell(&format!("{{ {PROGRAM} detect heap.csv; echo $? > code; }} | head -1"));
     assert_eq!(first.stdout, "i,j\n");

@@ -1,5 +1,5 @@
-//! Real particle sets in the folder `CONTACTBENCH_DATA`, which are not part of the project. Every
-//! detector finds as many contacts as exact rational arithmetic did, or refuses.
+//! Tests real particle sets in the folder `CONTACTBENCH_DATA`, which is not part of the project.
+//! Every detector refuses a set or finds as many contacts as exact rational arithmetic did.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn real_sets_have_their_number_of_contacts() {
     ] {
         let scene = read(file, radius);
         assert!(n == 0 || scene.len() == n, "{file}: {}", scene.len());
-        // Brute force is slow on the largest set.
+        // Brute force would be slow on the largest set.
         let small = scene.len() <= oracle::BRUTE_FORCE;
         let asked = TABLE.iter().filter(|it| it.must_be_right() && (it.name != "direct" || small));
         for entry in asked {
@@ -41,7 +41,7 @@ fn real_sets_have_their_number_of_contacts() {
         }
         assert_eq!(oracle::truth(&scene, Arithmetic::Exact).unwrap().digest, digest, "{file}");
     }
-    // Rounding to f32 breaks contacts of a packing that is exactly jammed.
+    // In an exactly jammed packing, rounding to f32 breaks contacts.
     let jammed = read("rcp_packing/centres.npy", Some(0.5));
     assert_eq!(oracle::truth(&jammed, Arithmetic::F32).unwrap().digest.contacts, 14_851);
     // The dump has twelve columns, the CSV made from it four.

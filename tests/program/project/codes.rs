@@ -1,5 +1,5 @@
-//! Simulation codes with their own lists: the commands of docs/YOUR-CODE.md, and the table of
-//! settings. A test of a code that is not installed passes with a remark.
+//! Runs the commands of docs/YOUR-CODE.md in simulation codes with their own lists, and makes the
+//! table of settings. A test passes with a remark if its code is not installed.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,21 +9,21 @@ use crate::common::{PROGRAM, Place, ended, foreign, not_started, untested};
 const PAGE: &str = include_str!("../../../docs/YOUR-CODE.md");
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
 
-/// Returns the block of a language in the section of a code.
+/// Returns the fenced block of a language in the section about a code.
 fn block(section: &str, language: &str) -> &'static str {
     let section = PAGE.split_once(&format!("\n## {section}\n")).unwrap().1;
     let block = section.split_once(&format!("```{language}\n")).unwrap().1;
     block.split_once("```").unwrap().0
 }
 
-/// Returns whether a program starts. Some of the codes exit with an error after their help.
+/// Returns whether a program starts, even if it prints its help and exits with an error.
 fn starts(program: &str) -> bool {
     let mut command = Command::new(program);
     command.arg("-h").current_dir(std::env::temp_dir());
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Runs a program that must succeed; returns the reason if MPI could not start.
+/// Runs a program and fails unless it succeeds; returns the reason if MPI could not start.
 fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
     let mut started = Command::new(command[0]);
     started.args(&command[1..]).current_dir(at.root()).stdin(Stdio::null());
@@ -38,8 +38,8 @@ fn ends(at: &Place, command: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Inserts the lines of the page into the example before the line `before`, runs it in the code,
-/// then runs the commands of the page. A careful setting misses no contact.
+/// Inserts the lines of the page above the line `before` of the example, runs it in the code, then
+/// runs the commands of the page. A careful setting must miss no contact.
 fn the_page_holds(section: &str, language: &str, script: &str, before: &str, command: &[&str]) {
     let what = format!("docs/YOUR-CODE.md, {section}");
     if !starts(command[0]) {
@@ -89,8 +89,8 @@ fn the_page_holds_for_yade() {
     the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
 }
 
-/// Writes a row for each setting: a list rebuilt by displacement misses nothing, one rebuilt every
-/// hundred steps does.
+/// The table of settings shows no missed contact for a list rebuilt by displacement, but some for a
+/// list rebuilt every hundred steps.
 #[test]
 fn settings_are_told_apart_or_say_how_to_get_the_code() {
     if !starts("python3") {

@@ -1,4 +1,4 @@
-//! Help, lists, completions and colours.
+//! Tests help, lists, completions and colours.
 
 use std::process::{Command, Stdio};
 
@@ -61,7 +61,7 @@ fn examples_of_the_help_run() {
         for example in examples(verb) {
             let words = shlex::split(&format!("contactbench {example}")).unwrap();
             Cli::try_parse_from(words).unwrap_or_else(|error| panic!("{example}: {error}"));
-            // Examples of these verbs take seconds or need other programs.
+            // Examples of these verbs are not run: they take seconds or need other programs.
             if !["check", "ranks", "recommend", "run", "track"].contains(&name) {
                 at.good(&example);
             }

@@ -1,5 +1,5 @@
-//! `new-detector`: the written detector is compiled and checked here, and its lines go to the right
-//! places, all or none.
+//! Compiles and checks the detector that `new-detector` writes. Its lines go to the right places in
+//! other files, all or none.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,7 +46,7 @@ fn what_is_written_works() {
         .map(|it| format!("on {}:\n{}", it.found_on, check::as_csv(&it.smallest.scene)))
         .collect();
     assert!(failures.is_empty() && !report.cut && report.cases > 400, "{failures:?}");
-    // The new detector refuses only what the arithmetic cannot hold.
+    // The new detector itself refuses no scene here; only the arithmetic may.
     let refused = &report.refused;
     assert!(refused.keys().all(|reason| !reason.starts_with("new-detector")), "{refused:?}");
     // The new detector respects the memory limit.
@@ -104,7 +104,7 @@ fn the_lines_come_to_their_places() {
         assert_eq!(after.len(), 3);
         let file = &after[&format!("{module}.rs")];
         assert_eq!(*file, TEMPLATE.replace("new-detector", name).replace("NewDetector", kind));
-        // The module list stays sorted, with attributes in place.
+        // The module list stays sorted, and attributes stay with their modules.
         assert_eq!(added(&before["mod.rs"], &after["mod.rs"]), [format!("pub mod {module};")]);
         let modules = after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
         assert!(modules.clone().is_sorted(), "{:?}", modules.collect::<Vec<_>>());

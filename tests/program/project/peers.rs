@@ -1,6 +1,6 @@
-//! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
-//! `runners/`. A missing library is reported as unavailable, with its installation; the others are
-//! right, unless they compute in single precision.
+//! Tests other libraries: the crates behind the feature `peers`, and the runners of `runners/`. A
+//! missing library is reported as unavailable, with a command that installs it. Others give right
+//! answers, unless they compute in single precision.
 
 use std::io::Write;
 use std::path::Path;
@@ -30,13 +30,13 @@ fn runners() -> String {
     EXPERIMENTS.map(tables).concat()
 }
 
-/// Runs an experiment in `place` and returns its rows.
+/// Runs an experiment in the folder `place` and returns its rows.
 fn rows(place: &Path, text: &str) -> Vec<Row> {
     let at = Place::new();
     let (file, out) = (at.file("t.toml", format!("{HEAD}{text}")), at.path("result"));
     let [file, out] = [file, out].map(|path| path.display().to_string());
     let mut command = program(place, &["run", &file, "--out", &out]);
-    // Runners compile their programs in this folder.
+    // Runners cache the programs that they compile in this folder.
     command.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR")).env("TMPDIR", at.root());
     ended(command.output().unwrap());
     at.rows("result")
@@ -68,7 +68,7 @@ fn an_experiment_may_name_peers_that_were_not_compiled() {
     let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
     let detectors = format!("detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n");
     let rows = rows(Path::new("."), &format!("{detectors}{scene}"));
-    // The twin of nbs adds rows in the first arithmetic.
+    // The twin of nbs has rows in the first arithmetic only.
     assert_eq!(rows.len(), 4 * (2 * (1 + PEERS.len()) + 1) * 3);
     for row in &rows {
         let peer = !row.id.detector.starts_with("nbs");
@@ -95,7 +95,7 @@ fn runners_are_right_or_unavailable() {
         let wrong = row.outcome == Outcome::Wrong && SINGLE.contains(&row.id.detector.as_str());
         let absent = row.outcome == Outcome::Unavailable
             && ["pip install", "apt-get install"].iter().any(|way| row.reason.contains(way));
-        // A periodic box needs an extent, and a neighbour list a cutoff.
+        // Some libraries refuse N < 2: a periodic box needs an extent, a neighbour list a cutoff.
         let refused = row.outcome == Outcome::Refused && row.id.n < 2;
         assert!(row.outcome == Outcome::Ok || wrong || absent || refused, "{row:?}");
         assert_eq!(
@@ -126,7 +126,7 @@ fn runners_away_from_the_repository_say_where_to_start() {
 /// Returns the reply of a runner that cannot load its library.
 fn reply(command: &mut Command) -> Option<Value> {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    // A runner that has ended has closed its input.
+    // Writing fails if the runner has ended already.
     let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
     let output = child.wait_with_output().unwrap();
     let reply: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -134,7 +134,7 @@ fn reply(command: &mut Command) -> Option<Value> {
     Some(reply["reason"].clone())
 }
 
-/// Makes imports of the libraries fail, and the compilation of programs.
+/// Runners report a library as unavailable if importing it or compiling their program fails.
 #[test]
 fn a_runner_without_its_library_or_compiler_names_the_way_to_get_it() {
     let at = Place::new();

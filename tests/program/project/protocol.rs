@@ -1,5 +1,5 @@
-//! Tests docs/PROTOCOL.md: its transcript is replayed line by line, it has every request and reply
-//! of the protocol, and its digests are right.
+//! Tests docs/PROTOCOL.md: its transcript is replayed line by line, it shows every request and
+//! reply, and its digests are right.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -12,14 +12,14 @@ use crate::common::{Place, npy, pairs, program};
 
 const PAGE: &str = include_str!("../../../docs/PROTOCOL.md");
 
-/// Returns the fenced block of the page with this information string.
+/// Returns the fenced block of the page whose opening line ends with `info`.
 fn block(info: &str) -> Vec<&'static str> {
     let mut lines = PAGE.lines().skip_while(|line| *line != format!("```text {info}"));
     assert!(lines.next().is_some(), "the page has no block '{info}'");
     lines.take_while(|line| *line != "```").collect()
 }
 
-/// Removes from a message what differs between machines and releases.
+/// Removes the fields of a message that differ between machines and releases.
 fn steady(line: &str) -> Value {
     let mut message: Value = serde_json::from_str(line).unwrap();
     for field in ["time_ns", "calls", "elapsed_ns", "first_ns", "version"] {
@@ -84,7 +84,7 @@ fn the_transcript_is_what_the_program_says() {
     }
 }
 
-/// rayon frees the memory of a job a moment after its end, sometimes in the next measurement.
+/// Measured memory stays within bounds, although rayon frees a job's memory after the job's end.
 #[test]
 fn memory_of_two_threads_is_never_less_than_nothing() {
     let at = Place::new();

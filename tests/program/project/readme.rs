@@ -1,5 +1,5 @@
-//! Tests README and docs: their Rust code is that of the compiled example, and their commands run
-//! as written.
+//! Tests README and docs: their Rust code equals that of the compiled example, and their commands
+//! run as written.
 
 use std::path::{Path, PathBuf};
 
@@ -29,8 +29,7 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
 }
 
-/// Returns the text between `// PAGE: name` and `// PAGE: end` in the example, without common
-/// indentation.
+/// Returns the text of the example between `// PAGE: name` and `// PAGE: end`, unindented.
 fn marked(name: &str) -> String {
     let lines =
         EXAMPLE.lines().skip_while(|line| line.trim() != format!("// PAGE: {name}")).skip(1);
@@ -51,8 +50,8 @@ fn the_code_is_that_of_the_example() {
     assert!((10..50).contains(&detector.lines().count()), "{} lines", detector.lines().count());
 }
 
-/// Runs the commands of a page in order and in one folder, and returns their number. Blocks that
-/// begin with cargo build are skipped: they run for minutes.
+/// Runs the commands of a page in order in one folder; returns their number. It skips blocks that
+/// begin with cargo build, which take minutes.
 fn run_commands_of(page: &str, at: &Place) -> usize {
     let program = Path::new(PROGRAM).parent().unwrap().display();
     let mut run = 0;
@@ -78,7 +77,7 @@ fn the_commands_work_as_written() {
     }
 }
 
-/// The output that README shows is that of its record.
+/// The output shown in README equals that of its record.
 #[test]
 fn the_output_of_readme_is_that_of_the_record() {
     let at = Place::new();
@@ -93,7 +92,7 @@ fn the_output_of_readme_is_that_of_the_record() {
     }
 }
 
-/// The measured columns of the table of detectors are those of the linked record.
+/// The measured columns in the table of detectors equal those of the linked record.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
@@ -110,7 +109,7 @@ fn the_measured_table_is_that_of_the_record() {
         .filter(|line| line.starts_with("| `"))
         .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
         .collect();
-    // A detector added by a user is in neither table.
+    // A detector that a user has added is neither in the page nor in the record.
     let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
     let recorded = |name: &str| cells.iter().filter(is_shown).any(|cell| cell.id.detector == name);
     let names: Vec<String> = ours
@@ -141,7 +140,7 @@ fn anchors(page: &Path) -> Vec<String> {
     heads.map(|head| head.chars().filter(kept).collect::<String>().replace(' ', "-")).collect()
 }
 
-/// Files and headings that pages and write-ups link to exist.
+/// Files and headings exist if pages and write-ups link to them.
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

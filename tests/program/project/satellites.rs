@@ -1,4 +1,4 @@
-//! Verbs that are separate programs.
+//! Tests verbs that are separate programs.
 #![cfg(unix)]
 
 use std::os::unix::fs::PermissionsExt;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::common::{PROGRAM, Place, ended};
 
-/// Beside this program, on PATH, or missing.
+/// The program is looked for beside this one, then on PATH; if missing, the error names it.
 #[test]
 fn a_satellite_is_found_beside_the_program_then_on_path_and_else_named() {
     let [own, path] = [(); 2].map(|()| Place::new());

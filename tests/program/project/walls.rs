@@ -1,11 +1,11 @@
-//! Allowed imports between crates, and sizes of folders.
+//! Tests which crates each crate imports, and the sizes of folders.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use contactbench::detect::table::TABLE;
 
-/// The crates that each crate may be linked with. A record and its report need no detector.
+/// The crates that each crate may depend on. Crates for records and reports do not need detectors.
 const WALLS: [(&str, &[&str]); 8] = [
     ("terms", &[]),
     ("core", &["terms"]),
@@ -78,8 +78,8 @@ fn code_lines_are_at_most_100_columns() {
     assert!(wide.is_empty(), "{wide:#?}");
 }
 
-/// Names of detectors stand in the table only; other files use fields of its entries. The core, the
-/// campaigns and the lectures on single detectors are excepted.
+/// Only the table of detectors names them; other files use fields of its entries. The core, the
+/// campaigns and the traces of single detectors are excepted.
 #[test]
 fn names_of_detectors_stand_in_the_table_alone() {
     let mut seen = 0;

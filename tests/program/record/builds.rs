@@ -1,4 +1,4 @@
-//! Two builds side by side.
+//! Tests experiments that compare two builds (`run --against`).
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -9,13 +9,14 @@ use contactbench::record::row::{Measurement, Pass, Row};
 use super::EXPERIMENT;
 use crate::common::{PROGRAM, Place, steady};
 
-/// The experiment with two scenes.
+/// Returns an experiment with two scenes.
 fn few() -> String {
     let few = EXPERIMENT.replace("dim = [2, 3]\nn = [50, 200]", "n = 50");
     few.replace("s = [2, 5, 9]", "s = 2")
 }
 
-/// Two builds take turns: the same program twice, then one that does more for the same answer.
+/// Two builds are timed in turns: first the same program twice, then one that does more work for
+/// the same answer.
 #[test]
 fn builds_take_turns_in_one_record() {
     let at = Place::new();
@@ -54,7 +55,7 @@ fn builds_take_turns_in_one_record() {
     at.ends(2, "compare one", &["one", "run --against PROGRAM"]);
 }
 
-/// A block that has only rows of some builds is measured again; the later rows count.
+/// A block with rows of some builds only is measured again, and the later rows count.
 #[test]
 fn builds_that_were_stopped_are_resumed() {
     let at = Place::new();
@@ -70,14 +71,14 @@ fn builds_that_were_stopped_are_resumed() {
     let text = at.read("result/samples.jsonl");
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let timed = lines.iter().position(|line| line.contains("\"pass\":\"time\"")).unwrap();
-    // The run stops in the first block, and in the second block of the last scene.
+    // The run is cut in the first block, then in the second block of the last scene.
     for kept in [timed + 1, lines.len() - 1] {
         at.file("result/samples.jsonl", lines[..kept].concat());
         at.good(&format!("{run} --resume"));
         assert!(at.read("result/samples.jsonl").starts_with(&lines[..kept].concat()), "{kept}");
         let resumed = latest();
         assert_eq!(steady(&resumed.values().cloned().collect::<Vec<_>>()), expected, "{kept}");
-        // Rows that are compared were measured together: all before the stop, or all after it.
+        // Rows that are compared were all measured before the stop, or all after it.
         let blocks = |row: &Row| (row.block, row.id.scene_id());
         for row in resumed.values().filter(|row| row.pass == Pass::Time) {
             let kept = |row: &Row| whole.get(&row.measurement()) == Some(row);

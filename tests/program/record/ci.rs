@@ -1,4 +1,4 @@
-//! Output for continuous integration.
+//! Tests the output for continuous integration.
 
 use std::path::Path;
 use std::process::Command;
@@ -24,7 +24,7 @@ fn the_example_workflow_passes() {
     let (workflow, action) = (read("docs/ci/github.yml"), read("action.yml"));
     let make = workflow.lines().find_map(|line| line.strip_prefix("#   contactbench ")).unwrap();
     at.good(make);
-    // Inputs of the workflow, or the defaults of the action.
+    // Returns an input of the action: the workflow's value, or the action's default.
     let input = |name: &str| {
         let said = workflow.lines().find_map(|line| line.trim().strip_prefix(name));
         let declared = action.split(&format!("\n  {name}:\n")).nth(1).unwrap();
@@ -33,7 +33,7 @@ fn the_example_workflow_passes() {
             .unwrap_or_else(|| default.unwrap().trim_matches('"'))
             .to_string()
     };
-    // One detector on one scene, because the whole check is long.
+    // The program checks one scene only, because the whole check takes long.
     let script = format!(
         "#!/bin/sh\nif [ $1 = check ]; then set -- \"$@\" --scene packed:n=20; fi\nexec {PROGRAM} \
          \"$@\"\n"
@@ -67,7 +67,7 @@ fn the_example_workflow_passes() {
         assert!(head.starts_with(&format!("### contactbench {verb}: ")), "{summary}");
         assert!(!head.contains("failed"), "{summary}");
     }
-    // A changed count fails the gate.
+    // The gate fails if a count has changed.
     let text = at.read("ci/baseline/samples.jsonl");
     let text = text.replacen("\"digest\":\"0x", "\"digest\":\"0xf", 1);
     at.file("ci/baseline/samples.jsonl", text);

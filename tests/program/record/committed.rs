@@ -1,4 +1,4 @@
-//! Write-ups about the committed records agree with the records.
+//! The write-ups about the committed records agree with these records.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -27,12 +27,12 @@ fn name(record: &Path) -> String {
     record.strip_prefix(root().join("results")).unwrap().display().to_string()
 }
 
-/// Returns the folder whose README.md is about this record: its own, or the one around it.
+/// Returns the folder with the README.md about this record: its own folder or the one above.
 fn write_up(record: &Path) -> &Path {
     if record.join("README.md").exists() { record } else { record.parent().unwrap() }
 }
 
-/// Returns the measured numbers in a text: those with a decimal point.
+/// Returns the numbers with a decimal point in a text, which are the measured ones.
 fn measured(text: &str) -> BTreeSet<&str> {
     text.split(|c: char| !c.is_ascii_digit() && c != '.')
         .map(|word| word.trim_end_matches('.'))
@@ -54,14 +54,15 @@ fn section<'a>(page: &'a str, heading: &str) -> &'a str {
     rest.split("\n## ").next().unwrap_or(rest)
 }
 
-/// Returns a field of the provenance as text; `None` without provenance.
+/// Returns a field of the provenance as text; `None` if the record has no provenance.
 fn provenance(record: &Path, field: &str) -> Option<String> {
     let text = std::fs::read_to_string(record.join("provenance.json")).ok()?;
     let fields: Value = serde_json::from_str(&text).unwrap();
     Some(fields[field].as_str().map_or_else(|| fields[field].to_string(), String::from))
 }
 
-/// Returns the program that made a record, as pages write it: `25 November 2026 (50b98b6)`.
+/// Returns the date and revision of the program that made a record, as pages write them: `25
+/// November 2026 (50b98b6)`.
 fn program(record: &Path) -> Option<(String, String)> {
     const MONTHS: &str = "January February March April May June July August September October \
                           November December";
@@ -86,7 +87,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages.into_iter().map(|page| (page.clone(), read(page))).collect()
 }
 
-/// Returns the paragraphs of a page that link to a record, or to the write-up about it.
+/// Returns the paragraphs of a page that link to a record or to its write-up.
 fn quotes<'a>(text: &'a str, record: &Path) -> impl Iterator<Item = &'a str> {
     let links = [
         format!("results/{}/", name(record)),
@@ -125,12 +126,12 @@ fn what_the_pages_quote_is_in_the_records() {
     let result = readme.split_once("**One result:**").unwrap().1.split_once("\n\n").unwrap().0;
     let of = |name: &str| invented(result, &[results.join("reference").join(name)]);
     let (amd, intel) = (of("vectors-amd"), of("vectors-intel"));
-    // Each number names the processor on which it was measured.
+    // No measured number is in the records of both processors.
     assert_eq!(amd.iter().filter(|number| intel.contains(number)).count(), 0, "{amd:?} {intel:?}");
     assert!(amd.len() < measured(result).len() && intel.len() < measured(result).len());
 }
 
-/// Returns the names of the detectors in a record, also those in trackers.
+/// Returns the names of the detectors in a record, including those inside trackers.
 fn detectors(record: &Path) -> BTreeSet<String> {
     let summary = record.join("summary.csv");
     let text = if summary.exists() {
@@ -153,7 +154,7 @@ fn detectors(record: &Path) -> BTreeSet<String> {
 }
 
 /// Returns the detectors of a record whose code, without comments and tests, has changed since
-/// `revision`; `None` without the history of commits.
+/// `revision`; `None` if the history of commits is missing.
 fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     let is_code = |line: &str| {
         let code = line.get(1..).unwrap_or_default().trim();
@@ -176,8 +177,8 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     Some(changed)
 }
 
-/// A write-up names the program that made each record and the detectors that changed since; a page
-/// that links to such a record names the program too.
+/// A write-up names the program that made each record, and the detectors that have changed since.
+/// Pages that link to such a record name the program, too.
 #[test]
 fn records_of_an_older_program_say_so() {
     let pages = pages();
@@ -209,8 +210,8 @@ fn records_of_an_older_program_say_so() {
     }
 }
 
-/// results/README.md has a correct line for each record. Pages quote only records of committed
-/// sources without doubts about their times.
+/// results/README.md has a correct line for each record. Pages quote only records without doubts
+/// about their times, made from committed sources.
 #[test]
 fn the_index_names_every_record() {
     let index = read(root().join("results/README.md"));

@@ -1,11 +1,11 @@
-//! Columns that fail a comparison, and columns that are only printed.
+//! Tests which columns make a comparison fail, and which are only printed.
 
 use serde_json::Value;
 
 use super::{OTHER, changed, junit, started};
 use crate::common::Place;
 
-/// Returns whether a row is of the cell changed below: nbs with 50 discs.
+/// Returns whether a row belongs to the cell that these tests change: nbs with 50 discs.
 fn is_cell(row: &Value, pass: &str) -> bool {
     (row["n"] == 50 && row["dim"] == 2) && row["detector"] == "nbs" && row["pass"] == pass
 }
@@ -29,7 +29,7 @@ fn counts_bytes_and_digests_are_gated() {
                 (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
             }
         }),
-        // Changed in all detectors, or the record would contradict itself.
+        // All answers change, because otherwise the record would contradict itself.
         ("answer", 3, |row| {
             if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
                 row["digest"] = OTHER.into()
@@ -67,7 +67,7 @@ fn slower(row: &mut Value) {
     }
 }
 
-/// Returns the exit code of a comparison, what it prints, and the times of the cell of sweep.
+/// Returns the exit code and the JSON of a comparison, and in it the times of the cell of sweep.
 fn compared(at: &Place, more: &str) -> (Option<i32>, Value, Value) {
     let ended = at.run(&format!("compare a slower --json {more}"));
     let all: Value = serde_json::from_str(&ended.stdout).unwrap();
@@ -95,8 +95,8 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     let ended = at.good("compare a older");
     assert!(ended.stdout.starts_with(note) && !ended.stdout.contains("two machines"));
     assert!(!at.good("compare a older --same-machine").stdout.contains("NOTE"));
-    // Times of another machine are printed without a verdict. On request they are judged in units
-    // of a detector that both have. They never fail a gate.
+    // Times of another machine are printed without a verdict. If requested, they are judged in
+    // units of a detector that both records have. They never fail a gate.
     let elsewhere = |row: &mut Value| {
         slower(row);
         row["machine"] = "other".into();
@@ -122,7 +122,7 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert!(ended.stdout.starts_with("NOTE: "), "{}", ended.stdout);
 }
 
-/// A run that was cut short lacks what it has not measured.
+/// Measurements that a stopped run did not reach fail the comparison only with --strict.
 #[test]
 fn what_one_has_not_measured_is_lacking() {
     let at = started();
@@ -149,7 +149,7 @@ fn what_cannot_be_compared_is_refused() {
     at.ends(0, &line, &[]);
 }
 
-/// A gate that cannot fail is an error.
+/// A gate on times is an error if it could not fail, as when a control has changed.
 #[test]
 fn a_gate_that_sees_nothing_is_not_passed() {
     let at = started();
@@ -163,13 +163,13 @@ fn a_gate_that_sees_nothing_is_not_passed() {
         }
     };
     at.good("compare a a --gate-time");
-    // Equal code whose time changed.
+    // The time of the twin has changed, although its code is equal.
     changed(&at, "moved", times(|_| 6, "nbs-twin"), |_| ());
     let words = ["nbs-twin", "6.00"];
     at.ends(2, "compare a moved --gate-time", &words);
     let ended = at.ends(0, "compare a moved", &words);
     assert!(!ended.stdout.contains("slower "), "a verdict: {}", ended.stdout);
-    // Times that scatter by a factor of 50, of one detector or of the control.
+    // First the times of sweep scatter by a factor of 50, then those of nbs and its twin.
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "sweep"), |_| ());
     at.good("compare noisy noisy --gate-time");
     changed(&at, "noisy", times(|block| [1, 50][block as usize % 2], "nbs"), |_| ());

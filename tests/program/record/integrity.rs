@@ -1,4 +1,5 @@
-//! Every verb refuses a record that contradicts itself: exit code 1, and a line for each fault.
+//! Every verb refuses a record that contradicts itself: it exits with code 1 and prints a line for
+//! each fault.
 
 use std::sync::OnceLock;
 
@@ -14,7 +15,7 @@ const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading
 const RECORD: &str = "a/samples.jsonl";
 const COPY: &str = "a/experiments/t.toml";
 
-/// Returns a result folder `a`, merged into `whole`, and the text of its record.
+/// Returns a folder with a record `a`, also merged into `whole`, and the text of the record.
 fn measured() -> (Place, String) {
     static RUN: OnceLock<Template> = OnceLock::new();
     let template = RUN.get_or_init(|| {
@@ -29,14 +30,14 @@ fn measured() -> (Place, String) {
     (at, text)
 }
 
-/// `report` must exit with code 1, print these words on standard error, and nothing else.
+/// Fails unless `report` exits with code 1 and prints these words on standard error only.
 fn refused(at: &Place, words: &[&str]) -> Ended {
     let ended = at.ends(1, "report a", words);
     assert_eq!(ended.stdout, "");
     ended
 }
 
-/// Returns the record with one line (from 1) changed and sealed again.
+/// Returns the record with line `number` (from 1) changed, and its checksum made again.
 fn forged(text: &str, number: usize, change: impl FnOnce(&mut Value)) -> String {
     let mut lines: Vec<String> = text.lines().map(String::from).collect();
     let mut row: Value = serde_json::from_str(&seal::unsealed(&lines[number - 1])).unwrap();
@@ -45,7 +46,7 @@ fn forged(text: &str, number: usize, change: impl FnOnce(&mut Value)) -> String 
     lines.join("\n") + "\n"
 }
 
-/// Returns the number of the first line with these words.
+/// Returns the number of the first line that contains these words.
 fn line(text: &str, words: &[&str]) -> usize {
     text.lines().position(|line| words.iter().all(|words| line.contains(words))).unwrap() + 1
 }
@@ -91,7 +92,7 @@ fn an_edited_line_is_named() {
         at.file(RECORD, text.replacen(line, &edited, 1));
         refused(&at, &["1 fault: ", &format!("{RECORD}:{number}: "), words]);
     }
-    // A run measures the rows of deleted lines again.
+    // If lines are deleted, a resumed run measures their rows again.
     let left = text.split_inclusive('\n').filter(|line| line.trim() != whole);
     at.file(RECORD, left.collect::<String>());
     at.good("run t.toml --resume --out a");
@@ -133,12 +134,12 @@ fn rows_are_held_to_each_other() {
         at.file(RECORD, forged(&text, number, change));
         refused(&at, &[&format!("{RECORD}:{number}: "), words]);
     }
-    // Each fault is named.
+    // The report prints a line for each of two faults.
     let two = forged(&text, time, |row| row["digest"] = super::OTHER.into());
     at.file(RECORD, forged(&two, count, |row| row["dim"] = 1.into()));
     let ended = refused(&at, &["2 faults: "]);
     assert_eq!(ended.stderr.matches("a/samples.jsonl:").count(), 2, "{}", ended.stderr);
-    // A processor takes one sample at a time, so two times with the same start are an edit.
+    // A processor runs one sample at a time, so two samples with the same start show an edit.
     let slower = forged(&text, time, |row| {
         let ns = row["time_ns"].as_u64().unwrap() * 10;
         (row["time_ns"], row["elapsed_ns"], row["calls"]) = (ns.into(), ns.into(), 1.into());
@@ -153,7 +154,7 @@ fn rows_are_held_to_each_other() {
 #[test]
 fn what_stands_beside_the_record_is_whole() {
     let (at, _) = measured();
-    // A provenance that is cut off, or not of a run.
+    // Provenance is refused if it is cut off, has invalid fields, or was edited.
     let fields = at.read("a/provenance.json");
     for (damaged, words) in [
         (fields[..fields.len() / 2].to_string(), ""),
@@ -171,20 +172,20 @@ fn what_stands_beside_the_record_is_whole() {
     for (damaged, words) in [
         (entries.replacen("\"entry\"", "\"entries\"", 1), "a/provenance.jsonl:1: "),
         (entries.replacen("\"sha256\":\"", "\"sha256\":\"0", 1), "a/provenance.jsonl:1: "),
-        // Rows name processes that exist.
+        // The record is refused if its rows name a process that is missing here.
         (less, "provenance.jsonl"),
     ] {
         at.file("a/provenance.jsonl", damaged);
         refused(&at, &[words]);
     }
-    // A line torn by a kill, even within a character, is dropped, and the run continues.
+    // A last line torn by a kill, even within a character, is dropped, and the run continues.
     let torn = [entries.as_bytes(), b"{\"entry\":\"span\",\"scene\":\"\xc3"].concat();
     at.file("a/provenance.jsonl", torn);
     at.good("run t.toml --resume --out a");
     at.good("report a");
 }
 
-/// Links out of the folder are refused for reading and for writing.
+/// Links that lead out of the folder are refused for reading and for writing.
 #[cfg(unix)]
 #[test]
 fn no_path_leaves_the_folder() {
@@ -206,7 +207,7 @@ fn no_path_leaves_the_folder() {
     }
 }
 
-/// Loosening a claim after the run, or removing part of the plan with its rows, is detected.
+/// The record is refused if a claim is loosened after the run, or planned cells are removed.
 #[test]
 fn copies_of_experiments_are_under_the_seal() {
     let (at, text) = measured();
@@ -214,7 +215,7 @@ fn copies_of_experiments_are_under_the_seal() {
     let edited = "a/experiments/t.toml: ";
     at.file(COPY, format!("{before}# loosened\n"));
     refused(&at, &["1 fault: ", edited, "SHA-256"]);
-    // Part of the plan is removed with its rows; no line is torn or changed.
+    // A part of the plan is removed with its rows, and all other lines stay valid.
     at.file(COPY, before.replace("n = [50, 80]", "n = [50]"));
     let rows: String = text.split_inclusive('\n').filter(|it| !it.contains("\"n\":80,")).collect();
     assert_ne!(rows, text);

@@ -44,7 +44,7 @@ fn a_merge_keeps_rows_once() {
     let whole = at.rows("a");
     at.good("merge a a --out twice");
     assert_eq!(at.rows("twice"), whole, "the same row twice is one row");
-    // The same machine again gives further blocks; blocks merged before are recognised.
+    // A second run on the same machine adds blocks; blocks merged before are recognised.
     at.good("run t.toml --out b");
     at.good("merge a b --out more");
     let more = at.rows("more");
@@ -61,8 +61,7 @@ fn a_merge_keeps_rows_once() {
 fn a_merge_keeps_machines_apart() {
     let at = started();
     let whole = at.rows("a");
-    // Another machine, one with the same name, one with another cache, and a merged record of an
-    // older version, which has no caches.
+    // Records differ in machine, in processor only, in cache only, or are older and lack caches.
     let name = whole[0].id.machine.clone().unwrap();
     let elsewhere = |row: &mut Value| {
         slower(row);
@@ -109,7 +108,7 @@ fn a_merge_keeps_machines_apart() {
         assert!(medians.values().all(|kinds| kinds.len() == 1), "{name}: {medians:?}");
         assert_eq!(medians.len(), count, "{name}");
     }
-    // Each machine of a merged record compares with its own record.
+    // A merged record can be compared with the record of one of its machines.
     at.ends(0, "compare three a", &["(28 cells compared"]);
 }
 
@@ -127,8 +126,7 @@ fn what_does_not_belong_together_is_not_merged() {
     at.ends(2, "merge a count --out b", &["nbs (exact, packed)", "N = 50", "count"]);
     changed(&at, "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     at.ends(2, "merge a scene --out b", &["packed", "N = 50"]);
-    // Removes the checksums of the experiments, so that another experiment is not taken for an
-    // edit.
+    // Without its checksum, a different experiment is not taken for an edit.
     changed(&at, "text", |_| (), |fields| fields["experiments_sha256"] = Value::Null);
     at.file("text/experiments/t.toml", EXPERIMENT.replace("blocks = 5", "blocks = 6"));
     at.ends(2, "merge a text --out b", &["text", "t.toml"]);

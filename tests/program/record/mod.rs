@@ -1,4 +1,4 @@
-//! Comparing and merging result folders, their pages, and damaged records.
+//! Tests comparing and merging result folders, their pages, and damaged records.
 
 mod builds;
 mod ci;
@@ -40,10 +40,10 @@ to = "list_push"
 where = { detector = "nbs" }
 "#;
 
-/// A fingerprint that no scene or answer has.
+/// A fingerprint that none of the scenes and answers has.
 const OTHER: &str = "0x0000000000000001";
 
-/// Copies a result folder with its rows and provenance changed.
+/// Copies a result folder, and changes its rows and provenance.
 fn changed(at: &Place, to: &str, change: impl Fn(&mut Value), fields_changed: impl Fn(&mut Value)) {
     copied(at, ["a", to], change, fields_changed);
 }
@@ -59,7 +59,7 @@ fn copied(
         change(&mut value);
         value
     };
-    // Makes the row valid: one detection in each sample, and a new checksum.
+    // Keeps the changed row valid: a sample has one detection, and the checksum is made again.
     let change = |row: &mut Value| {
         change(row);
         if row["time_ns"].is_u64() {
@@ -78,8 +78,8 @@ fn copied(
     at.file(&format!("{to}/{}", provenance::FILE), provenance::text(&fields).unwrap());
 }
 
-/// Returns a result folder `a` with times that do not depend on the load: 1000 ns and the number of
-/// the block.
+/// Returns a folder with a record `a` whose times do not depend on the load: 1000 ns plus the
+/// number of the block.
 fn started() -> Place {
     static RUN: OnceLock<Template> = OnceLock::new();
     let calm = |row: &mut Value| {

@@ -1,5 +1,5 @@
-//! Origins of rows, and doubts about their times: recorded during the measurement, and printed with
-//! the times.
+//! Rows name where they come from. Doubts about times are recorded during the measurement, and
+//! printed with the times.
 
 use std::path::Path;
 use std::process::Command;
@@ -67,13 +67,14 @@ fn every_row_names_the_program_that_answered_and_when() {
             assert!(span.seconds > 0.0 && span.own_s > 0.0 && span.cores > 0, "{span:?}");
         }
     }
-    // Rows name one program with three instruction levels, and a library; two scenes.
+    // The processes are one program with up to three instruction levels, and a library; each of two
+    // scenes has a span.
     let levels = if Level::best().name() == "portable" { 2 } else { 3 };
     let spans = if cfg!(target_os = "linux") { 2 } else { 0 };
     assert_eq!((ledger.processes.len(), ledger.spans.len()), (levels + 1, spans));
     let text = at.read("result/samples.jsonl");
     assert!(!text.contains("sha256") && !text.contains("revision"));
-    // A merge keeps the processes of the rows.
+    // Rows keep their processes in a merge.
     at.ends(1, "merge result result --out twice", &[]);
     assert_eq!(Ledger::read(&at.path("twice")), ledger);
     let page = at.read("twice/report.md");
@@ -82,7 +83,7 @@ fn every_row_names_the_program_that_answered_and_when() {
     }
 }
 
-/// Makes git ignore repositories above the folder, and the user's settings.
+/// Makes git ignore the user's settings, and repositories above the folder.
 fn git_free(mut command: Command, folder: &Path) -> Command {
     command.current_dir(folder).env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap());
     command.env("GIT_CONFIG_GLOBAL", "/dev/null").env("GIT_CONFIG_NOSYSTEM", "1");
@@ -99,13 +100,13 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     let mut compiler = Command::new(rustc);
     compiler.args(["--edition", "2024", "-o"]).args([&script, &source]);
     assert!(compiler.status().unwrap().success());
-    // A source tree without a repository.
+    // At first, the source tree has no repository.
     let tree = at.path("tree");
     std::fs::create_dir_all(tree.join("src")).unwrap();
     for name in ["build.rs", "src/lib.rs", "README.md"] {
         at.file(&format!("tree/{name}"), "1");
     }
-    // Returns revision, state of the sources, and whether the next commit triggers a build.
+    // Returns revision, state of the sources, and whether a commit makes the script run again.
     let noted = || {
         let output = git_free(Command::new(&script), &tree).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -127,7 +128,7 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     if git(&["init", "-q"]).is_none() {
         return untested("that the build notes its commit", "git");
     }
-    // The folder is in a repository that does not track these sources.
+    // Now the folder is in a repository that does not track its sources.
     assert_eq!(noted(), unknown);
     let commit = || {
         git(&["add", "-A"]).unwrap();
@@ -205,13 +206,13 @@ fn a_doubtful_record_has_its_doubt_on_every_page() {
             assert!(page[at..].contains(words), "{words} is not in\n{page}");
         }
         assert!(doubts[0].as_str().unwrap().contains(words), "{doubts}");
-        // The doubt comes before the times.
+        // The doubt is printed before the times.
         assert!(pages[0].find(doubt) < pages[0].find("fast"), "{}", pages[0]);
         assert!(pages[1].find(doubt) < pages[1].find("**?**"), "{}", pages[1]);
     }
 }
 
-/// Another build, in shell, whose second answer differs.
+/// The other build is a shell script whose second answer differs.
 #[cfg(unix)]
 #[test]
 fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {

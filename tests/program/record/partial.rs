@@ -1,9 +1,9 @@
-//! Reports of an incomplete plan begin with the share that was measured. Claims over missing cells
-//! are not covered.
+//! The report of an incomplete record begins with the share that was measured. Claims over missing
+//! cells are not covered.
 
 use crate::common::{Ended, Place};
 
-/// Nine spacings; a quick run takes two.
+/// An experiment with nine spacings, of which a quick run takes two.
 const EXPERIMENT: &str = r#"
 name = "t"
 title = "t"
@@ -29,7 +29,7 @@ than = "sorting"
 where = { detector = "nbs" }
 "#;
 
-/// The terminal, `report.md` and `report.html` must contain these words.
+/// Fails unless the terminal, `report.md` and `report.html` contain these words.
 fn shown(at: &Place, ended: &Ended, words: &[&str]) {
     let (markdown, page) = (at.read("result/report.md"), at.read("result/report.html"));
     for (place, text) in [("terminal", &ended.stdout), ("report", &markdown), ("page", &page)] {
@@ -46,7 +46,7 @@ fn reports_name_what_is_missing_and_claim_nothing_of_it() {
     let ended = at.ends(0, "run t.toml --out result", &["claims"]);
     shown(&at, &ended, &["9 scenes, 18 cells", "9 cells"]);
     assert!(!ended.stdout.contains("not covered"), "{}", ended.stdout);
-    // Each scene has three cells of eight rows: two detectors and a twin.
+    // Each scene has 24 rows: eight for each of two detectors and a twin.
     let whole = at.read("result/samples.jsonl");
     at.file("result/samples.jsonl", whole.split_inclusive('\n').take(5 * 24).collect::<String>());
     let none = "2 not covered";
