@@ -57,7 +57,7 @@ mod tests {
         assert!(column::errors().all(|error| cell.variable(&error.name, None).is_some()));
         assert_eq!((rate(cell), stored_rate(cell)), (Some(28.0 / 250.0), Some(1.0 / 235.0)));
         assert_eq!(rate(find("exact", 0.0)), Some(0.0));
-        // Sums of such counts must not overflow.
+        // The sum of missed and spurious pairs must not overflow.
         let most = Errors { missed: u64::MAX, spurious: 1, ..Errors::default() };
         assert_eq!(most.wrong(), u64::MAX);
     }

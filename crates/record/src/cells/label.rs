@@ -17,14 +17,13 @@ fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
     cells.map(|cell| shown(&cell.id, name)).collect::<BTreeSet<_>>().len() > 1
 }
 
-/// Cells that may form one sweep have the same family. Different files and different machines are
-/// different families.
+/// Returns what the cells of one sweep must share: scene, dimension, file and machine.
 pub fn family(id: &CellId) -> (&str, u32, [Option<String>; 2]) {
     (&id.scene, id.dim, ["path", MACHINE].map(|name| id.axis(name).map(|value| value.to_string())))
 }
 
-/// The scene's name. A file is named without its folder; with several machines, the machine is
-/// added.
+/// Returns the name of the scene: a file without its folder. If there are several machines, the
+/// machine is added.
 pub fn scene(id: impl Into<Projection>) -> String {
     let id = id.into();
     let text = |name: &str| id.axis(name).map(|value| value.to_string());
@@ -40,8 +39,8 @@ pub fn scene(id: impl Into<Projection>) -> String {
     }
 }
 
-/// For example `packed, 2D, N = 1000, s = 20`: `swept` parameters, and other axes if they are not
-/// at their default.
+/// Returns a title such as `packed, 2D, N = 1000, s = 20`. It names the parameters in `swept`, and
+/// other axes that are not at their default.
 pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
     let id = id.into();
     let mut title = scene(&id);
@@ -59,7 +58,7 @@ pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
             .map_or(String::new(), |order| format!(", {order}"))
 }
 
-/// The parameters that differ within one scene and dimension, except those of detectors.
+/// Returns the parameters of scenes that differ within one scene and dimension.
 pub fn swept(cells: &[&Cell]) -> Vec<String> {
     let mut scenes: BTreeMap<(&str, u32), Vec<BTreeMap<String, AxisValue>>> = BTreeMap::new();
     for cell in cells {
@@ -93,7 +92,7 @@ pub fn varying(cells: &[&Cell]) -> Vec<String> {
     names
 }
 
-/// For example `nbs, packed, 2D, n = 1000, s = 2`, from these fields.
+/// Returns the values of these fields, such as `nbs, packed, 2D, n = 1000, s = 2`.
 pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
     let id = id.into();
     let part = |name: &String| match (name.as_str(), id.axis(name)?) {
@@ -105,7 +104,7 @@ pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
     if parts.is_empty() { "its only cell".into() } else { parts.join(", ") }
 }
 
-/// Shortens names of trackers to rule and skin if all have the same detector.
+/// Shortens names of trackers to rule and skin if all trackers have the same detector.
 pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> String {
     let over: BTreeSet<Option<AxisValue>> =
         names.map(|name| split_contender(name).1.remove(OVER)).collect();
@@ -121,7 +120,7 @@ pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> Strin
     }
 }
 
-/// `all`, `all but direct`, or a list of names.
+/// Names a group of detectors: `all`, `all but direct`, or a list of names.
 pub fn group(names: &[&str], all: &[&str]) -> String {
     let others: Vec<&str> = all.iter().filter(|name| !names.contains(name)).copied().collect();
     match others.len() {
@@ -131,8 +130,7 @@ pub fn group(names: &[&str], all: &[&str]) -> String {
     }
 }
 
-/// For example `s = 2 to 200; n = 100 to 10000` for the numbers that vary, and counts of other
-/// values.
+/// Lists what differs among the cells, such as `s = 2 to 200; nbs, direct; 5 seeds`.
 pub fn over(cells: &[&Cell]) -> String {
     let mut parts = Vec::new();
     for name in varying(cells).iter().filter(|name| *name != "experiment") {

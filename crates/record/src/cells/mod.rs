@@ -32,18 +32,18 @@ pub struct Cell {
     pub ended: bool,
     /// Nanoseconds per detection, by block.
     pub times: Blocks,
-    /// Whether the machine was slow in each block; empty if that was not watched.
+    /// Whether the machine was slow in each block; empty if its speed was not measured.
     pub slow: BTreeMap<Block, bool>,
-    /// Nanoseconds of other time columns than `time_ns`, by column and block.
+    /// Nanoseconds by time column (except `time_ns`) and block.
     pub others_ns: BTreeMap<&'static str, Blocks>,
-    /// Nanoseconds per detection of each round, by block, if builds were timed in turns.
+    /// Nanoseconds per detection, by round and block, if builds were timed in turns.
     pub rounds: Vec<Blocks>,
-    /// Nanoseconds per detection of several single-threaded copies that ran at the same time; empty
-    /// if not measured.
+    /// Nanoseconds per detection of single-threaded copies that run at the same time; empty if not
+    /// measured.
     pub copies_ns: Blocks,
-    /// Nanoseconds per detection of each copy alone, one after the other.
+    /// Nanoseconds per detection of these copies when they run one after the other.
     pub alone_ns: Blocks,
-    /// Why copies are missing in some or all blocks.
+    /// Why times of copies are missing in some or all blocks.
     pub copies_failure: Option<(Outcome, String)>,
     pub values: BTreeMap<&'static str, f64>,
     pub errors: Option<Errors>,
@@ -128,8 +128,8 @@ impl Cell {
         self.values.extend(repeating.filter_map(|column| Some((&*column.name, column.read(row)?))));
     }
 
-    /// The outcome as far as the `needed` passes go. A wrong answer in any pass makes the whole
-    /// cell wrong. A pass that never ran has the outcome of the pass that failed before it.
+    /// Returns the outcome of the `needed` passes. A wrong answer in any pass makes the whole cell
+    /// wrong. A pass that never ran has the outcome of the pass that failed before it.
     pub fn outcome(&self, needed: &[Pass]) -> (Outcome, &str) {
         let worst = |passes: &mut dyn Iterator<Item = &'_ (Outcome, String)>| {
             passes.max_by_key(|pass| severity(pass.0)).map(|pass| (pass.0, pass.1.clone()))
@@ -186,7 +186,7 @@ impl Cell {
         self.id.detector_params.contains_key("rule") && self.overall().0 == Outcome::Lossy
     }
 
-    /// The median time of a wrong answer, which is shown with a mark but never compared.
+    /// The median time of a wrong answer. Reports mark it and never compare it.
     pub fn wrong_time(&self) -> Option<f64> {
         self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
     }

@@ -38,7 +38,7 @@ pub fn matches(cell: &Cell, filter: &Where) -> bool {
     })
 }
 
-/// Whether a planned cell may match; measured values count as matching.
+/// Whether a planned cell may match. Measured values, which are not known yet, count as matching.
 pub fn may_match(id: &CellId, filter: &Where) -> bool {
     filter.iter().all(|(name, wanted)| {
         let name = variable(name);
@@ -64,7 +64,7 @@ fn close(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
 
-/// Evaluates a comparison such as `>= 2`; a text without a sign must be an equal number.
+/// Evaluates a comparison such as `>= 2`; a text without an operator must be an equal number.
 fn compare(found: f64, wanted: &str) -> bool {
     let wanted = wanted.trim();
     for (sign, holds) in [

@@ -1,5 +1,4 @@
-//! Cells arranged for tables: one group per scene without its N, one line per subject, one column
-//! per N.
+//! Cells arranged for tables: a group per scene, with a line per subject and a column per N.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +21,7 @@ pub struct Line {
 pub type Seeds<'a> = Vec<&'a Cell>;
 
 pub struct Group<'a> {
-    /// For example `packed, 3D, morton`.
+    /// Title of the scene, such as `packed, 3D, morton`.
     pub title: String,
     pub lines: BTreeMap<Line, BTreeMap<u64, Seeds<'a>>>,
 }
@@ -114,8 +113,8 @@ impl<'a> Group<'a> {
         timed
     }
 
-    /// Returns a value per line and N. Lines are sorted by their last `rank`; lines without values
-    /// are left out.
+    /// Returns a value per line and N. Lines are sorted by `rank` at their largest N; lines without
+    /// values are left out.
     pub fn by_size<T>(
         &self,
         label: impl Fn(&Line) -> String,
@@ -143,7 +142,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// The median over seeds of the median times; `None` if one of them did not end well.
+/// The median over seeds of the median times; `None` unless all cells ended well.
 pub fn time(cells: &Seeds<'_>) -> Option<f64> {
     let times: Option<Vec<f64>> = cells.iter().map(|cell| Some(cell.time()?.median)).collect();
     median(&times?)

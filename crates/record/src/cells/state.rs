@@ -32,7 +32,7 @@ impl<'a> States<'a> {
         States { limits: pulses.into_iter().map(|(name, all)| (name, limit(all))).collect() }
     }
 
-    /// Whether the machine was slow during this row; `None` if that was not watched.
+    /// Whether the machine was slow during this row; `None` if its speed was not measured.
     pub fn is_slow(&self, row: &Row) -> Option<bool> {
         Some(pulse(row)? as f64 > *self.limits.get(&place(row))?)
     }

@@ -1,8 +1,8 @@
 //! Parses the TOML text of an experiment, with line and column for every error.
 //!
-//! In a file, the keys of a claim or figure stand beside its `kind`, and those of a generator
-//! beside the name of the scene. Before serde reads them, keys of a kind move into a table `{ kind
-//! = { equal = { .. } } }`, and keys of a generator into `params`.
+//! In a file, the keys of a claim or figure stand beside its `kind`, and parameters of a generator
+//! beside the name of the scene. Before serde reads them, they move into tables: keys of a kind
+//! into `{ kind = { equal = { .. } } }`, parameters into `params`.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -45,7 +45,7 @@ fn line(before: &str) -> usize {
 
 impl From<toml::de::Error> for Problem {
     fn from(error: toml::de::Error) -> Problem {
-        // Further lines of the message list what was expected.
+        // The first line of the message states the error, the others what was expected.
         let lines = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty());
         Problem { at: error.span(), words: plain(&lines.collect::<Vec<_>>().join("; ")) }
     }
@@ -107,7 +107,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Refuses unknown keys before missing ones are reported, and tables in single brackets.
+/// Refuses tables in single brackets, and unknown keys before missing keys are reported.
 fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
     let known = keys::fields::<Experiment>();
     for (name, value) in root {

@@ -35,7 +35,7 @@ impl FigureKind {
         }
     }
 
-    /// Options that name an axis: key, name, and whether it must be an axis of scenes.
+    /// Lists the options that name an axis: key, axis, and whether it must be an axis of scenes.
     pub fn axes(&self) -> Vec<(&'static str, &str, bool)> {
         match self {
             FigureKind::Lines(lines) => vec![("x", &lines.x, false)],
@@ -60,7 +60,7 @@ pub struct Lines {
     pub log: bool,
     #[serde(default)]
     pub slopes: bool,
-    /// Whether y is per particle: cost N is then a horizontal line.
+    /// Whether y is divided by N, so that a cost of order N is a horizontal line.
     #[serde(default, alias = "per-element")]
     pub per_particle: bool,
     #[serde(default)]
@@ -99,10 +99,10 @@ pub struct SpeedError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
-    /// Exact decisions on the given scene: all causes of error.
+    /// Compares with exact decisions on the given scene, so errors of all causes count.
     #[default]
     Given,
-    /// Exact decisions on the stored scene: errors of predicate and search only.
+    /// Compares with exact decisions on the stored scene: only predicate and search can err.
     Stored,
 }
 

@@ -17,7 +17,7 @@ pub fn variant_fields<'de, T: Deserialize<'de>>(variant: &'static str) -> Names 
 
 fn ask<'de, T: Deserialize<'de>>(variant: Option<&'static str>) -> Names {
     let mut names: Names = &[];
-    // This always fails, because it never gets a value.
+    // This always fails, because the deserializer provides no value.
     let _ = T::deserialize(Ask { variant, names: &mut names });
     names
 }

@@ -1,4 +1,4 @@
-//! Checks before a run that its rows will have all names in claims and figures.
+//! Checks, before a run, that its rows will have every name used in claims and figures.
 
 use std::collections::BTreeSet;
 

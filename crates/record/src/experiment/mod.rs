@@ -42,23 +42,22 @@ pub struct Experiment {
     pub detectors: Vec<String>,
     #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
-    /// Numbers of threads. Detectors that cannot use several run once, with one.
+    /// Numbers of threads. Detectors without threads run once, with one.
     pub threads: List<usize>,
-    /// Whether to also time, for each number of threads, that many single-threaded copies that run
-    /// at the same time.
+    /// Whether to also time k single-threaded copies at once, for each number k of threads.
     pub ceiling: bool,
     pub ratios_to: Option<String>,
     /// Number of blocks. Each block runs every detector once, in a new random order. If 0, only
     /// answers, counts and memory are measured.
     #[serde(deserialize_with = "list::one")]
     pub blocks: u32,
-    /// Seconds after which a scene starts no further block, once six are done.
+    /// Seconds after which a scene starts no further block, once it has [`FEWEST_BLOCKS`].
     pub block_budget_s: f64,
-    /// Seconds allowed per request to a runner. The first sample of a scene runs a second
-    /// detection, to warm the caches.
+    /// Seconds allowed per request to a runner. The first sample of a scene runs two detections,
+    /// the first of them to warm the caches.
     pub time_limit_s: f64,
-    /// Limit for a detector's arrays. A runner's address space has the same limit, plus an
-    /// allowance for input, output and program. `None`: the limit of the machine.
+    /// Limit for the arrays of a detector; `None` means the memory of the machine. The address
+    /// space of a runner has this limit plus an allowance for input, output and program.
     #[serde(deserialize_with = "list::some")]
     pub memory_limit_mib: Option<u64>,
     #[serde(rename = "scene")]
@@ -76,13 +75,13 @@ pub struct Experiment {
     pub retired: Vec<&'static str>,
 }
 
-/// Keys of older files, which records contain copies of. They are ignored.
+/// Keys that are ignored, because records contain copies of older files that have them.
 pub const RETIRED: [&str; 3] = ["bound", "cost-model", "advice"];
 
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
 impl Experiment {
-    /// Whether the experiment asks for the fastest detector. Its question contains "fast", it
+    /// Whether the experiment asks for the fastest detector: its question contains "fast", it
     /// compares times (with one detector, on a map or in a claim), or it has no claims and does not
     /// compare arithmetics.
     pub fn asks_fastest(&self) -> bool {
@@ -136,8 +135,8 @@ pub struct ExternalRunner {
     pub name: String,
     /// Program and arguments; `{threads}` in an argument stands for the number of threads.
     pub command: Vec<String>,
-    /// How to install it. If given, the runner may be absent; the text appears in rows with outcome
-    /// `unavailable`.
+    /// How to install the runner. If this is given, the runner may be absent; the text then appears
+    /// in rows with outcome `unavailable`.
     #[serde(default)]
     pub install: String,
     #[serde(default)]
@@ -150,7 +149,7 @@ impl ExternalRunner {
     }
 }
 
-/// Blocks of a scene that are always run, whatever the budget. The range of six values covers the
+/// Least number of blocks of a scene, whatever the time budget. The range of six values covers the
 /// median in 96.9% of samples.
 pub const FEWEST_BLOCKS: u32 = 6;
 const QUICK_BLOCKS: u32 = 3;

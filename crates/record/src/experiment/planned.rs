@@ -15,7 +15,7 @@ pub struct Planned {
     pub scenes: Vec<CellId>,
     pub quick: Vec<CellId>,
     pub entrants: Vec<Entrant>,
-    /// Scenes with particles of their own: n is 0 unless the experiment gives it.
+    /// Names of scenes that determine their particles: n is 0 unless the experiment gives it.
     pub own_n: BTreeSet<String>,
     pub defaults: BTreeMap<(String, u32), BTreeMap<String, AxisValue>>,
 }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     pub shard: Shard,
-    /// Whether the shard was given as `auto`; then other processes have the same command line.
+    /// Whether the shard was given as `auto`, so that all processes have the same command line.
     pub told: bool,
 }
 
@@ -48,7 +48,8 @@ impl Shard {
         taken
     }
 
-    /// Number of missing shards, and the first of them, if all present shards have the same `n`.
+    /// Returns the number of missing shards and the first of them; `None` if none is missing, or if
+    /// the present shards differ in `n`.
     pub fn missing(present: &BTreeSet<Shard>) -> Option<(usize, Shard)> {
         let n = present.first()?.n;
         let alike = present.iter().all(|shard| shard.n == n);
@@ -56,15 +57,15 @@ impl Shard {
         alike.then_some((n - present.len(), first))
     }
 
-    /// The shard of this process, from the environment variables of a job array, an MPI job or
-    /// both. In both, ranks divide the part of their job. `of` is the length of the array if no
-    /// variable gives it, as with PBS.
+    /// Finds the shard of this process by the environment variables of a job array, an MPI job or
+    /// both. If there are both, the ranks of each job divide its part. `of` is the length of the
+    /// array if no variable gives it, as with PBS.
     fn of_environment(
         of: Option<usize>,
         variable: &dyn Fn(&str) -> Option<String>,
     ) -> Result<Shard, String> {
         let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
-        // LSF numbers single jobs 0, and array jobs from 1.
+        // LSF sets index 0 for a job outside of an array, and counts array jobs from 1.
         let lone = |name: &str, index| name == "LSB_JOBINDEX" && index == 0;
         let index = |array: Array| number(array[0]).filter(|&index| !lone(array[0], index));
         let job = ARRAYS.into_iter().find_map(|array| Some((array, index(array)?)));
@@ -262,7 +263,7 @@ mod tests {
             (None, &slurm("0", ["0", "7", "1", "8"]), "1/8"),
             (None, &slurm("14", ["2", "20", "4", "5"]), "4/5"),
             (None, &slurm("3", ["1", "9", "1", "3"]), "not evenly spaced"),
-            // A lost job that is submitted again alone.
+            // A lost job of an array, submitted again alone.
             (Some(16), &slurm("5", ["5", "5", "1", "1"]), "--shard k/16"),
             // PBS does not set the number of jobs.
             (Some(8), &pbs, "5/8"),

@@ -17,7 +17,7 @@ pub struct Courses<'a> {
 pub struct Course<'a> {
     pub title: String,
     pub motion: Motion,
-    /// The cell of each tracker, in their order; `None` if one has no answer.
+    /// One cell per tracker, in the order of the trackers; `None` if there is no answer.
     pub done: Vec<Option<&'a Cell>>,
 }
 

@@ -1,7 +1,7 @@
-//! The scenes of an experiment. Each n, seed, order or parameter makes another scene. Plans,
-//! coverage and ratios count scenes by [`key`].
+//! The scenes of an experiment. Each value of n, seed, order or parameter makes another scene.
+//! Plans, coverage and ratios count scenes by [`key`].
 //!
-//! A report shows every scene if there are few, otherwise the ends of each sweep; the table of
+//! A report shows all scenes if they are few, otherwise the ends of each sweep. The table of
 //! details has all.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -10,7 +10,7 @@ use crate::cells::label::{family, swept, title};
 use crate::cells::{AxisValue, Cell, CellId};
 use crate::record::id::Projection;
 
-/// Maximum number of scenes in an answer, unless the ends of all sweeps are more.
+/// Largest number of scenes that a report shows, unless the ends of all sweeps are more.
 pub const ROWS: usize = 30;
 
 pub struct Scene<'a> {
@@ -127,8 +127,8 @@ fn lasts(places: &[&Place]) -> BTreeSet<usize> {
     found
 }
 
-/// The first and the last setting at their largest n; of a single setting, its smallest and largest
-/// n.
+/// Returns the first and last setting at their largest n; a single setting at its smallest and
+/// largest n.
 fn ends(places: &[&Place]) -> BTreeSet<usize> {
     let lasts = lasts(places);
     let firsts = if lasts.len() > 1 { lasts.clone() } else { firsts(places) };

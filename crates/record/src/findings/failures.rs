@@ -31,8 +31,8 @@ pub struct Culprit {
     pub reason: String,
 }
 
-/// Subjects with a wrong answer, or that crashed (detectors in any cell, runners in all cells);
-/// `absent` has runners that could not be started.
+/// Subjects that gave a wrong answer, crashed (foreign code: in all cells) or could not be started.
+/// Optional runners that could not be started are in `absent`, all others in `all`.
 #[derive(Debug, Default)]
 pub struct Culprits {
     pub all: Vec<Culprit>,
@@ -101,7 +101,7 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
 }
 
 pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
-    // Keys are name, scene and outcome; values are n and reason.
+    // Maps name, scene and outcome to n and reason of each cell.
     type Found<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
     let mut found: Found = BTreeMap::new();
     let called = series::labels(cells);

@@ -13,16 +13,16 @@ use crate::cells::{Cell, CellId};
 use crate::record::row::Pass;
 use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 
-/// Least coverage of an interval that decides. Five blocks, the fewest of a full run, give 0.94.
+/// Least coverage of an interval that decides. The five blocks of the shortest full run give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// Smallest number of cells whose own floor is used; the floor of fewer cells depends on chance.
+/// Least number of cells at one n to have their own floor. With fewer, that of all n is the least.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     pub twins: Vec<Twin>,
-    /// Nine in ten cells of the twins are within this factor of the original; 1 without twins.
+    /// Factor within which nine in ten cells of the twins are of the original; 1 without twins.
     pub floor: f64,
     pub(super) floors: BTreeMap<u64, f64>,
 }
@@ -32,11 +32,11 @@ pub struct Twin {
     pub name: String,
     pub original: String,
     pub cells: usize,
-    /// The twin's time over the original's; in each block, the median over all cells.
+    /// The twin's time over the original's: the median over all cells in each block.
     pub overall: Interval,
-    /// Like `overall`, over the blocks in which the machine was quiet for both, or slow for both.
+    /// Like `overall`, for the blocks in which the machine was quiet (slow) for both.
     pub states: [Option<Interval>; 2],
-    /// Median over the cells of the relative difference: 0.01 is 1%.
+    /// Median over the cells of the relative difference; 0.01 means 1%.
     pub typical: f64,
     pub worst: Interval,
     pub outside: usize,
@@ -85,7 +85,7 @@ impl Noise {
         Noise { floor, ..Noise::default() }
     }
 
-    /// The noise floor at this n; that of all n if no twin was timed there.
+    /// Returns the noise floor at this n, or that of all n if no twin was timed at this n.
     pub fn floor_at(&self, n: u64) -> f64 {
         self.floors.get(&n).copied().unwrap_or(self.floor)
     }
@@ -105,7 +105,7 @@ impl Noise {
     }
 }
 
-/// The factor for nine in ten of these logarithms; 1 if empty.
+/// Returns the factor within which nine in ten of these logarithms lie; 1 if there are none.
 pub(super) fn nine_in_ten(logs: &[f64]) -> f64 {
     let mut logs = logs.to_vec();
     logs.sort_by(f64::total_cmp);

@@ -26,7 +26,7 @@ impl Overhead {
     pub fn new(cells: &[&Cell]) -> Option<Overhead> {
         let mut idle: BTreeMap<Projection, f64> = BTreeMap::new();
         for cell in cells.iter().filter(|cell| cell.role == Role::Nothing) {
-            // The record rounds to whole nanoseconds.
+            // The record rounds times to whole nanoseconds, perhaps to 0.
             let time = cell.time()?.median.max(1.0);
             let known = idle.entry(scene(&cell.id)).or_insert(time);
             *known = known.max(time);

@@ -17,11 +17,11 @@ pub struct SceneResults {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
     pub name: String,
-    /// Nanoseconds, also of a wrong answer.
+    /// Median time in nanoseconds, even of a wrong answer.
     pub time: Option<f64>,
-    /// Nanoseconds in the blocks in which the machine was not slow.
+    /// Median time in nanoseconds of the blocks in which the machine was not slow.
     pub quiet: Option<f64>,
-    /// Nanoseconds of the first detection in a process.
+    /// Time of the first detection in a process, in nanoseconds.
     pub first: Option<f64>,
     pub blocks: usize,
     pub versus: Versus,

@@ -84,7 +84,7 @@ fn gain(
         name,
         speedup: series::ratio(one, many)?,
         ceiling: series::ratio_of(many, |cell| &cell.alone_ns, many, |cell| &cell.copies_ns)
-            // Older records lack copies alone; the time with one thread replaces them.
+            // Older records lack times of copies alone; the time with one thread replaces them.
             .or_else(|| series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns))
             .map(|ratio| ratio.scaled(k)),
         fraction: series::ratio_of(many, |cell| &cell.copies_ns, many, |cell| &cell.times)

@@ -61,7 +61,7 @@ impl Answer {
 
 const WORDS: [&str; 5] = ["right", "wrong", "lossy", "refused", "no answer"];
 
-/// For example `-3 +1` for three missed and one spurious pair.
+/// Formats errors, such as `-3 +1` for three missed pairs and one spurious pair.
 fn said(errors: &Errors) -> String {
     let all = [
         (errors.missed, "-", ""),
@@ -223,8 +223,7 @@ fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
             Answer::Defect(Some(errors)) if errors.wrong() > 0 => {
                 format!("DEFECT {}", said(errors))
             }
-            // Compared with the given scene, errors of the detector and of the arithmetic may
-            // cancel.
+            // Numbers would mislead: errors of the detector and of the arithmetic may cancel.
             Answer::Defect(_) => "DEFECT".into(),
             Answer::Wrong(errors) => said(errors),
             // A pair that the filter lost need not touch in exact arithmetic.

@@ -45,10 +45,10 @@ pub struct Contender {
     pub name: String,
     /// Nanoseconds per particle.
     pub per_particle: f64,
-    /// Time over that of the fastest; `None` for the fastest itself, and without a common block.
+    /// Time over the time of the fastest; `None` for the fastest, and without a common block.
     pub ratio: Option<Interval>,
     pub cold: Option<Interval>,
-    /// Whether it is slower than the fastest by more than the noise.
+    /// Whether this subject is slower than the fastest by more than the noise.
     pub slower: bool,
 }
 
@@ -127,7 +127,7 @@ fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
 }
 
 /// Sorts by the ratio to the fastest, which is first. The fastest is the one that no other beats
-/// within blocks; if ratios form a circle, any of that circle.
+/// within blocks; if ratios form a cycle, it is any member of the cycle.
 pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
     cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
     let median = |cell: &Cell, to: &Cell| cell.ratio(to).map(|ratio| ratio.median);

@@ -1,4 +1,4 @@
-//! How the program was built. The program sets this at its start, so that a new revision does not
+//! How the program was built. The program sets this when it starts, so that a new revision does not
 //! recompile the libraries.
 
 use std::sync::OnceLock;

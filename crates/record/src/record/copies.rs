@@ -22,7 +22,7 @@ pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
     json!(copies.map(|(name, text)| (name, sha256(text.as_bytes()))).collect::<BTreeMap<_, _>>())
 }
 
-/// Whether a provenance contains the sums; older runs did not write them.
+/// Whether a provenance contains the sums. Older runs did not write them.
 pub fn are_sealed<'a>(mut provenances: impl Iterator<Item = &'a Value>) -> bool {
     provenances.any(|provenance| provenance.get(FIELD).is_some_and(Value::is_object))
 }

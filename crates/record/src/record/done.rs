@@ -10,12 +10,12 @@ pub const FILE: &str = "file";
 
 pub struct Index {
     measured: HashSet<Measurement>,
-    /// Cells that ended badly, with the first bad row; nothing more is measured there.
+    /// Cells that ended badly, with the first bad row. A resumed run measures nothing more there.
     ended: HashMap<Tried, Row>,
     scenes: HashMap<Projection, String>,
 }
 
-/// A subject on a scene, and whether the row is of copies. Failed copies do not affect other
+/// A subject on a scene, and whether it was timed as copies. Failed copies do not affect other
 /// passes.
 type Tried = (CellId, bool);
 
@@ -27,7 +27,7 @@ fn anywhere(row: &Row) -> Measurement {
     Measurement { id: row.id.clone().anywhere(), ..row.measurement() }
 }
 
-/// The scene of a row, without the subject. A file determines its own n and dimension.
+/// Returns the scene of a row, without the subject. A file determines its own n and dimension.
 pub fn scene(id: &CellId) -> Projection {
     let scene = id.scene_id();
     if id.scene == FILE { scene.without(&["dim", "n"]) } else { scene }
@@ -75,7 +75,7 @@ impl Index {
     }
 }
 
-/// The least n at which a detector was too slow, for each series.
+/// The smallest n at which a detector was too slow, for each series.
 #[derive(Default)]
 pub struct TooSlow(HashMap<(Projection, bool), u64>);
 

@@ -118,7 +118,7 @@ fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
     let beside = [row.first_ns, row.alone_ns, row.pulse_ns].into_iter().flatten();
     let rounds = !row.rounds_ns.is_empty() || beside.clone().next().is_some();
-    // The pass of copies has times as well.
+    // Copies are timed, too.
     let clock = |pass: Pass| pass == Pass::Time && timed;
     let elsewhere = |column: &&Column| {
         let other = column.pass.is_some_and(|pass| pass != row.pass && !clock(pass));
@@ -153,7 +153,7 @@ fn times(row: &Row) -> Option<String> {
     let (calls, elapsed) = (u128::from(calls), u128::from(elapsed));
     let product = time.saturating_mul(calls);
     let agrees = match row.pass {
-        // elapsed_ns is that of the longest copy, calls are those of all copies.
+        // `elapsed_ns` is the time of the longest copy, but calls are summed over all copies.
         Pass::Ceiling => product <= (elapsed * u128::from(row.id.threads())).saturating_add(calls),
         _ => product.abs_diff(elapsed) <= calls,
     };

@@ -125,7 +125,7 @@ fn system() -> Hardware {
     Hardware { caches: caches(&said), memory_bytes: count(&said, "hw.memsize"), ..processor(&said) }
 }
 
-/// The variable is, for example, `Intel64 Family 6 Model 143 Stepping 8, GenuineIntel`.
+/// The processor is, for example, `Intel64 Family 6 Model 143 Stepping 8, GenuineIntel`.
 #[cfg(windows)]
 fn system() -> Hardware {
     Hardware { cpu: std::env::var("PROCESSOR_IDENTIFIER").ok(), ..Hardware::default() }

@@ -55,7 +55,7 @@ pub struct Span {
     pub others_s: f64,
     /// Seconds in which a core was ready but the host ran another virtual machine on it.
     pub stolen_s: f64,
-    /// The load average of the minute before; it includes the run's own processes.
+    /// Load average of the minute before the span, including the run's own processes.
     pub load_before: Option<f64>,
     pub load_after: Option<f64>,
 }

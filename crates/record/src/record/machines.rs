@@ -46,18 +46,18 @@ pub fn label_here(folder: &Path) -> String {
     labels.label(Machine { name: name.clone(), hardware: Hardware::here() }, &name)
 }
 
-/// A label for every machine: its own name, with a number if that is taken.
+/// The label of every machine: its own name, with a number if the name is taken.
 #[derive(Default)]
 pub(super) struct Labels(Vec<(Machine, String)>);
 
 impl Labels {
     pub fn label(&mut self, machine: Machine, name: &str) -> String {
-        // Processors of one name differ in their caches, and rows of one label share a median.
+        // Processors of one name may differ in their caches, but rows of one label share a median.
         let is_same = |known: &Machine| {
             known.may_be(&machine) && known.hardware.caches == machine.hardware.caches
         };
         if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| is_same(known)) {
-            // Newly known fields help to distinguish later machines.
+            // This description may have fields that help to distinguish later machines.
             known.hardware = std::mem::take(&mut known.hardware).or(machine.hardware);
             return label.clone();
         }

@@ -31,7 +31,7 @@ pub struct Part {
     pub warnings: Vec<String>,
     pub experiments: BTreeMap<String, String>,
     pub provenance: Option<Value>,
-    /// Provenance of its parts, and of runs that resumed it.
+    /// Provenance of the folder's parts, and of runs that resumed it.
     pub others: Vec<Value>,
     pub ledger: Ledger,
     pub bytes: u64,
@@ -88,7 +88,7 @@ impl Part {
 pub struct Merged {
     pub rows: Vec<Row>,
     pub repeated: usize,
-    /// Rows whose blocks were renumbered, because the machine had measured the same before.
+    /// Number of rows with new block numbers, because the machine had measured their scene before.
     pub renumbered: usize,
     pub provenance: Value,
 }
@@ -164,7 +164,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             }
             here.push(row);
         }
-        // Added after the whole folder, because rows of one folder do not repeat each other.
+        // Extended after the folder is read, because rows of one folder do not repeat each other.
         for row in &here {
             let block = last.entry(done::scene(&row.id)).or_default();
             *block = row.block.max(*block);
@@ -177,7 +177,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     Ok(Merged { rows, repeated, renumbered, provenance })
 }
 
-/// A processor takes one sample at a time, so rows of one sample must be equal.
+/// Fails if rows of one sample differ. A processor takes one sample at a time.
 fn one_sample(a: &Row, b: &Row) -> anyhow::Result<()> {
     let ns = |row: &Row| row.time_ns.unwrap_or(0);
     ensure!(

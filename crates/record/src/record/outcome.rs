@@ -40,7 +40,7 @@ impl Pass {
         }
     }
 
-    /// The passes that get the same failure as this one.
+    /// The passes after this one, which fail for the same reason.
     pub fn owed(self) -> &'static [Pass] {
         &self.rest()[1..]
     }

@@ -63,7 +63,7 @@ pub fn command(words: impl Iterator<Item = String>) -> String {
     std::iter::once("contactbench".into()).chain(words.map(told)).collect::<Vec<_>>().join(" ")
 }
 
-/// Empty if the file does not exist, as on other systems than Linux.
+/// Returns the text of a file, which is empty if the file does not exist (as outside of Linux).
 fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }

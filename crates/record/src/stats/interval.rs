@@ -55,7 +55,7 @@ pub fn interval(values: &[f64]) -> Option<Interval> {
 /// The largest k such that the k-th smallest to the k-th largest of n values cover the median with
 /// at least [`COVERAGE`], and the actual coverage. If the whole range covers less, k = 1.
 pub fn rank(n: usize) -> Option<(usize, f64)> {
-    // In logarithms, because 2^-n underflows for large n.
+    // Logarithms are used because 2^-n underflows for large n.
     let tails = (0..n.div_ceil(2)).scan(-(n as f64) * std::f64::consts::LN_2, |log, below| {
         let term = log.exp();
         *log += ((n - below) as f64 / (below + 1) as f64).ln();
@@ -65,7 +65,8 @@ pub fn rank(n: usize) -> Option<(usize, f64)> {
 }
 
 /// The number of values that can be left out at either end while coverage stays at least
-/// [`COVERAGE`], and the coverage. `tails` are the probabilities that 0, 1, ... values lie beyond.
+/// [`COVERAGE`], and the coverage. `tails` are the probabilities that exactly 0, 1, ... values are
+/// below the true one.
 pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     let (mut best, mut tail) = (None, 0.0);
     for (below, probability) in tails.enumerate() {
@@ -80,12 +81,12 @@ pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
 }
 
 /// A block of a run, in which all subjects are timed once. A block that was interrupted and then
-/// resumed is two.
+/// resumed counts as two.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Block {
-    /// Counted from 1.
+    /// Number of the block, from 1.
     pub number: u32,
-    /// The span in which it was timed; 0 if unknown.
+    /// The span in which the block was timed; 0 if unknown.
     pub span: u32,
 }
 
@@ -107,8 +108,8 @@ pub fn at_least(successes: usize, trials: usize, p: f64) -> f64 {
 
 pub type Blocks = BTreeMap<Block, u64>;
 
-/// The ratio a / b of two detectors' times: the median over blocks, with its interval. Blocks that
-/// only one of them has are left out.
+/// The ratio a / b of two detectors' times: the median over blocks, with its interval. Only blocks
+/// with both times count.
 pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
     typical_ratio(&[(a, b)])
 }
@@ -157,7 +158,7 @@ mod tests {
 
     #[test]
     fn tails_are_those_of_the_binomial() {
-        // By hand: four coins, at least three heads: (4 + 1) / 16; 82 times 2.5%, none: 12.5%.
+        // By hand: (4 + 1) / 16 for three or four heads of four coins; 12.5% for 0 of 82 at 2.5%.
         assert!((at_least(3, 4, 0.5) - 5.0 / 16.0).abs() < 1e-12);
         assert!((at_least(1, 82, 0.025) - 0.8745).abs() < 1e-3);
         assert_eq!((at_least(0, 5, 0.1), at_least(6, 5, 0.1).abs() < 1e-12), (1.0, true));

@@ -10,7 +10,7 @@ impl StraightLine {
     /// Returns `None` for fewer than two different x.
     pub fn fit(points: &[(f64, f64)]) -> Option<StraightLine> {
         let count = points.len() as f64;
-        // Centred, so that the sums do not cancel.
+        // x and y are centred, so that the sums do not cancel.
         let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
         let (x, y) = (x / count, y / count);
         let spread: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();

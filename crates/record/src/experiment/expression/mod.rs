@@ -51,12 +51,12 @@ pub struct Expression {
 #[error("cannot read the expression '{text}': at column {column}, {problem}")]
 pub struct NotAnExpression {
     text: String,
-    /// Counted from 1, in characters.
+    /// Place of the error in the text, in characters from 1.
     pub column: usize,
     problem: String,
 }
 
-/// Accepts a text or a plain number.
+/// Accepts a TOML text or number.
 impl<'de> Deserialize<'de> for Expression {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
         deserializer.deserialize_any(TextOrNumber)

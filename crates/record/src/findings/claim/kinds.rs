@@ -1,4 +1,4 @@
-//! The check of each kind of claim, and its evidence in one line.
+//! Checks each kind of claim, and writes its evidence in one line.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,7 +19,7 @@ pub(super) struct Finding {
     pub status: Status,
     pub words: String,
     pub nothing: bool,
-    /// Whether further cells may turn a failure into success.
+    /// Whether cells that are still missing may turn a failure into success.
     pub open: bool,
     pub used: BTreeSet<CellId>,
 }
@@ -90,7 +90,7 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
     Finding::new(decided(holds), words).about(cells.into_iter())
 }
 
-/// How far a value exceeds another, as a percentage or, if large, as a factor.
+/// Formats how far a value exceeds another, as a percentage or, if large, as a factor.
 fn apart(spread: f64, within: f64) -> String {
     match within >= 1.0 || spread >= 1.0 {
         true => format!("a factor of {}", times(1.0 + spread)),
@@ -103,7 +103,7 @@ pub(super) fn compared(
     to: impl Fn(&Cell) -> Option<f64>,
     equal: Option<f64>,
 ) -> Finding {
-    // Relative difference, or value / limit - 1.
+    // If values must be equal, their relative difference; otherwise value / limit - 1.
     let gap = |value: f64, to: f64| match equal {
         Some(_) if value == to => 0.0,
         Some(_) => (value - to).abs() / to.abs(),
@@ -159,8 +159,8 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
     let cells = cells_of(points);
     let fields: Vec<String> =
         varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
-    // Series that the law fits: exponent and distance to the next law. Other series: whether the
-    // claim fails, and why.
+    // For series that the law fits: exponent and distance to the next law. For other series:
+    // whether the claim fails, and why.
     let (mut fitting, mut others) = (Vec::new(), Vec::new());
     for (key, points) in &series {
         let choice = growth::choose(points);
@@ -205,7 +205,7 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
         parts.push(format!("and {more} more series"));
     }
     let found = Finding::new(status, parts.join("; ")).about(cells.into_iter());
-    // Another law may fit all cells together.
+    // Another law may fit when the missing cells are measured.
     Finding { open: true, ..found }
 }
 

@@ -189,7 +189,7 @@ fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
     Some([low?, high?])
 }
 
-/// The value of a cell. Expressions of n and parameters alone have a value whatever the outcome.
+/// Returns the value of a cell. An expression of n and parameters needs no good outcome.
 fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
     if value.passes().is_empty() {
         return value.at(cell, None);

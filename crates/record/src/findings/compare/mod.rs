@@ -25,7 +25,7 @@ use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Relative differences up to this are not counted.
+    /// Largest relative difference of times that counts as none.
     pub band: f64,
     /// Noise of equal code, by experiment, if both builds were timed in the same blocks.
     pub side_by_side: Option<BTreeMap<String, Noise>>,
@@ -41,9 +41,9 @@ pub struct Options {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Against {
     pub detector: String,
-    /// In nine of ten cells, its own times in the two records differ by at most this factor.
-    /// Smaller changes of other detectors may come from the machine. `None` if it lacks times in a
-    /// record.
+    /// In nine of ten cells, the times of this detector in the two records differ by at most this
+    /// factor. Smaller changes of other detectors may come from the machine. `None` if a record
+    /// lacks times of this detector.
     pub drift: Option<f64>,
 }
 
@@ -53,7 +53,7 @@ fn only(a: bool, b: bool) -> Option<&'static str> {
 
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Change {
-    /// For example `digest`, `list_push`, `peak_bytes`, `outcome (time)`.
+    /// Name of the value, such as `digest`, `list_push`, `peak_bytes` or `outcome (time)`.
     pub what: String,
     pub a: String,
     pub b: String,
@@ -125,8 +125,8 @@ impl Record {
         self.cells.values().filter_map(|cell| Some(id(cell)?.contender())).collect()
     }
 
-    /// The cell whose times are the divisor: the same scene, preferably the same arithmetic, and
-    /// the fewest threads.
+    /// Finds the cell by whose times others are divided: on the same scene, preferably in the same
+    /// arithmetic, and with the fewest threads.
     fn reference(&self, id: &CellId, name: &str) -> Option<&Cell> {
         let known = self.scenes.get(&id.scene_id()).into_iter().flatten();
         let known = known.filter_map(|id| self.cells.get(id));
@@ -141,7 +141,7 @@ impl Record {
     }
 }
 
-/// Compares two records of the same machines. Cells are in the order of keys, including those of
+/// Compares two records of the same machines. Cells are in the order of keys, including cells of
 /// one record only.
 pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
     let (a, b) = (Record::new(a), Record::new(b));
@@ -210,7 +210,7 @@ fn fill(
     }
 }
 
-/// All fields, except parameters with one value per scene.
+/// Returns all fields, except parameters that have only one value in each scene.
 fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
     let mut values: BTreeMap<(&str, u32, String), BTreeSet<AxisValue>> = BTreeMap::new();
     for key in keys {
@@ -231,8 +231,8 @@ fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
     first.into_iter().map(String::from).chain(params).chain(others.map(String::from)).collect()
 }
 
-/// Outcomes, contacts, counts and bytes that differ. Values missing because of a different outcome
-/// are not listed.
+/// Lists outcomes, contacts, counts and bytes that differ. Values missing because of a different
+/// outcome are not listed.
 fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     let mut found = Vec::new();
     let mut note = |what: &str, a: String, b: String| {
@@ -242,7 +242,7 @@ fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     };
     for pass in Pass::ALL {
         if let (Some((in_a, _)), Some((in_b, _))) = (a.passes.get(&pass), b.passes.get(&pass)) {
-            // Timeouts depend on the machine.
+            // Timeouts are not compared across machines, because they depend on the machine.
             let slow = [in_a, in_b].contains(&&Outcome::Timeout) && two_machines;
             if !slow {
                 note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());

@@ -17,8 +17,8 @@ pub fn detectors(part: &Part) -> BTreeSet<String> {
     part.rows.iter().map(|row| row.id.contender()).collect()
 }
 
-/// The rows to compare: if a record has several machines, those of the machines in both. Fails if
-/// there are none.
+/// Returns the rows to compare. If a record has several machines, these are the rows of machines in
+/// both records. Fails if there are none.
 pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
     let names = parts.map(machines);
     if names.iter().all(|names| names.len() == 1) {
@@ -45,14 +45,14 @@ pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
     together(parts).into_iter().find(|[a, b]| !a.1.may_be(&b.1)).map(|both| both.map(named))
 }
 
-/// Returns whether both are taken for one machine although only one states the sizes of its caches.
+/// Whether two machines are taken for one although only one record states their cache sizes.
 pub fn caches_of_one(parts: [&Part; 2]) -> bool {
     let unknown = |machine: &Machine| machine.hardware.caches.is_empty();
     together(parts).iter().any(|[a, b]| a.1.may_be(&b.1) && unknown(&a.1) != unknown(&b.1))
 }
 
-/// Machines that are compared: the only ones of both records, or those of one name. Each with the
-/// name that its rows have.
+/// Returns the machines to compare, with their names in the rows: the only machine of each record,
+/// or machines of equal name.
 fn together(parts: [&Part; 2]) -> Vec<[(String, Machine); 2]> {
     let names = parts.map(machines);
     let both = |a: &String, b: &String| {

@@ -14,11 +14,10 @@ pub struct Summary {
     pub judged: BTreeMap<Judgement, usize>,
     /// Upper limit for the number of slower cells expected by chance, for equal code.
     pub by_chance: f64,
-    /// The slowdown that would have been detected: its median over the judged cells, and its
-    /// maximum.
+    /// Smallest slowdown that would have been detected: median and maximum over the judged cells.
     pub least: Option<(f64, f64)>,
     pub small: usize,
-    /// A twin that became slower or faster, and the factor. No verdict is then given.
+    /// A twin that became slower or faster, and the factor. If present, no verdict is given.
     pub moved: Option<(String, f64)>,
 }
 

@@ -15,7 +15,7 @@ pub enum Judgement {
     /// The whole interval lies within the band; it may exclude 1.
     #[serde(rename = "within-the-band")]
     WithinBand,
-    /// Different machines, different kinds of builds, or a reference without times.
+    /// Different machines or kinds of builds, or a reference without times.
     NotJudged,
 }
 
@@ -35,10 +35,10 @@ impl Judgement {
 pub struct Timing {
     pub a_ns: f64,
     pub b_ns: f64,
-    /// Median in A and in B of the time divided by the reference's time in the same block, if there
-    /// is a reference.
+    /// Times divided by the reference's time in the same block: medians in A and in B. `None`
+    /// without a reference.
     pub multiples: Option<[f64; 2]>,
-    /// B over A; with a reference, of the quotients in `multiples`.
+    /// Time in B over time in A; with a reference, the ratio of the quotients in `multiples`.
     pub ratio: Interval,
     pub judgement: Judgement,
     pub note: Option<Note>,
@@ -54,7 +54,7 @@ pub enum Note {
     NoReference(String),
     FewBlocks(usize, usize),
     NoControl,
-    /// This twin became slower or faster by this factor, although it is equal code.
+    /// A twin became slower or faster by this factor, although it is equal code.
     Twin(String, f64),
 }
 
@@ -121,7 +121,7 @@ pub(super) fn timing(
     Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least })
 }
 
-/// Paired by block, so that both times saw the same state of the machine.
+/// Divides times of the same block, because these saw the same state of the machine.
 fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
     times
         .iter()
@@ -131,16 +131,16 @@ fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
         .collect()
 }
 
-/// A slowdown that about 97 of 100 runs would detect. Its interval must exclude 1 although its
-/// median is as low as this interval reaches, and such a median must exceed `floor`. (A slowdown by
-/// median / low is detected in every second run.)
+/// Returns the slowdown that about 97 of 100 runs would detect. A median at the low end of this
+/// interval must still exceed `floor`, and its own interval must exclude 1. (A slowdown by median /
+/// low is detected in every second run.)
 fn least(ratio: &Interval, floor: f64) -> f64 {
     let luck = ratio.high / ratio.median;
     luck * (ratio.median / ratio.low).max(floor)
 }
 
-/// Judges by the whole interval. `beyond` means that it excludes 1 and the ratio exceeds the noise
-/// of equal code.
+/// Judges by the whole interval. `beyond` means that the interval excludes 1, and that the ratio
+/// exceeds the noise of equal code.
 fn judge(ratio: &Interval, band: f64, beyond: bool) -> Judgement {
     if ratio.coverage < COVERAGE {
         Judgement::Undecided

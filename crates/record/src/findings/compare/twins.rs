@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::{Compared, Judgement, Note, Record};
 use crate::stats::interval::{Interval, at_least, interval};
 
-/// If a twin moved by more than this factor, no verdict is given. A comparison must be able to
-/// detect this much.
+/// If a twin moved by more than this factor, no verdict is given, because a comparison must be able
+/// to detect a slowdown of this size.
 pub const SEEN: f64 = 1.25;
 /// If chance explains the number of moved twins with at most this probability, all verdicts are
 /// void.

@@ -11,19 +11,19 @@ use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
 use contactbench_terms::number::plural;
 
-/// Average use of a core by other processes during a run, above which times are doubtful, unless
-/// [`OTHERS_OF_ALL`] allows more.
+/// Share of a core that other processes may use on average during a run. If they use more, times
+/// are doubtful, unless [`OTHERS_OF_ALL`] allows it.
 pub const OTHERS: f64 = 0.10;
-/// Share of all cores that other processes may use, as a system does when idle.
+/// Share of all cores that other processes may use, because an idle system uses some.
 pub const OTHERS_OF_ALL: f64 = 0.01;
 /// Share of a core that the host of a virtual machine may take away.
 pub const STOLEN: f64 = 0.02;
-/// A single scene may have this multiple of [`OTHERS`] and [`STOLEN`].
+/// In a single scene, this multiple of [`OTHERS`] and [`STOLEN`] is allowed.
 pub const IN_A_SCENE: f64 = 2.5;
-/// Shortest scene that is judged, in seconds, because the system's clocks are coarse.
+/// Shortest scene that is judged, in seconds. The system's clocks are too coarse for less.
 pub const SHORTEST_S: f64 = 1.0;
-/// Limit for the load average of the minute before the run, used if processor times are missing or
-/// too short.
+/// Limit for the load average of the minute before the run. It is used if processor times are
+/// missing or too short.
 pub const LOAD: f64 = 1.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,7 +46,7 @@ pub enum Load {
     Unknown,
     /// The highest load average of the minute before a run, which excludes the run itself.
     Before(f64),
-    /// Values of the machine with the most other load during timing.
+    /// Load during timing, on the machine with the most load by other processes.
     Watched { seconds: f64, others: f64, stolen: f64 },
 }
 
@@ -63,7 +63,7 @@ impl Conditions {
             let values = values.flat_map(|text| text.split(", ")).filter(|text| !text.is_empty());
             values.map(String::from).collect()
         };
-        // The provenance of a merged record does not state this, but those of its parts do.
+        // The provenance of a merged record does not state `dirty`, but those of its parts do.
         let said = provenances.iter().filter(|fields| fields.get("merged_from").is_none());
         let said: Vec<Option<bool>> =
             said.map(|fields| fields.get("dirty").and_then(Value::as_bool)).collect();
@@ -87,7 +87,7 @@ impl Conditions {
         let looked: Vec<bool> = timed.iter().filter_map(|row| states.is_slow(row)).collect();
         conditions.slow = (looked.iter().filter(|&&slow| slow).count(), looked.len());
         conditions.watched(&timed, ledger);
-        // Counts do not depend on load.
+        // Load does not affect a record of counts alone.
         let counts_alone = timed.is_empty() && !rows.is_empty();
         if conditions.load == Load::Unknown && !counts_alone {
             conditions.before(&provenances);
@@ -177,8 +177,8 @@ pub fn percent(share: f64) -> String {
     if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") }
 }
 
-/// Programs with one name but different contents that one subject used on one machine. Builds timed
-/// in turns are different subjects.
+/// Finds programs of one name but different contents that one subject used on one machine. Builds
+/// timed in turns are different subjects.
 fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
     let mut sums: BTreeMap<_, BTreeSet<&str>> = BTreeMap::new();
     for row in timed {
@@ -198,8 +198,8 @@ fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
     several.into_iter().map(words).collect()
 }
 
-/// The values of this build property among the programs with our detectors; several if two builds
-/// took part.
+/// Returns the values of a build property in the programs that ran our detectors; several values
+/// mean that two builds took part.
 fn said_by<'a>(timed: &[&Row], ledger: &'a Ledger, name: &str) -> BTreeSet<&'a str> {
     let ours = timed.iter().filter(|row| row.role != Role::Runner);
     let ids: BTreeSet<&String> = ours.filter_map(|row| row.process.as_ref()).collect();

@@ -111,15 +111,15 @@ pub struct Coverage<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub experiment: String,
-    /// Complete planned scenes, ignoring unavailable subjects; and all planned scenes.
+    /// Number of complete planned scenes, ignoring unavailable subjects, and of all planned scenes.
     pub scenes: [usize; 2],
-    /// Planned cells that are there, and all.
+    /// Number of planned cells that are there, and of all planned cells.
     pub cells: [usize; 2],
     pub missing: BTreeMap<Why, usize>,
     pub short: BTreeMap<Why, Short>,
     pub blocks: u32,
     pub outside: usize,
-    /// Cells of twins, which every run adds to measure the noise.
+    /// Number of cells of twins, which every run adds to measure the noise.
     pub twins: usize,
     /// Subjects that could not be started, with the reason.
     pub unavailable: BTreeMap<String, String>,
@@ -136,7 +136,7 @@ pub struct Uncovered {
     /// Number of missing cells; for claims about times, short cells are included.
     pub cells: usize,
     pub of: usize,
-    /// The axes that distinguish them from other cells.
+    /// The axes that distinguish the missing cells from others.
     pub gaps: Vec<Gap>,
     pub why: BTreeMap<Why, usize>,
     pub unavailable: BTreeSet<String>,
@@ -292,7 +292,7 @@ impl<'a> Coverage<'a> {
         self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
     }
 
-    /// Why a cell is missing as far as these passes go; `None` if it is there.
+    /// Returns why a cell lacks one of these passes; `None` if it has them.
     fn missing(&self, planned: &Planned<'_>, needed: &[Pass]) -> Option<Why> {
         let Some(cell) = planned.cell else { return Some(planned.why) };
         match cell.overall().0 {

@@ -175,7 +175,7 @@ impl Map {
     }
 }
 
-/// The subject on a map: a detector, or a tracker over a detector; other parameters are settings.
+/// The subject of a cell: a detector, or a tracker over a detector. Other parameters are settings.
 fn who(cell: &Cell, varied: &[&str]) -> String {
     let id = &cell.id;
     let settings = id.detector_params.keys().map(String::as_str).filter(|name| *name != OVER);

@@ -10,7 +10,7 @@ use crate::record::id::{THREADS, variable};
 use contactbench_terms::nearest::hint;
 
 pub(super) const MOST_VALUES: usize = 12;
-/// Measured values within this factor share a place.
+/// Factor within which measured values share a place, unless a map then has too many places.
 const NEAR: f64 = 1.1;
 /// Columns that describe the scene, whatever the subject.
 const OF_SCENES: [&str; 8] = [
@@ -26,7 +26,7 @@ const OF_SCENES: [&str; 8] = [
 pub(super) struct Variable {
     pub name: String,
     values: Values,
-    /// Subjects without this axis, which take part at all its values: name with parameters.
+    /// Subjects without this axis, named with parameters. They take part at all its values.
     free: BTreeSet<String>,
 }
 
@@ -134,7 +134,7 @@ pub(super) fn classes(sorted: &[f64]) -> Vec<(f64, f64)> {
     }
 }
 
-/// For example `0.52 to 0.56`, with two digits.
+/// Formats a range such as `0.52 to 0.56`, with two digits.
 pub(super) fn shown((low, high): (f64, f64)) -> String {
     let digits = |value: f64| -> String {
         let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);

@@ -45,10 +45,10 @@ pub struct Entry {
     pub control: bool,
     /// Median time per detection, in nanoseconds; `None` without a correct answer.
     pub time_ns: Option<f64>,
-    /// Time over that of the base, whatever the outcome; `None` unless the base is correct.
+    /// Time over the time of the base, whatever the outcome; `None` unless the base is correct.
     pub ratio: Option<Interval>,
     pub base: Option<String>,
-    /// Whether it is the base of its own ratio.
+    /// Whether this entry is the base of its own ratio.
     pub is_base: bool,
 }
 
@@ -63,12 +63,12 @@ pub struct Missing {
     pub name: String,
     pub outcome: Outcome,
     pub cells: usize,
-    /// The first reason; the others differ only in numbers.
+    /// The first reason; other reasons differ from it only in numbers.
     pub reason: String,
 }
 
 impl Ratios {
-    /// Compares all subjects with the reference; `None` if that has no time. The reference has its
+    /// Compares all subjects with the reference; `None` if the reference has no time. It has its
     /// fewest threads, and preferably the arithmetic of the other subject, otherwise exact
     /// arithmetic.
     pub fn new(cells: &[&Cell], reference: &str) -> Option<Ratios> {
@@ -160,7 +160,7 @@ fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entr
     })
 }
 
-/// Counts bad outcomes per subject and reason; reasons that differ only in numbers are one.
+/// Counts bad outcomes per subject and reason. Reasons that differ only in numbers count as one.
 fn missing(cells: &[&Cell]) -> Vec<Missing> {
     let kind = |reason: &str| {
         let mut kind: Vec<char> =

@@ -34,9 +34,9 @@ pub const UPPER_TREND: f64 = 0.05;
 /// of order N^((D-1)/D) move exponents of detectors by up to 0.023; a factor N^0.05 moves them by
 /// 0.05.
 pub const LIMIT: f64 = 0.03;
-/// Number of doublings of N at the end of a series that are compared with the law.
+/// Number of doublings of N, counted from the end of a series, over which [`Tail`] is measured.
 pub const OCTAVES: i32 = 5;
-/// Smallest N of these; in smaller scenes, boundaries have too much weight.
+/// Smallest N that [`Tail`] uses; in smaller scenes, boundaries have too much weight.
 pub const LEAST_TAIL: f64 = 1000.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -91,7 +91,7 @@ pub struct Slope {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The law, or why none is chosen.
+    /// The chosen law, or the reason why none is chosen.
     pub law: Result<Model, String>,
     pub slope: Option<Slope>,
     pub scores: Vec<(Model, f64)>,
@@ -129,8 +129,8 @@ pub fn slope(points: &[(f64, f64)]) -> Option<Slope> {
     Some(Slope { exponent, error, low: exponent - half, high: exponent + half })
 }
 
-/// The 97.5% point of Student's t: exact for 1 and 2 degrees of freedom. Otherwise the
-/// Cornish-Fisher expansion, which is 0.13% too small for 3 and more exact for more.
+/// Returns the 97.5% point of Student's t. It is exact for 1 and 2 degrees of freedom; for 3, the
+/// Cornish-Fisher expansion is 0.13% too small, and for more it is closer.
 fn student(freedom: usize) -> f64 {
     match freedom {
         0 | 1 => 12.7062,
@@ -192,7 +192,7 @@ pub fn choose(points: &[(f64, f64)]) -> Choice {
     Choice { law, slope: slope(points), scores }
 }
 
-/// The best law, or why none is chosen. Points are logarithms, sorted by N.
+/// Returns the best law, or the reason why none is chosen. Points are logarithms, sorted by N.
 fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, String> {
     let (Some(first), Some(last), [(best, least), (second, next), ..], LEAST_POINTS..) =
         (points.first(), points.last(), scores, points.len())

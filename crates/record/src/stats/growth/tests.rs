@@ -80,7 +80,7 @@ fn the_last_octaves_tell_a_small_factor_from_a_boundary() {
 
 #[test]
 fn a_surface_term_is_not_called_n_log_n() {
-    // Contacts in a block of a lattice: the surface, of order N^(2/3), has fewer.
+    // In a block of a lattice, particles at the surface, of order N^(2/3), have fewer contacts.
     let choice = choose(&points(|n| 6.0 * n - 9.0 * n.powf(2.0 / 3.0)));
     assert_ne!(choice.law, Ok(Model::Linearithmic), "{choice:?}");
 }
