@@ -1,5 +1,5 @@
-//! Errors in the record: by cause, in every arithmetic, and of hard cases with earlier scenes or
-//! without a valid scene.
+//! Tests the errors that a record counts: by cause, in every arithmetic, on hard cases with earlier
+//! scenes or without a valid one.
 
 use contactbench::oracle::Errors;
 use contactbench::record::row::{Outcome, Pass};
@@ -13,7 +13,7 @@ fn each_error_is_charged_to_its_cause() {
                 arithmetics = [\"f32\", \"f32-cell\", \"textbook\", \"f64\", \"exact\"]\n\
                 [[scene]]\nname = \"couples\"\nn = 600\ndiameter = 0.1\noffset = -1000\n\
                 [[scene]]\nname = \"loose\"\nn = 600\noffset = 1e6\n";
-    // Textbook arithmetic may lose contacts.
+    // Textbook arithmetic may miss contacts without failing the run.
     let (_at, rows) = rows(text, 0);
     for row in rows.iter().filter(|row| !row.id.detector.ends_with("-twin")) {
         let (errors, causes) = (row.errors.unwrap(), row.causes.unwrap());
@@ -30,7 +30,7 @@ fn each_error_is_charged_to_its_cause() {
         match (row.id.scene.as_str(), row.id.arithmetic.as_str()) {
             // f32 misses pairs one step from tangency, whose overlap is tiny.
             ("couples", "f32") => assert!(predicate > 0 && errors.deepest_miss < 1e-12, "{row:?}"),
-            // At a million diameters from the origin, f32 has 16 steps for a disc.
+            // A million diameters from the origin, a disc has 16 steps of f32 across.
             ("loose", "f32") => assert!(predicate == 0 && errors.deepest_miss > 1e-3, "{row:?}"),
             ("couples", "exact") => {
                 assert_eq!((errors, row.contacts), (Errors::default(), Some(300)))
@@ -49,7 +49,7 @@ fn the_steps_of_a_case_come_before_the_one_that_is_judged() {
         [log("load", r#"{"reply":"loaded"}"#), log("sample", refused), log("count", &count)];
     let script = answers(&[("load", &load), ("sample", &sample), ("count", &count)]);
     let scene = "[[scene]]\nname = \"hard\"\ncase = \"shrink-then-grow\"\n";
-    // No contacts is a wrong answer.
+    // The reply without contacts is wrong, so the run exits with code 1.
     let (at, _) = rows(&format!("detectors = []\n{scene}{}", runner("fake", "sh", &script)), 1);
     let log = at.read("log");
     let words: Vec<&str> = log.lines().collect();

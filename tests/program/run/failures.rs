@@ -1,12 +1,11 @@
-//! Runners that crash, hang, give wrong answers or are missing.
+//! Tests runners that crash, hang, give wrong answers or are missing.
 
 use contactbench::record::row::{Outcome, Pass, Row};
 
 use super::{EMPTY, HEAD, SPARSE, of, rows};
 use crate::common::{PROGRAM, Place, answers, fake, runner, sample, say};
 
-/// A runner that reports impossible numbers loses its rows, with the reason; `check` reports the
-/// same.
+/// A runner that reports impossible numbers crashes, in a run and in `check`, with the reason.
 #[test]
 fn impossible_numbers_are_refused() {
     let fields = r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#;
@@ -32,7 +31,7 @@ fn impossible_numbers_are_refused() {
     assert!(of(&rows, "nbs", 25).iter().all(|row| row.outcome == Outcome::Ok));
 }
 
-/// Name, program, script, outcomes of count, memory and time, and words of the last reason.
+/// Cases: name, program, script, outcomes of count, memory and time, words of the last reason.
 fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static str)> {
     use Outcome::*;
     let right = sample(0, EMPTY);
@@ -45,7 +44,7 @@ fn cases() -> Vec<(&'static str, &'static str, String, [Outcome; 3], &'static st
     let old = say(r#"{"reply":"hello","protocol":0,"detector":"old"}"#);
     let strays = answers(&[("count", &loaded), ("sample", &right)]);
     let skips = fake(&[("sample", &right)]);
-    // An array of 9·10^9 cells: allowed for the detector, but not for the process.
+    // An array of 9·10^9 cells, which the detector may allocate, but not its process.
     let greedy = format!("exec {PROGRAM} runner --detector screening --memory-limit 99000000000");
     let stray = "Loaded";
     vec![
@@ -101,7 +100,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     assert_eq!(alone.iter().filter(right).count(), 1, "{alone:?}");
     let other = of(&sparse, "other", 100);
     assert!(other.iter().all(|row| row.outcome == Outcome::Wrong || row.pass != Pass::Time));
-    // Too slow with 100 particles, so not tried with 400.
+    // The runner is too slow with 100 particles, so it is not tried with 400.
     let late = of(&dense, "hangs", 400);
     let untried = |row: &&Row| row.outcome == Outcome::Timeout && row.reason.contains("not tried");
     assert!(late.len() == 3 && late.iter().all(untried), "{late:?}");
@@ -118,10 +117,10 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
 #[test]
 fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     let one = sample(1, "0x910a2dec89025cc1");
-    // One pair, (0, 1), which does not touch.
+    // Shell code that writes one pair, (0, 1), which does not touch.
     let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
     let open = answers(&[("sample", &one), ("pairs", write)]);
-    // A runner that writes another list than the one it reported.
+    // A runner that writes other pairs than those whose digest it reported.
     let fickle = answers(&[("sample", &sample(1, "0x0000000000000001")), ("pairs", write)]);
     let text = format!(
         "detectors = [\"nbs\"]\n{SPARSE}{}{}{}",
@@ -143,8 +142,7 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     }
 }
 
-/// A runner that cannot start fails the run, unless it is optional; so does one that crashed in
-/// every scene.
+/// A run fails if a runner cannot start, unless it is optional, or crashes in every scene.
 #[test]
 fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     let crashes = runner("mine", "sh", &fake(&[("load", "exit 3")]));
@@ -168,7 +166,7 @@ fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     }
 }
 
-/// A wrong answer is printed once, before all else, on the terminal and on every page.
+/// A wrong answer is printed once, above everything else, on the terminal and on every page.
 #[test]
 fn who_is_wrong_comes_first_and_once() {
     let at = Place::new();

@@ -1,5 +1,5 @@
-//! Runners that fork, hide children, flood or print bytes: no process stays behind, and the reason
-//! is recorded.
+//! Tests runners that fork, hide children, or print floods of bytes: all processes are ended, and
+//! the reason is recorded.
 
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use contactbench::record::row::Outcome;
 use super::SPARSE;
 use crate::common::{PROGRAM, Place, answers, has, runner};
 
-/// A runner in Python with an extra action before it answers.
+/// A runner in Python that runs the code BEFORE before it answers.
 const PYTHON: &str = r#"
 import json, os, sys, time
 def say(**reply): print(json.dumps(reply), flush=True)
@@ -45,7 +45,7 @@ for line in sys.stdin:
         say(reply="unsupported")
 "#;
 
-/// Returns the number of processes that the runners noted; fails if one does not end.
+/// Waits until all processes that runners noted have ended; returns their number.
 pub fn all_ended(at: &Place) -> usize {
     let pids = std::fs::read_to_string(at.path("pids")).unwrap_or_default();
     for pid in pids.lines() {
@@ -76,12 +76,12 @@ fn children_that_hide_are_found_and_ended() {
     let at = Place::new();
     for (name, before) in [
         ("hides", ""),
-        // Removes the mark from its environment, and so from that of its children.
+        // This runner removes the mark from its environment, and so from that of its children.
         (
             "bare",
             "if os.environ.pop('CONTACTBENCH_RUNNER', ''): os.execve(sys.executable, [sys.executable, *sys.argv], os.environ)",
         ),
-        // Dies, and leaves a child that keeps starting others.
+        // This runner dies, and leaves a child that keeps starting others.
         (
             "forks",
             "hide()\nif os.fork() == 0:\n    os.setsid()\n    while True:\n        if os.fork() == 0:\n            note()\n            time.sleep(0.05)\n        else:\n            time.sleep(0.02)\n            os._exit(0)\nif os.path.exists('die'): sys.exit(7)",
@@ -96,17 +96,16 @@ fn children_that_hide_are_found_and_ended() {
         assert!(own.iter().all(|row| row.outcome == Outcome::Ok) && own.len() == 4, "{own:#?}");
         assert!(all_ended(&at) >= 3, "{name}: nothing was hidden");
     }
-    // `check` uses the same code, so one case is enough.
+    // `check` ends processes with the same code, so one case is enough.
     at.run("check --runner 'python3 forks.py' --seconds 0");
     assert!(all_ended(&at) >= 3);
-    // A runner that dies leaves no process behind, either.
+    // Nor does a runner that dies leave a process behind.
     at.file("die", "");
     at.run("run t.toml --out dies");
     assert!(all_ended(&at) >= 1);
 }
 
-/// A shell starts a process in the background, then becomes this program, which must spare the
-/// process.
+/// A process that a shell started in the background is spared when the shell becomes this program.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_was_there_before_the_first_runner_is_spared() {

@@ -1,8 +1,8 @@
-//! Foreign text reaches no terminal, log or spreadsheet as a command.
+//! Text from other programs and files reaches no terminal, log or spreadsheet as a command.
 
 use crate::common::{Ended, Place, fake, run, say};
 
-/// Fails on control characters other than line feeds, and on lines that a log takes for a command.
+/// Fails if the output has control characters (except line feeds) or commands to a log.
 fn harmless(what: &str, ended: &Ended) {
     for text in [&ended.stdout, &ended.stderr] {
         assert!(text.chars().all(|c| c == '\n' || !c.is_control()), "{what}: {text:?}");

@@ -1,5 +1,5 @@
-//! From experiment files to records: each planned cell has its rows, each failure its outcome and
-//! reason without harm to other runners, and a stopped run can be completed.
+//! Tests runs of experiments: each planned cell has its rows, a failure has an outcome and a reason
+//! and harms no other runner, and a stopped run can be completed.
 
 mod errors;
 mod failures;
@@ -22,7 +22,7 @@ const SPARSE: &str = "[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n";
 
 const EMPTY: &str = "0x0000000000000000";
 
-/// Runs an experiment to this exit code; returns the folder and the rows.
+/// Runs an experiment, which must end with this exit code; returns the folder and the rows.
 fn rows(text: &str, code: i32) -> (Place, Vec<Row>) {
     let at = Place::new();
     at.file("t.toml", format!("{HEAD}{text}"));

@@ -11,7 +11,7 @@ fn recommend_names_one_and_why_not_the_others() {
         of(name);
     }
     assert!(find("nothing").is_none() && find("nbs-twin").is_none());
-    // An array over cells exceeds the memory limit.
+    // screening refuses, because its array over cells exceeds the memory limit.
     let refused = of("screening");
     assert_eq!(refused["outcome"], "refused");
     assert!(refused["reason"].as_str().unwrap().contains("300000"), "{refused}");
@@ -21,7 +21,7 @@ fn recommend_names_one_and_why_not_the_others() {
     let time = &choice["ns_per_particle"];
     let times = ["low", "median", "high"].map(|it| time[it].as_f64().unwrap());
     assert!(times.is_sorted(), "{time}");
-    // It is the leanest of the undecided detectors that are not much slower.
+    // The choice needs the least memory of the undecided detectors that are not much slower.
     assert_eq!(time["blocks"], answer["blocks"]);
     for name in answer["cannot_tell_apart"].as_array().unwrap() {
         let tied = of(name.as_str().unwrap());

@@ -1,5 +1,4 @@
-//! A resumed run has the rows of an undisturbed one, wherever it was stopped, and no result is ever
-//! overwritten.
+//! A run stopped anywhere and resumed gets all its rows, and results are never overwritten.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Stdio;
@@ -13,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::common::{self, PROGRAM, Place, Template, answers, fake, program, runner};
 
-/// Exit code of a whole run of [`experiment`]: two of its runners crash in every scene.
+/// Exit code of a whole run of [`experiment`], in which two runners crash in every scene.
 pub const WHOLE: i32 = 1;
 
 const RUN: &str = "run t.toml --out result";
@@ -22,8 +21,8 @@ const RECORD: &str = "result/samples.jsonl";
 
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 2\n";
 
-/// Cells that succeed, are refused, belong to a control, crash in a timed pass, crash at once, or
-/// cannot start.
+/// Returns an experiment with cells that succeed, are refused, belong to a control, crash in a
+/// timed pass, crash at once, or cannot start.
 pub fn experiment() -> String {
     format!(
         "{HEAD}memory-limit-mib = 1\ndetectors = [\"nbs\", \"screening\", \
@@ -34,15 +33,15 @@ pub fn experiment() -> String {
     )
 }
 
-/// Each of two scenes has 4 rows of nbs, of its twin and of nothing, and 3 of late, of early and of
-/// absent. screening has 4 rows in one scene and 3 in the other.
+/// Number of rows. In each of two scenes nbs, its twin and nothing have 4, and late, early and
+/// absent have 3. screening has 4 in one scene and 3 in the other.
 const ROWS: usize = 2 * (4 + 4 + 4 + 3 + 3 + 3) + 4 + 3;
 
 pub fn steady(at: &Place) -> BTreeMap<Measurement, String> {
     common::steady(&at.rows("result"))
 }
 
-/// Returns a copy of an undisturbed run, its rows and its duration; all tests share one run.
+/// Returns a copy of an undisturbed run, its rows and its duration; it runs once for all tests.
 fn undisturbed() -> (Place, BTreeMap<Measurement, String>, Duration) {
     static RUN_ONCE: OnceLock<(Template, Duration)> = OnceLock::new();
     let (template, took) = RUN_ONCE.get_or_init(|| {
@@ -66,7 +65,7 @@ fn a_record_that_was_cut_is_completed() {
     let (at, expected, _) = undisturbed();
     let whole = at.read(RECORD);
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
-    // Steps of eleven rows reach all passes and outcomes.
+    // Cutting after every eleventh row reaches all passes and outcomes.
     for kept in (0..lines.len()).step_by(11) {
         let torn = &lines[kept][..lines[kept].len() / 2];
         at.file(RECORD, lines[..kept].concat() + torn);
@@ -83,14 +82,14 @@ fn a_record_that_was_cut_is_completed() {
 #[test]
 fn a_run_killed_at_random_moments_is_completed() {
     let (_at, expected, took) = undisturbed();
-    // To repeat a failure: `CONTACTBENCH_SEED=7 cargo test --test program resume`.
+    // This command repeats a failure: `CONTACTBENCH_SEED=7 cargo test --test program resume`.
     let given = std::env::var("CONTACTBENCH_SEED").ok().and_then(|text| text.parse().ok());
     let now = || std::time::UNIX_EPOCH.elapsed().map_or(1, |since| since.subsec_nanos().into());
     let seed: u64 = given.unwrap_or_else(now);
     eprintln!("CONTACTBENCH_SEED={seed}, an undisturbed run takes {took:?}");
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cut_short = 0;
-    // More than three kills are tried only until one interrupts the run.
+    // The run is killed three times, or more often until one kill interrupts it.
     for kill in 1..=20 {
         if kill > 3 && cut_short > 0 {
             break;
@@ -125,7 +124,7 @@ fn a_full_disk_costs_no_row() {
     let (_at, expected, _) = undisturbed();
     let at = Place::new();
     at.file("t.toml", experiment());
-    // A limit of 8 KiB on files makes writing fail like a full disk; the signal is ignored.
+    // The signal is ignored, so beyond 8 KiB a file cannot be written, as on a full disk.
     let ended = at.shell(&format!("trap '' XFSZ; ulimit -f 16; exec {PROGRAM} {RUN}"));
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
     let rows = at.rows("result").len();
@@ -196,7 +195,7 @@ fn a_resumed_run_remembers_which_detector_was_too_slow() {
     assert_eq!(steady(&at), expected, "the reason says that it was not tried");
 }
 
-/// Two virtual machines with one name and different processors.
+/// Two virtual machines have the same name but different processors.
 #[test]
 fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
     let (at, ..) = undisturbed();
@@ -229,7 +228,7 @@ fn a_result_is_never_written_over() {
     let ended = at.ends(2, RUN, &["--resume", "--out"]);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
     assert!(before == files());
-    // Only a torn last line is repaired.
+    // A torn line is repaired only if it is the last.
     at.file(RECORD, format!("not a row\n{}", before[0]));
     at.ends(1, RESUME, &["samples.jsonl:1: "]);
 }

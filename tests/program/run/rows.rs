@@ -1,4 +1,4 @@
-//! Planned cells have their rows, with all fields.
+//! Each planned cell has its rows with all fields.
 
 use std::collections::BTreeSet;
 
@@ -15,8 +15,8 @@ fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
     let (_at, rows) = rows(text, 0);
     let keys: BTreeSet<Measurement> = rows.iter().map(Row::measurement).collect();
     assert_eq!(keys.len(), rows.len(), "no cell has two rows");
-    // Packed: 2 dimensions, 2 sizes, 2 seeds; pack C: 2 spacings. 3 detectors, 2 arithmetics, and a
-    // twin in the first; counts, memory and a block.
+    // packed has 2 dimensions, 2 sizes, 2 seeds; pack-c 2 spacings. Each scene has 3 detectors in 2
+    // arithmetics and a twin in the first; each of them has counts, memory and one block.
     assert_eq!(rows.len(), (2 * 2 * 2 + 2) * (3 * 2 + 1) * (1 + 1 + 1));
     for row in &rows {
         let control = row.id.detector == "nothing";
@@ -44,7 +44,7 @@ fn a_row_has_the_fields_of_the_format() {
     let published = "experiment scene params dim n seed order detector arithmetic pass \
                      block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
                      allocations formula_bytes stats";
-    // Fields of the format that docs do not promise.
+    // Fields of rows that the documentation does not promise.
     let more = "first_ns calls elapsed_ns warm_allocations errors causes schema machine role \
                 resources process check";
     let expected: BTreeSet<String> =
@@ -71,7 +71,7 @@ fn a_row_has_the_fields_of_the_format() {
         }
         assert!(row["resources"]["threads"].is_u64(), "{line}");
         assert_eq!((row["time_ns"].is_u64(), row["first_ns"].is_u64()), (timed, timed));
-        // A sample repeats the detection many times.
+        // In a sample the detection is repeated many times.
         if timed {
             let (calls, elapsed) = (&row["calls"], &row["elapsed_ns"]);
             assert!(calls.as_u64() > Some(100) && elapsed.as_u64() > Some(1_000_000), "{line}");

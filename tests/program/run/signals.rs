@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM.
+//! Tests that Ctrl-C and SIGTERM end a run.
 
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -10,8 +10,8 @@ use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
-/// Starts a run with a runner that hangs unless the file `go` exists, and that writes its process
-/// ids to `pids`. Returns when it hangs.
+/// Starts a run whose runner writes its process ids to `pids`, and hangs unless the file `go`
+/// exists. Returns when it hangs.
 fn hanging(at: &Place) -> Child {
     let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let waits = runner("waits", "sh", &answers(&[("sample", sample)]));
@@ -70,7 +70,7 @@ fn a_second_ctrl_c_ends_at_once() {
     let began = Instant::now();
     while child.try_wait().unwrap().is_none() {
         assert!(began.elapsed() < Duration::from_secs(30), "a second signal does not end it");
-        // Two equal signals may arrive as one.
+        // The signal is sent again, because two pending signals may arrive as one.
         let _ = kill_process(Pid::from_child(&child), Signal::INT);
         std::thread::sleep(Duration::from_millis(100));
     }

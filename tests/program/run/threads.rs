@@ -1,4 +1,4 @@
-//! Threads as an axis, and copies that run side by side.
+//! Tests threads as an axis, and copies of a detector that run at the same time.
 
 use std::collections::BTreeSet;
 
@@ -21,14 +21,14 @@ fn memory_is_measured_with_the_threads_of_the_row_and_sequential_detectors_have_
     let contacts = rows[0].contacts.unwrap();
     let ((peak, formula), (peak_of_two, formula_of_two)) = (memory(1), memory(2));
     assert_eq!(peak, formula);
-    // The formula includes the contacts that threads collect, but not the lists of their shares.
+    // The formula for two threads includes the contacts they collect, not their lists of work.
     assert!(contacts > 400 && formula_of_two >= peak + 8 * contacts, "{formula_of_two}, {peak}");
     let lists = formula_of_two..formula_of_two + (16 << 10);
     assert!(lists.contains(&peak_of_two), "{peak_of_two}, formula {formula_of_two}");
 }
 
-/// Returns an experiment with 1 and 2 threads: a detector that uses threads, two that do not, a
-/// runner that takes the number, one that starts with 2 only, and one that ignores it.
+/// Returns an experiment with 1 and 2 threads: a detector that uses them, two that do not, and
+/// runners that take the number, start with 2 only, or ignore it.
 fn threaded(n: &str) -> String {
     let told = format!("exec {PROGRAM} runner --detector direct --threads {{threads}}");
     let particular = format!("[ {{threads}} = 2 ] || exit 7; {told}");
@@ -72,7 +72,7 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
         assert!(row.time_ns > Some(0) && row.calls >= Some(2), "{row:?}");
         assert!(row.digest.is_some() && row.counts.is_empty(), "{row:?}");
     }
-    // Two scenes with three subjects of two threads, one of which has no time with one thread.
+    // In each of two scenes three subjects have two threads; one of them has no time with one.
     let lines = |name: &str| at.read(&format!("result/{name}")).lines().count();
     assert_eq!(lines("threads.csv"), 1 + 2 * 2);
     assert_eq!(lines("ratios.csv"), 1 + 2 * (2 + 1 + 1 + 2 + 2 + 1));

@@ -1,4 +1,4 @@
-//! Pictures of boxes.
+//! Tests pictures of boxes.
 
 use crate::common::Place;
 
@@ -14,7 +14,7 @@ fn faces(svg: &str) -> (usize, usize) {
 #[test]
 fn the_box_its_images_and_contacts_across_it_are_drawn() {
     let at = Place::new();
-    // One disc in the middle, two that touch through a face, one outside.
+    // A disc in the middle, two that touch through a face, and one outside.
     at.file("discs.csv", "x,y,r\n2,2,0.5\n0.25,1,0.5\n3.25,1,0.5\n-1.5,3,0.25\n");
     at.file("one.csv", "x,y,z,r\n0.25,0.5,7,0.5\n");
     at.file(
@@ -30,15 +30,14 @@ fn the_box_its_images_and_contacts_across_it_are_drawn() {
     for part in ["4 discs", "1 outside", ": 1;", "tangent: 1<"] {
         assert!(svg.contains(part), "'{part}' in {svg}");
     }
-    // Two pale images with their numbers, and marks of tangency.
+    // The picture shows two pale images with their numbers, and marks of tangency.
     assert_eq!(svg.matches("fill=\"#8a8167\"").count(), 2, "{svg}");
     let pale = svg.split("fill=\"#f6f3ea\"").nth(1).unwrap().split("</g>").next().unwrap();
     assert_eq!(pale.matches("<circle").count(), 2, "{pale}");
     assert_eq!(svg.matches("<circle").count(), 6 + 3, "{svg}");
     let spheres = picture("one.csv --box 1,1,1", &["3 contacts, 3 of"]);
     assert!(spheres.contains(": 2 of 3"), "{spheres}");
-    // Four periodic faces; two periodic and two open ones; two periodic ones if an axis has no
-    // length.
+    // Numbers of periodic and open faces; an axis without a length has none.
     for (line, expected) in [
         ("discs.csv --box 4,4", (4, 0)),
         ("discs.csv --box 4,4 --periodic x", (2, 2)),
@@ -48,7 +47,7 @@ fn the_box_its_images_and_contacts_across_it_are_drawn() {
     ] {
         assert_eq!(faces(&picture(line, &[])), expected, "{line}");
     }
-    // Faces of a sheared box are drawn with their slope.
+    // The faces of a sheared box are drawn slanted.
     let svg = picture("discs.csv --box 4,0,4,4", &[]);
     let line = svg.lines().find(|line| line.contains("stroke=\"#555")).unwrap();
     let steep = line.split('"').nth(1).unwrap().split('M').skip(1).filter(|edge| {

@@ -1,4 +1,4 @@
-//! Chromium for tests, driven by chromedriver over the WebDriver protocol on this machine.
+//! Runs Chromium for tests, through chromedriver on this machine and the WebDriver protocol.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -24,8 +24,8 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Opens a window of this size; `None` without Chromium and chromedriver, unless
-    /// `CONTACTBENCH_BROWSER=required`.
+    /// Opens a window of this size. Without Chromium and chromedriver it returns `None`, or panics
+    /// if `CONTACTBENCH_BROWSER=required`.
     pub fn open(width: u32, height: u32) -> Option<Browser> {
         let names = ["chromium", "chromium-browser", "google-chrome"];
         let chromium = names.into_iter().find(|name| starts(name, "--version"));
@@ -65,7 +65,7 @@ impl Browser {
         Some(browser)
     }
 
-    /// Returns the folder of downloads.
+    /// Returns the folder for downloads.
     fn downloads(&self) -> PathBuf {
         self.folder.path().join("downloads")
     }
@@ -104,12 +104,12 @@ impl Browser {
         self.post("/url", json!({"url": format!("file://{}", file.display())}));
     }
 
-    /// Runs JavaScript; returns its value.
+    /// Runs JavaScript, and returns its result as JSON.
     pub fn run(&self, code: &str) -> Value {
         self.post("/execute/sync", json!({"script": code, "args": []}))
     }
 
-    /// Runs JavaScript; returns its value as a type.
+    /// Runs JavaScript, and returns its result as a `T`.
     pub fn get<T: DeserializeOwned>(&self, code: &str) -> T {
         serde_json::from_value(self.run(code)).unwrap_or_else(|error| panic!("{code}: {error}"))
     }
@@ -119,14 +119,14 @@ impl Browser {
         self.get(&format!("return document.querySelector({css:?}).textContent"))
     }
 
-    /// Sends an action to the first element that matches the selector.
+    /// Applies an action to the first element that matches the selector.
     fn act(&self, css: &str, action: &str, body: Value) {
         let found = self.post("/element", json!({"using": "css selector", "value": css}));
         let element = found.as_object().and_then(|it| it.values().next()?.as_str());
         self.post(&format!("/element/{}/{action}", element.expect("an element")), body);
     }
 
-    /// Clicks like a mouse; fails if something covers the element.
+    /// Clicks the element as a mouse does; fails if something covers it.
     pub fn click(&self, css: &str) {
         self.act(css, "click", json!({}));
     }
@@ -149,7 +149,7 @@ impl Browser {
         self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
     }
 
-    /// Emulates a phone.
+    /// Makes the browser behave like a phone.
     pub fn phone(&self) {
         let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
         self.devtools("Emulation.setDeviceMetricsOverride", size);
@@ -177,7 +177,7 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         if !self.session.is_empty() {
-            // Ends the browser, which outlives its driver; ignores errors.
+            // Closes the browser, which would go on without its driver; ignores errors.
             let end = || self.send("DELETE", &format!("/session/{}", self.session), &Value::Null);
             let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(end));
         }

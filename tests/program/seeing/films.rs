@@ -1,4 +1,4 @@
-//! Pages that play frames.
+//! Tests pages that play frames.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use crate::common::Place;
 const FLIGHT: &str = "loose:dim=2,n=200,fraction=0.5 --motion drift:speed=0.02 --frames 41 \
                       --tracker verlet(nbs,skin=0.1,rule=every-10)";
 
-/// Returns the page of a command, its data, and its output.
+/// Runs a command; returns the page it wrote, the data in the page, and its output.
 fn film(at: &Place, line: &str) -> (String, Value, String) {
     let said = at.good(&format!("draw {line} -o film.html")).stderr;
     let html = at.read("film.html");
@@ -52,7 +52,7 @@ fn a_film_has_its_frames_builds_and_missed_contacts() {
         let (circles, pairs) = (numbers(&frame[0]), numbers(&frame[1]));
         assert_eq!((circles.len(), pairs.len()), (2 * 200, 2 * count(&frame[3])), "frame {k}");
         assert_eq!(frame[2], frame[4], "all discs are there");
-        // The gaps in this frame and when the list was built.
+        // The gap of a pair is compared in this frame and in the frame of the last rebuild.
         let before = numbers(&frames[k / 10 * 10][0]);
         let gap = |circles: &[u16], pair: &[u16]| {
             let at = |place: u16, axis: usize| f64::from(circles[2 * usize::from(place) + axis]);
@@ -91,7 +91,7 @@ fn a_film_has_its_frames_builds_and_missed_contacts() {
     assert!(!html.contains("{{"), "places were not filled");
 }
 
-/// Spheres are cut by a plane, frames of files are played, and safe trackers miss nothing.
+/// Pages cut spheres by a plane, and play frames of files; safe trackers miss nothing.
 #[test]
 fn films_are_of_slices_and_files_too() {
     let at = Place::new();
@@ -116,7 +116,7 @@ fn films_are_of_slices_and_files_too() {
     assert!(html.contains("<title>&lt;b&gt;&amp;.xyz</title>") && !html.contains("<b>&"));
     let said = film(&at, "'<b>&.xyz' --frames 2").2;
     assert!(said.contains("2 frames.") && said.contains("(--frames)"), "{said}");
-    // Radii differ between frames.
+    // Two frames of a file whose radii differ.
     let frame = |r: f64| format!("2\n{head}\nA 0 0 {r}\nA 2 0 0.5\n");
     at.file("grow.xyz", [0.5, 1.5].map(frame).concat());
     let (_, data, _) = film(&at, "grow.xyz");
@@ -124,7 +124,7 @@ fn films_are_of_slices_and_files_too() {
     assert!(radii(1) > 2 * radii(0) && count(&data["frames"][1][3]) == 1, "{data}");
 }
 
-/// The error suggests a number of frames that fits and fills most of the limit.
+/// The error about too large a page suggests a number of frames that nearly fills the limit.
 #[test]
 fn a_film_has_at_most_5_mb() {
     let at = Place::new();
@@ -136,7 +136,7 @@ fn a_film_has_at_most_5_mb() {
     assert!((4_000_000..5_000_000).contains(&size), "{size}");
 }
 
-/// In a browser the page plays, steps and marks, without errors in the console.
+/// In a browser the page plays, steps and marks without errors in the console.
 #[test]
 fn a_film_plays_in_a_browser() {
     let Some(browser) = Browser::open(1200, 900) else { return };
@@ -155,7 +155,7 @@ fn a_film_plays_in_a_browser() {
     assert_eq!((paths("discs"), paths("missed")), (200, count(&frame[4])));
     assert_eq!(paths("contacts"), count(&frame[3]) - count(&frame[4]));
     assert!(text("words").contains(&format!("{} missed", frame[4])), "{}", text("words"));
-    // Keys: last frame, build before it, one frame back, next miss.
+    // The keys go to the last frame, the rebuild before it, one frame back, and the next miss.
     let first = (0..41).find(|&k| count(&data["frames"][k][4]) > 0).unwrap();
     for (key, step) in [
         ("End", 40),

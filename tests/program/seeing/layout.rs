@@ -1,4 +1,4 @@
-//! Positions on the page of a report, wide and on a phone, in a browser.
+//! Tests positions on the page of a report in a browser, on a wide screen and on a phone.
 
 use std::time::{Duration, Instant};
 
@@ -23,7 +23,7 @@ fn axes_and_results_are_seen_at_every_width() {
     let page = report(&at);
     let Some(browser) = Browser::open(1280, 1000) else { return };
     browser.show(&page);
-    // The axis does not overlap its heading or the next column.
+    // The axis of the table overlaps neither its heading nor the next column.
     let end = side(&browser, "table.answer thead text:last-of-type", "right").unwrap();
     let next = side(&browser, "table.answer th:nth-child(5)", "left").unwrap();
     assert!(end <= next, "{end} {next}");
@@ -45,7 +45,7 @@ fn axes_and_results_are_seen_at_every_width() {
     assert!(side(&browser, "#cells td:first-child", "left").unwrap() >= 0.0, "it stays");
 }
 
-/// The page does not need the folder of figures.
+/// The page of a report is complete without the folder of figures.
 #[test]
 fn a_page_that_was_moved_still_gives_pictures() {
     let at = Place::new();
@@ -57,7 +57,7 @@ fn a_page_that_was_moved_still_gives_pictures() {
         "window.made = [];
          HTMLAnchorElement.prototype.click = function () { made.push(this.href.slice(0, 22)); }",
     );
-    // Repeats the click until the figure is drawn.
+    // Clicks again until the figure is drawn.
     let click = "
         const link = document.querySelector('a[data-kind=PNG]');
         link.dispatchEvent(new MouseEvent('click', { cancelable: true, bubbles: true }));

@@ -1,4 +1,4 @@
-//! Tests of drawings, traces, and pages in a browser.
+//! Tests drawings, traces, and pages in a browser.
 
 mod boxes;
 mod browser;
@@ -28,7 +28,7 @@ fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
     Scene::new(centres, Radii::Uniform(r)).unwrap().into()
 }
 
-/// Returns operation counts and contacts of the counted build.
+/// Returns the operation counts and contacts of a detector that counts.
 fn counted(name: &str, scene: &AnyScene<'_>) -> (Tally, Vec<[u32; 2]>) {
     let (mut tally, mut pairs) = (Tally::default(), Vec::new());
     let mut detector = table::find(name).unwrap().make(Options::default());

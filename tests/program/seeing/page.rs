@@ -1,5 +1,5 @@
-//! `report.html` in a browser: it opens without errors, its controls work, and its numbers are
-//! those of the record.
+//! Tests `report.html` in a browser: it opens without errors, its controls work, and its numbers
+//! are those of the record.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::browser::Browser;
 use crate::common::Place;
 
-/// A name that would do harm as markup.
+/// A detector's name that would run a script if it were not escaped.
 const EVIL: &str = "</script><img src=x onerror=\"window.evil=1\"><!--";
 
 const EXPERIMENT: &str = r#"
@@ -42,13 +42,13 @@ y = "time_ns / n"
 y-label = "ns"
 "#;
 
-/// Returns the time of a block, with a fixed noise of a few percent.
+/// Returns the made-up time of a block, with a fixed noise of a few percent.
 fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
     let noise = (block * 7919 + n * 31 + detector as u64 * 17) % 97;
     n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
 }
 
-/// Returns the rows of a made-up record in schema 3, whose lines have no checksums.
+/// Returns the rows of a made-up record in schema 3, which has no checksums.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
     let scenes: [(&str, u64, u32); 3] = [("packed", 2, 3), ("packed", 3, 3), ("loose", 2, 2)];
@@ -126,7 +126,7 @@ fn medians() -> BTreeMap<(String, u64, String, String, u64), f64> {
     times.into_iter().map(|(key, all)| (key, median(all))).collect()
 }
 
-/// Returns the visible series of the chart by label.
+/// Returns the visible series of the chart by their labels.
 fn series(browser: &Browser) -> BTreeMap<String, Vec<f64>> {
     let code = "const u = document.getElementById('chart').chart; return \
                 u.series.slice(1).map((s, k) => [s.label, s.show, [...u.data[k + 1]]])";
@@ -161,7 +161,7 @@ fn the_page_works_in_a_browser() {
     assert_eq!(browser.log(), [""; 0], "after all clicks");
 }
 
-/// The answer is visible, markup in a name stays text, and nothing uses the network.
+/// The answer is visible, markup in a name stays text, and the page does not use the network.
 fn opens_safely(browser: &Browser) {
     assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
     assert_eq!(browser.run("return document.title"), "Who is fast? <b>");
@@ -200,7 +200,7 @@ fn charts(browser: &Browser) {
         let equal = found.iter().zip(&expected).all(|(a, b)| close(*a, *b));
         assert!(equal && found.len() == expected.len(), "{label}: {found:?} {expected:?}");
     };
-    // Initially packed, 3D, exact; controls are hidden.
+    // At first the chart shows packed scenes in 3D and exact arithmetic, without controls.
     assert_eq!(series(browser).into_keys().collect::<Vec<_>>(), [EVIL, "nbs", "sorting"]);
     for detector in ["nbs", "sorting", EVIL] {
         same(detector, per(expected("packed", 3, detector, "exact")));
@@ -245,7 +245,7 @@ fn charts(browser: &Browser) {
     browser.click("#log-y");
     let note = browser.text("#chart-note");
     assert!(note.contains("values of 0"), "{note}");
-    // Keys show the values at the cursor.
+    // Arrow keys move the cursor, which shows values.
     browser.choose("#metric", "Time");
     browser.keys("#chart", "\u{e014}");
     let tip = browser.text("#tip:not([hidden])").replace(',', "");
@@ -301,7 +301,7 @@ fn results(browser: &Browser) {
     }
 }
 
-/// On a phone nothing is wider than the screen, and the answer is visible at once.
+/// On a phone, the page is not wider than the screen, and the answer is visible without scrolling.
 fn narrow(browser: &Browser, page: &Path) {
     for (scheme, ground) in [("light", "rgb(255, 255, 255)"), ("dark", "rgb(22, 24, 29)")] {
         browser.phone();

@@ -1,4 +1,4 @@
-//! Pages that step through a trace.
+//! Tests pages that step through a trace.
 
 use contactbench::views::trace::{Algorithm, page, still, trace};
 
@@ -6,7 +6,7 @@ use super::ALL;
 use super::browser::Browser;
 use crate::common::Place;
 
-/// A page loads nothing else, escapes any name, and contains readable data.
+/// The page of a trace loads no other files, escapes any name, and contains readable data.
 #[test]
 fn a_page_needs_nothing_else_and_holds_any_name() {
     let name = "</script><script>alert(1)</script>&\"'{{data}}.csv";
@@ -32,7 +32,7 @@ fn a_page_needs_nothing_else_and_holds_any_name() {
     }
 }
 
-/// In a browser the page opens at the step of its address; keys, buttons and the bar step.
+/// A page opens at the step in its address; keys, buttons and the bar change the step.
 #[test]
 fn a_page_steps_in_a_browser() {
     let Some(browser) = Browser::open(1200, 900) else { return };

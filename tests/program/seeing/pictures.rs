@@ -1,4 +1,4 @@
-//! Drawings of scenes, contacts and mistakes.
+//! Tests drawings of scenes, contacts and mistakes.
 
 use contactbench::periodic::{Periodic, without_shift};
 use contactbench::scene::touching::{contacts, in_open_space};
@@ -24,7 +24,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]];
     let scene = in_open_space(&discs(&centres, 0.5)).unwrap();
     let plain = draw::svg(&scene, &found(&scene), &Look::titled("a < b & \"c\"")).unwrap();
-    // Discs, marks of tangency, and two marks in the legend.
+    // The circles are discs, marks of tangency, and two marks in the legend.
     assert_eq!(plain.matches("<circle").count(), 5 + 3 + 2);
     let words =
         ["contacts: 2", "exactly tangent: 2", "nearly tangent", "a &lt; b &amp; &quot;c&quot;"];
@@ -37,7 +37,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     assert!(!wrong.contains(">4</text>") && wrong.contains("edge 1.0"), "{wrong}");
 }
 
-/// The picture shows the worst mistake, in a crowd and in a pack of spheres.
+/// A picture of a crowd or of a pack of spheres shows the worst mistake.
 #[test]
 fn the_worst_mistake_is_seen() {
     for (spec, place) in [("packed:n=5000", ""), ("packed:dim=3,n=1000", ", slice ")] {
@@ -50,7 +50,7 @@ fn the_worst_mistake_is_seen() {
             let svg = draw::svg(&scene, &pairs, &Look::titled("t")).unwrap();
             assert!(svg.contains("reported: 1<"), "{spec} {k}");
             let around = format!("around {} and {}", missed.i, missed.j);
-            // Spheres of a slice are large enough without a zoom.
+            // A slice shows spheres large enough without zooming to the mistake.
             assert!(svg.contains(place) && svg.contains(&around) == place.is_empty(), "{spec} {k}");
             let numbers = svg.contains(&format!(">{}</text>", missed.i));
             assert!(numbers || !place.is_empty(), "{spec} {k}: few enough for numbers");
@@ -72,7 +72,7 @@ fn captions_are_whole() {
     on_the_sheet(&svg);
 }
 
-/// All lines of a picture end on the sheet.
+/// Fails if a line ends outside the picture.
 fn on_the_sheet(svg: &str) {
     let side = |name: &str| -> f64 {
         let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();
@@ -90,7 +90,7 @@ fn on_the_sheet(svg: &str) {
     }
 }
 
-/// N = 0 and 1, points, coincident points, huge and tiny numbers: every picture has finite numbers.
+/// Coordinates in pictures are finite for N = 0, N = 1, points, and huge and tiny numbers.
 #[test]
 fn every_scene_can_be_drawn() {
     let row: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();

@@ -1,10 +1,10 @@
-//! Traces follow the detectors, and show the states printed in the book.
+//! Tests that traces follow the detectors, and show the states printed in the book.
 
 use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
 
 use super::{ALL, counted, discs, scene};
 
-/// A trace has the operations of the counted build, and its contacts in the same order.
+/// A trace counts the same operations as the detector, and has its contacts in the same order.
 #[test]
 fn a_trace_counts_and_finds_what_the_counted_build_does() {
     let scenes = [
@@ -54,14 +54,14 @@ fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
     links.map(|next| next.value.map_or(-1, |k| i64::from(k) + 1)).collect()
 }
 
-/// The arrays equal those of example G5 in the book (p103-110), and the number of steps is fixed.
+/// The arrays equal those of example G5 in the book (pages 103 to 110).
 #[test]
 fn the_books_ten_particles_are_shown_as_printed() {
     let trace = trace(Algorithm::Nbs, None).unwrap();
     assert_eq!(trace.steps.len(), 144);
     assert_eq!(heads(&trace, 10, 'B'), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
     assert_eq!(links(&trace, 10, 'Y'), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
-    // The x-lists of row 7, before those of the row below are made.
+    // This state has the x-lists of row 7, and not yet those of the row below.
     let row_7 = trace.steps.iter().position(|step| step.marks.written.contains(&('A', 1))).unwrap();
     let pushed = (row_7..)
         .find(|&step| trace.steps[step].marks.written.iter().any(|(letter, _)| *letter == 'a'))
@@ -112,7 +112,7 @@ fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     }
 }
 
-/// Examples G2 (p90-91) and G3 (p95-98), and the tree of the ten particles.
+/// Checks examples G2 (pages 90 and 91) and G3 (95 to 98) of the book, and a binary tree.
 #[test]
 fn the_other_examples_are_shown_as_printed() {
     let screening = trace(Algorithm::Screening, None).unwrap();
@@ -162,7 +162,7 @@ fn traces_refuse_what_they_cannot_show() {
         let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
         assert!(format!("{error:#}").contains(words), "{error:#}");
     }
-    // Every pair of a crowd is tested.
+    // In a crowd every pair is in contact, and the page stays small.
     for (algorithm, n) in ALL.into_iter().zip([60, 20, 20, 20]) {
         let crowd = discs(&vec![[0.0, 0.0]; n], 0.5);
         let trace = trace(algorithm, Some(&crowd)).unwrap();

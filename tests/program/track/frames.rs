@@ -1,4 +1,4 @@
-//! `--frame all`: files of many frames through `track`, `detect`, `verify` and `inspect`.
+//! Tests `--frame all`: files of many frames in `track`, `detect`, `verify` and `inspect`.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::common::Place;
 
-/// Returns the place of a disc of radius 1: 40 discs in 12 frames come together and fly apart;
-/// every third one stays.
+/// Returns the centre of disc `i` in frame `k`. 40 discs of radius 1 come together and fly apart;
+/// every third disc stays.
 fn place(k: usize, i: usize) -> [f64; 2] {
     let (x, y) = ((i % 8) as f64 * 2.25, (i / 8) as f64 * 2.0);
     let swing = [0.0, 0.25, 0.5, 0.75, 0.5, 0.25][k % 6];
@@ -32,8 +32,8 @@ fn dump(frames: usize, flags: &str) -> String {
     text
 }
 
-/// Returns the contacts by id, as LAMMPS writes them, at every second frame; `left_out` lists frame
-/// and index of missing pairs.
+/// Returns the contacts of every second frame by id, as LAMMPS writes them, without the pairs in
+/// `left_out`: frame, and index of the pair.
 fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     let mut text = String::new();
     for k in (0..frames).step_by(2) {
@@ -58,7 +58,7 @@ fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
     text
 }
 
-/// Frames of a file are followed in any order of rows; a motion moves one frame.
+/// `track` follows the frames of a file, with rows in any order; a motion moves one frame instead.
 #[test]
 fn trackers_follow_the_frames_of_a_file() {
     let at = Place::new();
@@ -71,7 +71,7 @@ fn trackers_follow_the_frames_of_a_file() {
     let [every, half] = [&found["trackers"][0], &found["trackers"][1]];
     assert_eq!([&half["missed"], &half["spurious"], &every["built"]], [0, 0, 3]);
     assert!(every["missed"].as_u64() > Some(10), "{every}");
-    // Every third disc stays in all eleven steps.
+    // 14 of the 40 discs stay at rest in all eleven steps.
     assert_eq!(found["at_rest"], 11 * 14);
     assert!(found["born"].as_u64() > Some(10) && found["ended"].as_u64() > Some(10), "{found}");
     assert_eq!([&of("--frames 5")["frames"], &of("--frame all")["frames"]], [5, 12]);
@@ -81,7 +81,7 @@ fn trackers_follow_the_frames_of_a_file() {
         ([&4.into(), &0.into()], &"rest".into())
     );
     assert_eq!(of("--frame 3")["motion"], "drift:speed=0.01,seed=1");
-    // The same places in an array, without ids.
+    // An array has the same centres, but no ids.
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (12, 40, 2), }\n";
     let mut bytes = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..]].concat();
     bytes.extend(header.bytes());
@@ -128,7 +128,7 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     at.ends(0, "inspect one.csv --frame all", &["motion"]);
 }
 
-/// `verify` pairs frames and lists by time step, and finds the missing contacts.
+/// `verify` pairs frames with lists by time step, and finds the missing contacts.
 #[test]
 fn lists_of_all_frames_are_compared_by_their_steps() {
     let at = Place::new();
@@ -138,7 +138,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let left_out = ": 1 3 5 7 9 11";
     at.ends(0, verify, &["6 frames", left_out]);
     assert_eq!(at.json(verify)["paired_by"], "step");
-    // One contact is listed one frame late, one never.
+    // One contact is reported a list late, another never.
     at.file("l.dump", local(12, &[(2, 3), (10, 0)]));
     let said = at.ends(1, verify, &["2 of 6 frames", "1 contact", " 500 "]);
     assert!(said.stdout.lines().all(|line| !line.ends_with(' ')), "{}", said.stdout);
@@ -149,7 +149,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     let frames = found["frames"].as_array().unwrap();
     let missed: Vec<&Value> = frames.iter().map(|frame| &frame["errors"]["missed"]).collect();
     assert_eq!(missed, [0, 1, 0, 0, 0, 1].map(Value::from).each_ref());
-    // A frame compared alone has the same result; a list of another step is refused.
+    // One frame compared alone has the same result; a list of another time step is refused.
     let one = "verify t.dump --pairs l.dump";
     let of_step = at.json(&format!("{one} --frame 4 --pairs-frame 2"));
     assert_eq!(of_step["errors"], frames[2]["errors"]);
@@ -160,7 +160,7 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
         at.ends(2, &format!("{one} {more}"), &words.split(" | ").collect::<Vec<_>>());
     }
     at.ends(1, &format!("{one} --frame 4 --pairs-frame 1"), &["step 100"]);
-    // The last frame is used, with a note.
+    // Without --frame, `verify` uses the last frame and prints a note.
     at.file("t.dump", dump(11, "ff ff ff"));
     assert!(at.run(one).stderr.contains("t.dump: --frame all"));
     at.file("l.dump", local(12, &[]).replace("TIMESTEP\n200", "TIMESTEP\n210"));
@@ -185,7 +185,7 @@ fn of_many_frames_the_worst_are_shown() {
 }
 
 /// `verify` reads the lists of `detect --frame all`, reports a removed pair as missed, and
-/// recognises the list of another frame.
+/// recognises a list of another frame.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {
     let at = Place::new();
@@ -199,7 +199,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         }
         let text = at.read("l.csv");
         assert_eq!((text.lines().next(), at.good(all).stdout), (Some(columns), text.clone()));
-        // Each frame has the contacts of that frame alone.
+        // The list has the same contacts for a frame as `detect` finds in this frame alone.
         let alone = at.good("detect t.dump --frame 7").stdout;
         let of_seven = text.lines().filter_map(|line| line.strip_prefix("7,"));
         assert!(of_seven.eq(alone.lines().skip(1)), "{alone}");
@@ -214,7 +214,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         assert_eq!([&found["first_wrong_frame"], &found["frames_missed"]], [7, 1]);
         assert_eq!(at.json("verify t.dump --pairs l.csv --frame 7")["errors"]["missed"], 1);
         at.good("verify t.dump --pairs l.csv --frame 8");
-        // A frame without rows has no contacts, even at the end of the list.
+        // A frame without rows is taken to have no contacts, even at the end of the list.
         at.file("l.csv", keep(&|_, line| !line.starts_with("11,") && !line.starts_with("3,")));
         let found = at.json("verify t.dump --pairs l.csv --frame all");
         assert_eq!(found["without_rows"], 2);
@@ -222,7 +222,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
             assert_eq!(frame["errors"]["missed"], frame["contacts"]);
         }
         at.ends(2, "verify t.dump --pairs l.csv", &["frame 10", "frame 11"]);
-        // A list of another frame, alone and frame by frame.
+        // A list of another frame is recognised, alone and if all frames are shifted by one.
         at.good("detect t.dump --frame 5 -o five.csv");
         let verify = "verify t.dump --pairs five.csv --frame 2";
         assert_eq!(at.json(verify)["hint"], "--frame 5");

@@ -1,4 +1,4 @@
-//! `track`: moving particles and neighbour lists.
+//! Tests `track`: moving particles and neighbour lists.
 
 mod frames;
 mod moving;
@@ -16,7 +16,7 @@ const FLIGHT: &str = "track loose:dim=2,n=400,fraction=0.5 --motion drift:speed=
                       verlet(nbs,skin=0.05,rule=lammps-10-1-yes) --tracker \
                       verlet(nbs,skin=0.05,rule=half-skin)";
 
-/// Missed contacts are counted; rules without a guarantee may miss some.
+/// Missed contacts are counted for rules without a guarantee.
 #[test]
 fn what_rules_miss_is_counted_frame_by_frame() {
     let found = Place::new().json(FLIGHT);
@@ -33,7 +33,7 @@ fn what_rules_miss_is_counted_frame_by_frame() {
         assert_eq!((seen, number(tracker, "spurious")), (number(&found, "contacts"), 0));
         assert!(number(tracker, "formula_bytes") > 400 * 36, "{tracker}");
     }
-    // LAMMPS flags some builds needlessly. Those flagged rightly are at most those with missed
+    // LAMMPS flags some builds needlessly. The rightly flagged ones are among those with missed
     // contacts.
     let [flags, right, missing] =
         ["dangerous", "dangerous_rightly", "missing_builds"].map(|key| number(lammps, key));
@@ -133,7 +133,7 @@ kind = "speed-error"
     assert!(judged >= 3 * 3, "{judged} rows of trackers");
 }
 
-/// One record holds trackers and detectors, moving and resting scenes, and builds that take turns.
+/// A record can hold trackers and detectors, moving and resting scenes, and two builds.
 #[test]
 fn motion_and_rest_are_in_one_record() {
     let at = Place::new();

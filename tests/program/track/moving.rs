@@ -1,10 +1,10 @@
-//! Moving particles in periodic boxes: `track`, `scene`, `inspect` and `run`.
+//! Tests moving particles in periodic boxes: `track`, `scene`, `inspect` and `run`.
 
 use serde_json::Value;
 
 use crate::common::{Place, fake, runner, say};
 
-/// Returns the description of a motion, without times and names.
+/// Returns the description of a motion without its times and names.
 fn moved(of: &Value) -> Vec<Value> {
     let keys =
         ["particles", "frames", "contacts", "born", "ended", "tunnelled", "longest_way", "at_rest"];
@@ -13,7 +13,7 @@ fn moved(of: &Value) -> Vec<Value> {
 
 const SHEARED: &str = "loose:dim=2,n=50,fraction=0.5,periodic=true,tilt=0.2";
 
-/// Each frame has its own box, from a generator or a file.
+/// Each frame has its own box, whether it is generated or read from a file.
 #[test]
 fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     let at = Place::new();
@@ -32,7 +32,7 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     }
     let inspected = at.json("inspect all.xyz --frame all");
     assert_eq!(moved(&inspected["motion"]), moved(&read));
-    // One frame alone is a scene in its box, and another motion can move it.
+    // One frame alone is a scene in a box, which another motion can move.
     at.good(&format!("scene {SHEARED} --motion shear:speed=0.25 --at 29 -o a.xyz"));
     assert_eq!(at.read("a.xyz").lines().nth(1), Some(boxes[29]));
     let on = "--motion drift:speed=0.1 --frames 3 --tracker every-step(nbs)";
@@ -42,7 +42,7 @@ fn frames_in_boxes_are_followed_as_they_are_made_and_from_files() {
     assert!(open["contacts"].as_u64() < read["contacts"].as_u64(), "{open}");
 }
 
-/// `--box` gives a file its box. Two touching particles pass a face, with wrapped and with
+/// `--box` gives a file its box. Two touching particles cross a face, with wrapped and with
 /// unwrapped coordinates.
 #[test]
 fn the_box_is_named_for_files_without_one() {
@@ -64,7 +64,7 @@ fn the_box_is_named_for_files_without_one() {
     assert!(open["ended"] == 1 && open["longest_way"].as_f64() > Some(7.0), "{open}");
 }
 
-/// Fields of a tracker in a row, and in the JSON of `track`.
+/// Fields of a tracker in a row, with their names in the JSON of `track`.
 pub const SAME: [(&str, &str); 10] = [
     ("builds", "built"),
     ("dangerous", "dangerous"),
@@ -78,12 +78,12 @@ pub const SAME: [(&str, &str); 10] = [
     ("deepest_late", "deepest"),
 ];
 
-/// Runners receive frames and boxes and return answers; each frame is judged.
+/// Runners receive frames and boxes; the answer for each frame is judged.
 #[test]
 fn trackers_in_boxes_are_judged_frame_by_frame() {
     let at = Place::new();
     let rule = "verlet(nbs,rule=every-7,skin=0.05)";
-    // The runner's refusal shows which field was sent.
+    // The runner refuses with the field that it received, so the reason shows it.
     let load = format!(
         "case \"$line\" in *'\"boxes\"'*) {} ;; *'\"box\"'*) {} ;; *) exit 3 ;; esac",
         say(r#"{"reply":"refused","reason":"a box for each"}"#),
