@@ -81,7 +81,7 @@ static TABLE: &[Entry] = &[
 ];
 
 fn main() -> anyhow::Result<()> {
-    // One scene, by hand: what a library user writes.
+    // Detects one scene directly, as a user of the library does.
     let AnyScene::Space(Stored::F64(scene)) = Spec::parse("packed:dim=3,n=5000")?.make()? else {
         unreachable!("dim=3 is made in space, in f64")
     };
@@ -100,8 +100,8 @@ fn main() -> anyhow::Result<()> {
         tally.get(Op::ContactTest)
     );
 
-    // All generators, dimensions and arithmetics: what `contactbench check` does with every line of
-    // the table.
+    // Checks all generators, dimensions and arithmetics, as `contactbench check` does for every
+    // entry of the table.
     let report =
         check::check(&[&TABLE[0]], &Arithmetic::SAFE, &Limits { seeds: 1, ..Limits::default() })?;
     ensure!(

@@ -53,7 +53,7 @@ typedef struct contactbench_box {
    */
   double vectors[9];
   /**
-   * Not 0 for each periodic vector. The other vectors are ignored.
+   * Nonzero for each periodic vector; 0 for vectors to be ignored.
    */
   int periodic[3];
   /**
@@ -71,7 +71,7 @@ typedef struct contactbench_scene {
    */
   size_t n;
   /**
-   * 2 for discs, 3 for spheres.
+   * Dimension: 2 for discs, 3 for spheres.
    */
   int dim;
   /**
@@ -79,7 +79,7 @@ typedef struct contactbench_scene {
    */
   const double *x;
   /**
-   * Number of radii: 1 for all particles, or n.
+   * Number of radii: 1 if all particles share a radius, else n.
    */
   size_t radii;
   /**
@@ -87,7 +87,7 @@ typedef struct contactbench_scene {
    */
   const double *r;
   /**
-   * The box; NULL for open space.
+   * The periodic box; NULL for open space.
    */
   const struct contactbench_box *bounds;
 } contactbench_scene;
@@ -131,7 +131,7 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Returns why the last failed call of this thread failed, in one sentence. The text is valid until
+ * Returns the reason for the last failure in this thread, in one sentence. The text is valid until
  * the next failure.
  */
 const char *contactbench_last_error(void);
@@ -142,8 +142,9 @@ const char *contactbench_last_error(void);
  *
  * `detector` is a name with parameters, as in "streamed-nbs:level=avx2"; NULL or an empty text
  * selects the recommended detector. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
- * "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes holds for the arrays
- * and again for the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is less.
+ * "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes applies to the arrays
+ * and, separately, to the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is
+ * less.
  */
 int contactbench_new(const char *detector,
                      const char *arithmetic,
@@ -157,15 +158,15 @@ int contactbench_new(const char *detector,
 void contactbench_free(struct contactbench_detector *detector);
 
 /**
- * Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box those of
- * particles with images. The numbers are read in place. A call for a scene of the same shape as
- * before allocates next to nothing.
+ * Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box also pairs of a
+ * particle and an image. The numbers are read in place. Buffers are reused, so a further call for
+ * a similar scene allocates next to nothing.
  */
 int contactbench_contacts(struct contactbench_detector *detector,
                           const struct contactbench_scene *scene);
 
 /**
- * Returns the number of contacts of the last scene; 0 if the call failed.
+ * Returns the number of contacts of the last scene; 0 if the search for them failed.
  */
 size_t contactbench_count(const struct contactbench_detector *detector);
 
@@ -198,9 +199,10 @@ int contactbench_verify(const struct contactbench_scene *scene,
  * Creates a tracker, to be freed by contactbench_tracker_free, and stores it in `made`; stores
  * NULL on failure.
  *
- * `tracker` is as in "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in diameters of
- * the largest particle; NULL or an empty text selects "verlet(streamed-nbs,skin=auto)". The other
- * arguments are those of contactbench_new; in a box a list requires "exact" arithmetic.
+ * `tracker` is a text such as "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in
+ * diameters of the largest particle; NULL or an empty text selects
+ * "verlet(streamed-nbs,skin=auto)". The other arguments are those of contactbench_new; a list in a
+ * box requires "exact" arithmetic.
  */
 int contactbench_tracker_new(const char *tracker,
                              const char *arithmetic,
@@ -222,7 +224,8 @@ int contactbench_tracker_step(struct contactbench_tracker *tracker,
                               const struct contactbench_scene *scene);
 
 /**
- * Makes the next frame count as the first, for other particles or a large jump.
+ * Makes the next frame count as the first. Useful before a frame of other particles or a large
+ * jump.
  */
 int contactbench_tracker_forget(struct contactbench_tracker *tracker);
 
@@ -232,17 +235,17 @@ int contactbench_tracker_forget(struct contactbench_tracker *tracker);
 int contactbench_tracker_built(const struct contactbench_tracker *tracker);
 
 /**
- * Works as contactbench_count for the last frame.
+ * Does what contactbench_count does, for the last frame of this tracker.
  */
 size_t contactbench_tracker_count(const struct contactbench_tracker *tracker);
 
 /**
- * Works as contactbench_pairs for the last frame.
+ * Does what contactbench_pairs does, for the last frame of this tracker.
  */
 const uint32_t *contactbench_tracker_pairs(const struct contactbench_tracker *tracker);
 
 /**
- * Works as contactbench_images for the last frame.
+ * Does what contactbench_images does, for the last frame of this tracker.
  */
 const int32_t *contactbench_tracker_images(const struct contactbench_tracker *tracker);
 

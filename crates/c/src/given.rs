@@ -1,4 +1,4 @@
-//! Scenes and options from the caller, and the reasons for refusing them.
+//! Scenes and options from the caller, and the reasons for refusing scenes.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -11,7 +11,7 @@ use contactbench_core::searcher::LoadError;
 
 use crate::contactbench_scene;
 
-/// Why a call failed, in one sentence.
+/// The reason why a call failed, in one sentence.
 pub enum Failure {
     /// An argument is invalid.
     Invalid(String),
@@ -26,7 +26,7 @@ impl Failure {
         Failure::Invalid(what.to_string())
     }
 
-    /// Converts a panic.
+    /// Converts a panic, which is a defect of this library.
     pub fn defect(cause: &(dyn Any + Send)) -> Failure {
         if let Some(refusal) = no_memory(cause) {
             return refusal.into();
@@ -80,7 +80,7 @@ impl From<NoTruth> for Failure {
     }
 }
 
-/// A scene whose numbers stay in the caller's memory.
+/// A scene whose coordinates and radii stay in the caller's memory.
 pub struct Given<'a> {
     pub scene: AnyScene<'a>,
     pub lattice: Option<Lattice>,
@@ -117,7 +117,7 @@ impl Given<'_> {
             Some(bounds) => {
                 let vector = |k: usize| std::array::from_fn(|axis| bounds.vectors[3 * k + axis]);
                 let mut periodic = bounds.periodic.map(|flag| flag != 0);
-                // Discs ignore the third vector.
+                // The third vector is ignored for discs.
                 periodic[2] &= dim == 3;
                 Some(Lattice::new([0, 1, 2].map(vector), periodic, bounds.origin)?)
             }

@@ -14,14 +14,15 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::contactbench_scene;
 use crate::given::{Failure, Given};
 
-/// A searcher or tracker, and the contacts of its last scene. Calls that would have to wait fail.
+/// A searcher or tracker, and the contacts of its last scene. A call fails if it would have to wait
+/// for another one.
 pub struct Handle<S> {
     arithmetic: Arithmetic,
     limit: u64,
     /// Number of calls that are reading the answer; [`SEARCHING`] during a search.
     users: AtomicUsize,
     process: u32,
-    /// Whether it has threads, which a forked process lacks.
+    /// Whether the search has threads, which a forked process lacks.
     threads: bool,
     worker: UnsafeCell<Worker<S>>,
 }
@@ -30,7 +31,7 @@ const SEARCHING: usize = usize::MAX;
 
 struct Worker<S> {
     search: S,
-    /// Creates `search` again after a panic, which may leave it in an invalid state.
+    /// Creates `search` again after a panic, which may leave `search` in an invalid state.
     make: Box<dyn Fn() -> S + Send>,
     crew: Option<ThreadPool>,
     answer: Answer,
@@ -40,10 +41,10 @@ struct Worker<S> {
 #[derive(Default)]
 pub struct Answer {
     contacts: Contacts,
-    /// Images of the pairs in a box: one number per dimension each.
+    /// Images of the pairs in a box: one integer per dimension and pair.
     images: Vec<i32>,
     boxed: bool,
-    /// Whether a tracker built its list in this step.
+    /// Whether a tracker built its list in the last step.
     pub built: bool,
     /// Whether the call that fills the answer is still running, or panicked.
     unfinished: bool,
@@ -134,7 +135,7 @@ impl<S: Send> Handle<S> {
         done
     }
 
-    /// Reads the answer; returns `None` during a search or after one that panicked.
+    /// Calls `of` with the answer; returns `None` during a search or after one that panicked.
     pub fn look<R>(&self, of: impl FnOnce(&Answer) -> R) -> Option<R> {
         let enter = |users| (users < SEARCHING - 1).then(|| users + 1);
         self.users.fetch_update(Ordering::Acquire, Ordering::Relaxed, enter).ok()?;

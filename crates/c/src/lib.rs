@@ -39,7 +39,7 @@ pub const CONTACTBENCH_DEFECT: c_int = 3;
 pub struct contactbench_box {
     /// Three vectors of any direction, one after the other.
     pub vectors: [f64; 9],
-    /// Not 0 for each periodic vector. The other vectors are ignored.
+    /// Nonzero for each periodic vector; 0 for vectors to be ignored.
     pub periodic: [c_int; 3],
     /// The corner at which the vectors start. It does not affect exact contacts.
     pub origin: [f64; 3],
@@ -51,15 +51,15 @@ pub struct contactbench_box {
 pub struct contactbench_scene {
     /// Number of particles.
     pub n: usize,
-    /// 2 for discs, 3 for spheres.
+    /// Dimension: 2 for discs, 3 for spheres.
     pub dim: c_int,
     /// Coordinates of the first centre, then of the next: n times dim numbers.
     pub x: *const f64,
-    /// Number of radii: 1 for all particles, or n.
+    /// Number of radii: 1 if all particles share a radius, else n.
     pub radii: usize,
     /// Radii in the unit of the coordinates.
     pub r: *const f64,
-    /// The box; NULL for open space.
+    /// The periodic box; NULL for open space.
     pub bounds: *const contactbench_box,
 }
 
@@ -109,13 +109,13 @@ fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
         Failure::Memory(what) => (CONTACTBENCH_MEMORY, what),
         Failure::Defect(what) => (CONTACTBENCH_DEFECT, what),
     };
-    // Messages contain no NUL, but the arguments that they quote may.
+    // Messages themselves contain no NUL, but they may quote arguments that do.
     let what = CString::new(what.replace('\0', " ")).unwrap_or_default();
     LAST.with(|last| *last.borrow_mut() = what);
     code
 }
 
-/// Returns why the last failed call of this thread failed, in one sentence. The text is valid until
+/// Returns the reason for the last failure in this thread, in one sentence. The text is valid until
 /// the next failure.
 #[unsafe(no_mangle)]
 pub extern "C" fn contactbench_last_error() -> *const c_char {
@@ -127,8 +127,9 @@ pub extern "C" fn contactbench_last_error() -> *const c_char {
 ///
 /// `detector` is a name with parameters, as in "streamed-nbs:level=avx2"; NULL or an empty text
 /// selects the recommended detector. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
-/// "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes holds for the arrays
-/// and again for the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is less.
+/// "textbook"; NULL or an empty text selects "exact". `memory_limit` in bytes applies to the arrays
+/// and, separately, to the pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is
+/// less.
 ///
 /// # Safety
 /// Texts end with a NUL; `made` can be written to.
@@ -179,7 +180,7 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
 /// # Safety
 /// The pointer is null, or the text ends with a NUL.
 ///
-/// Returns `None` for an empty text, too, since Fortran cannot pass NULL for a text.
+/// Returns `None` also for an empty text, because Fortran cannot pass NULL for a text.
 unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
     if text.is_null() {
         return Ok(None);
@@ -202,9 +203,9 @@ pub unsafe extern "C" fn contactbench_free(detector: *mut contactbench_detector)
     }
 }
 
-/// Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box those of
-/// particles with images. The numbers are read in place. A call for a scene of the same shape as
-/// before allocates next to nothing.
+/// Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box also pairs of a
+/// particle and an image. The numbers are read in place. Buffers are reused, so a further call for
+/// a similar scene allocates next to nothing.
 ///
 /// # Safety
 /// Detector and scene exist, and the scene's numbers can be read.
@@ -226,7 +227,7 @@ pub unsafe extern "C" fn contactbench_contacts(
     })
 }
 
-/// Returns the number of contacts of the last scene; 0 if the call failed.
+/// Returns the number of contacts of the last scene; 0 if the search for them failed.
 ///
 /// # Safety
 /// The detector exists or is NULL.
@@ -309,7 +310,7 @@ pub unsafe extern "C" fn contactbench_verify(
             Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
             None => &[],
         };
-        // On one thread, because the caller decides about more.
+        // The comparison runs on one thread, since only the caller may decide to use more.
         let found = pool(1)?.install(|| held(&given, pairs, images))?;
         // SAFETY: `errors` is not null, and the caller promises that it can be written to.
         unsafe { errors.write(found) };

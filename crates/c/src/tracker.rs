@@ -26,9 +26,10 @@ pub struct contactbench_tracker {
 /// Creates a tracker, to be freed by contactbench_tracker_free, and stores it in `made`; stores
 /// NULL on failure.
 ///
-/// `tracker` is as in "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in diameters of
-/// the largest particle; NULL or an empty text selects "verlet(streamed-nbs,skin=auto)". The other
-/// arguments are those of contactbench_new; in a box a list requires "exact" arithmetic.
+/// `tracker` is a text such as "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in
+/// diameters of the largest particle; NULL or an empty text selects
+/// "verlet(streamed-nbs,skin=auto)". The other arguments are those of contactbench_new; a list in a
+/// box requires "exact" arithmetic.
 ///
 /// # Safety
 /// Texts end with a NUL; `made` can be written to.
@@ -107,7 +108,8 @@ unsafe fn there<'a>(
     })
 }
 
-/// Makes the next frame count as the first, for other particles or a large jump.
+/// Makes the next frame count as the first. Useful before a frame of other particles or a large
+/// jump.
 ///
 /// # Safety
 /// The tracker exists.
@@ -135,7 +137,7 @@ pub unsafe extern "C" fn contactbench_tracker_built(tracker: *const contactbench
     built.map_or(0, c_int::from)
 }
 
-/// Works as contactbench_count for the last frame.
+/// Does what contactbench_count does, for the last frame of this tracker.
 ///
 /// # Safety
 /// The tracker exists or is NULL.
@@ -146,7 +148,7 @@ pub unsafe extern "C" fn contactbench_tracker_count(tracker: *const contactbench
     tracker.and_then(|it| it.handle.look(|answer| answer.pairs().len())).unwrap_or(0)
 }
 
-/// Works as contactbench_pairs for the last frame.
+/// Does what contactbench_pairs does, for the last frame of this tracker.
 ///
 /// # Safety
 /// The tracker exists or is NULL.
@@ -158,7 +160,7 @@ pub unsafe extern "C" fn contactbench_tracker_pairs(
     pairs_of(unsafe { tracker.as_ref() }.map(|it| &it.handle))
 }
 
-/// Works as contactbench_images for the last frame.
+/// Does what contactbench_images does, for the last frame of this tracker.
 ///
 /// # Safety
 /// The tracker exists or is NULL.

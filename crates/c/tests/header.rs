@@ -1,4 +1,4 @@
-//! `include/contactbench.h` must match the sources.
+//! Checks that `include/contactbench.h` matches the sources.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn the_header_matches_the_sources() {
     let mut bytes = Vec::new();
     made.write(&mut bytes);
     let made = String::from_utf8(bytes).expect("a header is text");
-    // Safety sections are for Rust callers only.
+    // Sections about safety only concern callers in Rust.
     let made = without_safety(&made);
     if std::env::var("HEADER").is_ok_and(|word| word == "write") {
         std::fs::write(&path, &made).expect("the header can be written");
@@ -46,13 +46,13 @@ fn the_header_matches_the_sources() {
     assert!(there == made, "{} is outdated: run HEADER=write cargo test", path.display());
 }
 
-/// Removes the sections `# Safety` of comments.
+/// Removes the `# Safety` sections of comments.
 fn without_safety(text: &str) -> String {
     let (mut kept, mut inside) = (Vec::new(), false);
     for line in text.lines() {
         if line.trim() == "* # Safety" {
             inside = true;
-            // Also remove the empty line before it.
+            // The empty line before the section is also removed.
             kept.pop();
         }
         inside &= line.trim() != "*/";

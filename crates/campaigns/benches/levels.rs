@@ -1,5 +1,5 @@
-//! Compares `streamed-nbs` on every instruction set of this processor, in turn on the same scenes:
-//! the median in nanoseconds per particle, and the ratio to the widest set for each block.
+//! Compares the instruction sets of this processor for `streamed-nbs`, in turn on the same scenes.
+//! Prints the median in nanoseconds per particle, and the ratio to the widest set by block.
 //!
 //! `cargo bench -p contactbench-campaigns --bench levels -- [N] [scene ...]`; the defaults are
 //! 1000000 particles and six scenes. Results are not checked.
@@ -45,7 +45,7 @@ fn main() -> anyhow::Result<()> {
             levels.iter().map(|&level| Streamed::<2>::on(level, Options::default())).collect();
         let mut space: Vec<_> =
             levels.iter().map(|&level| Streamed::<3>::on(level, Options::default())).collect();
-        // One block more than is counted: the first one warms the buffers.
+        // The first block is not counted, because it warms the buffers.
         for _ in 0..=BLOCKS {
             for k in 0..levels.len() {
                 pairs.clear();

@@ -1,9 +1,9 @@
-//! Time and memory for reading files: `cargo bench -p contactbench-campaigns --bench readers`, with
-//! another number of particles after `--`.
+//! Time and memory for reading files. Run `cargo bench -p contactbench-campaigns --bench readers`;
+//! a number after `--` replaces the number of particles.
 //!
-//! Ten million spheres with individual radii are written as CSV in shortest decimals (mostly 17
+//! Ten million spheres with different radii are written as CSV in shortest decimals (mostly 17
 //! digits), as npy, and as extended XYZ. Targets: CSV in 10 s, npy in 1 s, memory at most 2.5 times
-//! the bytes of the coordinates. Files are in the page cache.
+//! the bytes of the coordinates. Files are read from the page cache.
 
 use std::time::Instant;
 

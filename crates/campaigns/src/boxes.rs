@@ -32,23 +32,23 @@ use crate::whole::Whole;
 use crate::{Counts, Plan, Table, What, in_batches};
 
 const LIMIT: u64 = 1 << 28;
-/// Distance between pairs, in reaches.
+/// Distance between pairs, in reaches (largest sums of two radii).
 const PITCH: i64 = 6;
-/// Interval, in scenes of a row, at which detectors also run in the rounded arithmetics and the
-/// truth of the library is compared with the construction. The first scene is included.
+/// Every how many scenes of a row detectors also run in the rounded arithmetics, and the library's
+/// truth is compared with the construction. The first scene is included.
 const ALSO: usize = 8;
-/// How many box vectors the image that represents a particle is away.
+/// Number of box vectors between a particle and the image that represents it.
 const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shape {
     Open,
     Straight,
-    /// Vectors in lower triangular form, each tilted by up to a whole edge of the others.
+    /// Vectors in lower triangular form; each is tilted by up to a whole edge of the others.
     Tilted,
-    /// As `Tilted`, with other vectors of the same lattice, which are long and nearly coplanar.
+    /// Other vectors of the lattice of `Tilted`, which are long and nearly coplanar.
     Skewed,
-    /// Smaller than the reach; tilted, skewed, or neither.
+    /// Edges smaller than the reach; vectors are tilted, skewed, or neither.
     Small,
 }
 
@@ -90,14 +90,15 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
 struct Row<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
-    /// In open space: the offset from the origin, in diameters. In boxes: the number of box vectors
-    /// by which the image that names a particle may lie away; 0 allows the adjacent ones. If it is
-    /// 0, coordinates use all bits of an f64.
+    /// In open space: the offset from the origin, in diameters. In boxes: how many box vectors away
+    /// the image that represents a particle may be. If it is 0, only adjacent images are used, and
+    /// coordinates use all bits of an f64.
     away: f64,
 }
 
 impl<const D: usize> Row<'_, D> {
-    /// Returns vectors of about these lengths in lower triangular form, repeating along some.
+    /// Returns a box with vectors of about these lengths in lower triangular form, of which a
+    /// random part is periodic.
     fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
         let mut whole = Whole::default();
         for v in 0..D {
@@ -116,7 +117,8 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// Returns the largest coordinate in the box that leaves space for images and other vectors.
+    /// Returns the largest coordinate of a box at which doubles can still hold its images and other
+    /// vectors.
     fn room(&self) -> f64 {
         let bits = if self.shape == Shape::Skewed { 46 } else { 53 };
         (1i64 << bits) as f64 / (3.0 * self.away + 1.0)
@@ -135,7 +137,7 @@ impl<const D: usize> Row<'_, D> {
         let reach = lengths.reach;
         let low = if about_zero { -cells * reach / 2 } else { FAR };
         let mut whole = Whole { fine: lengths.fine, ..Whole::default() };
-        // Two separate particles occupy the corners.
+        // The two corners have separate particles.
         whole.points.extend([[low; D], [low + cells * reach; D]]);
         whole.radii.extend([reach << lengths.fine; 2]);
         for site in 0..sites.pow(D as u32) {
@@ -167,22 +169,22 @@ impl<const D: usize> Row<'_, D> {
                 let beside = match draw.below(4) {
                     0 => draw.within(1),
                     1 => side * reach + draw.within(1),
-                    // At the distance from a face within which particles need images.
+                    // This is the distance from a face within which particles need images.
                     2 => side * margin(reach) + draw.within(1),
                     _ => draw.within(reach),
                 };
                 site / sites.pow(k as u32) % sites * edge + beside
             });
-            // Some particles are as large as the reach, because with small ones only there would be
-            // too many cells.
+            // The first pair has the largest radii, because small particles alone would make too
+            // many cells.
             let sizes = lengths.sizes && site > 0;
             whole.couple(a, Lengths { sizes, ..lengths }.near(draw));
         }
         whole
     }
 
-    /// Builds one to three particles in a box with edges of a fifth or a third of the reach, so
-    /// that many images are at exactly that distance.
+    /// Builds one to three particles in a box whose edges are a fifth or a third of the reach, so
+    /// that many images are exactly at the reach.
     fn few(&self, index: usize, draw: &mut Draw) -> Whole<D> {
         let parts = if D == 2 { 5 } else { 3 };
         let (turn, one_size) = (index % 3, (index / 3).is_multiple_of(2));
@@ -196,7 +198,7 @@ impl<const D: usize> Row<'_, D> {
                 1 => edge / 2 + draw.bit(),
                 _ => draw.below(edge),
             }));
-            // One size, or several whose sums are multiples of edges.
+            // Radii are equal, or have sums that are multiples of edges.
             let part = if one_size || k == 0 { parts } else { draw.below(parts) };
             let more = if one_size { 0 } else { draw.bit() };
             whole.radii.push((((part * edge) << whole.fine) + more).abs());
@@ -205,7 +207,7 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// Builds scene number `index` with its contacts; also returns the exponent of its unit.
+    /// Builds scene number `index` with its contacts, and returns it with the exponent of its unit.
     fn scene(&self, index: usize, draw: &mut Draw) -> (Whole<D>, i32) {
         let mut whole = match self.shape {
             Shape::Open => self.on_borders(index, draw),
@@ -273,12 +275,12 @@ impl<const D: usize> Row<'_, D> {
     }
 }
 
-/// Returns the border of our cells that corresponds to the textbook's border at `x`.
+/// Returns the cell border of this project that corresponds to the textbook's border at `x`.
 fn margin(x: i64) -> i64 {
     (i128::from(x) * (1 << 18) / ((1 << 18) - 1)) as i64
 }
 
-/// Returns the detectors that must be right, in every form of their code, without twins.
+/// Returns the detectors that must be right, in every variant of their code, without twins.
 fn all() -> Vec<(String, Box<dyn AnyDetector>)> {
     let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
     let choices = right.flat_map(DetectorSpec::choices);

@@ -15,17 +15,17 @@ impl Draw {
         splitmix64(self.0)
     }
 
-    /// Returns 0 to n - 1.
+    /// Returns a random integer from 0 to n - 1.
     pub fn below(&mut self, n: i64) -> i64 {
         ((u128::from(self.bits()) * n as u128) >> 64) as i64
     }
 
-    /// Returns -n to n.
+    /// Returns a random integer from -n to n.
     pub fn within(&mut self, n: i64) -> i64 {
         self.below(2 * n + 1) - n
     }
 
-    /// Returns 0, or with a probability of 1/6 each -1 and 1.
+    /// Returns -1 or 1 with a probability of 1/6 each, otherwise 0.
     pub fn bit(&mut self) -> i64 {
         if self.once_in(3) { 2 * self.below(2) - 1 } else { 0 }
     }
@@ -44,7 +44,7 @@ impl Draw {
         order
     }
 
-    /// Returns a number in [0, 1).
+    /// Returns a random number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * power(-53)
     }
@@ -55,20 +55,20 @@ pub fn power(k: i32) -> f64 {
     libm::scalbn(1.0, k)
 }
 
-/// All integer vectors of one length, from Pythagorean triples or quadruples with any signs and
-/// order.
+/// All integer vectors of one length: Pythagorean triples (2D) or quadruples (3D) with all signs
+/// and orders.
 pub struct Sphere<const D: usize> {
     pub length: i64,
     pub points: Vec<[i64; D]>,
 }
 
 impl<const D: usize> Sphere<D> {
-    /// Uses lengths with many vectors: 1105 = 5·13·17 in 2D and 105 = 3·5·7 in 3D.
+    /// Builds the vectors of a length that has many: 1105 = 5·13·17 in 2D and 105 = 3·5·7 in 3D.
     pub fn made() -> Sphere<D> {
         let length = if D == 2 { 1105i64 } else { 105 };
         let width = 2 * length + 1;
         let mut points = Vec::new();
-        // The other components determine the last one.
+        // The last component follows from the others.
         for k in 0..width.pow(D as u32 - 1) {
             let mut point: [i64; D] =
                 std::array::from_fn(|axis| k / width.pow(axis as u32) % width - length);
@@ -89,8 +89,8 @@ impl<const D: usize> Sphere<D> {
     }
 }
 
-/// Returns an integer vector of about this length in a random direction, accurate to one unit if
-/// `length` is below 2^53.
+/// Returns an integer vector of about this length in a random direction. The length is accurate to
+/// one unit if it is below 2^53.
 pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
     let mut vector = [0; D];
     let mut rest = length as f64;

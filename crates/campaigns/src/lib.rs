@@ -1,5 +1,5 @@
-//! Campaigns: any number of nearly tangent contacts built from integers, and of moving particles,
-//! against every detector and every safe rule.
+//! Campaigns test every detector and every safe rule on any number of nearly tangent contacts,
+//! built from integers, and on moving particles.
 
 pub mod boxes;
 pub mod draw;
@@ -18,12 +18,12 @@ use contactbench_core::contact::Test;
 
 #[derive(Clone, Copy)]
 pub struct Plan {
-    /// Least number of decisions: pairs for the contact test, pairs times detectors for detectors,
-    /// and contacts per frame and tracker for trackers.
+    /// Least number of decisions. A decision is a pair for the contact test, a pair and detector
+    /// for detectors, and a contact in a frame of a tracker for trackers.
     pub pairs: u64,
     pub seed: u64,
     /// The contact test under trial: the exact one, or the rounded one, which must make errors.
-    /// Trackers are always tested with the exact one, too.
+    /// Trackers always run with the exact test as well.
     pub test: Test,
 }
 
@@ -33,9 +33,9 @@ pub enum What {
     Tangent,
     Overlap,
     Apart,
-    /// Decisions that the filter left to exact arithmetic.
+    /// Decisions that the floating-point filter left to exact arithmetic.
     Exact,
-    /// Decisions made in f64 on the same pairs, and those that were wrong.
+    /// Decisions made in f64 on the same pairs, then those of them that were wrong.
     Rounded,
     RoundedWrong,
     /// Pairs whose label was compared with rational arithmetic.
@@ -43,9 +43,9 @@ pub enum What {
     /// Frames given to a tracker, and frames in which it built its list.
     Frames,
     Built,
-    /// Pairs that came into contact and were not listed at first.
+    /// Pairs that came into contact and were not in the list at first.
     Came,
-    /// Touching pairs that were not reported. All kinds from here on are errors.
+    /// Touching pairs that were not reported. This and all later kinds are errors.
     Missed,
     /// Reported pairs that do not touch.
     Spurious,
@@ -53,12 +53,11 @@ pub enum What {
     Duplicate,
     /// Particles reported as touching themselves.
     Itself,
-    /// Labels (apart, tangent, overlap) that differ from the construction's.
+    /// Labels (apart, tangent, overlap) that differ from the constructed label.
     Label,
     /// Depths whose sign contradicts the label.
     Depth,
-    /// Labels of the construction that differ from rational arithmetic: an error of the campaign
-    /// itself.
+    /// Constructed labels that differ from rational arithmetic: an error of the campaign itself.
     Construction,
     Refused,
 }
@@ -108,10 +107,10 @@ impl AddAssign for Counts {
     }
 }
 
-/// Suffix for the name of a tracker that may miss contacts, and must miss some.
+/// Suffix in the name of a control: a tracker that may miss contacts, and must miss some.
 pub const CONTROL: &str = " (control)";
 
-/// Counts by what was tested (a family, a kind of box, a tracker) and by place.
+/// Counts by subject (a family, a kind of box, a tracker) and by offset.
 #[derive(Default)]
 pub struct Table(pub BTreeMap<(String, String), Counts>);
 
@@ -125,7 +124,8 @@ impl Table {
         self
     }
 
-    /// Sums the rows that must not have errors if `safe`, otherwise those of the controls.
+    /// Sums the rows of safe subjects, which must not have errors, or, if `safe` is false, those of
+    /// the controls.
     pub fn total(&self, safe: bool) -> Counts {
         let lines = self.0.iter().filter(|((what, _), _)| what.ends_with(CONTROL) != safe);
         lines.fold(Counts::default(), |mut sum, (_, counts)| {
@@ -134,13 +134,13 @@ impl Table {
         })
     }
 
-    /// Returns the number of errors, except the contacts that controls miss.
+    /// Returns the number of errors; contacts that controls miss do not count.
     pub fn errors(&self) -> u64 {
         let control = self.total(false);
         self.total(true).errors() + control.errors() - control.get(What::Missed)
     }
 
-    /// Formats the columns that are not all 0, one line per row.
+    /// Formats one line per row, without the columns that are all 0.
     pub fn text(&self) -> String {
         let used: Vec<usize> = (0..NAMES.len())
             .filter(|&k| k == What::Missed as usize || self.0.values().any(|it| it.0[k] > 0))
@@ -156,7 +156,7 @@ impl Table {
     }
 }
 
-/// Runs pieces in parallel, in complete batches, until enough pairs are decided.
+/// Runs pieces of a campaign in parallel, in complete batches, until enough pairs are decided.
 pub(crate) fn in_batches(plan: Plan, batch: usize, piece: impl Fn(usize) -> Table + Sync) -> Table {
     let (mut sum, mut done) = (Table::default(), 0);
     while sum.total(true).get(What::Pairs) < plan.pairs {

@@ -16,9 +16,9 @@
 //! * `couples` builds pairs from integers that come into contact exactly when their displacements
 //!   have used up the skin, at scales from 2^-900 to 2^900 and offsets up to 10^9 diameters.
 //!
-//! Column *exact* counts decisions that the filter left to exact arithmetic. Column *wrong in f64*
-//! counts pairs that the rounded test decides wrongly, which proves that these pairs can reveal an
-//! error. Controls must miss some contacts. The exit code is 1 if there is an error.
+//! The column *exact* counts decisions that the filter left to exact arithmetic. The column *wrong
+//! in f64* counts pairs that the rounded test decides wrongly, which proves that these pairs can
+//! reveal an error. Controls must miss some contacts. The exit code is 1 if there is an error.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -42,7 +42,8 @@ struct Arguments {
     threads: usize,
 }
 
-/// Name, function, divisor of the decisions, and a count that proves that errors can be found.
+/// Name, function, number by which the decisions are divided, and a count that proves that errors
+/// can be found if it is not 0.
 type Part = (&'static str, fn(Plan) -> Table, u64, fn(&Table) -> u64);
 
 const PARTS: [Part; 5] = [
@@ -55,7 +56,7 @@ const PARTS: [Part; 5] = [
 
 fn main() -> ExitCode {
     let Arguments { parts, pairs, seed, threads } = Arguments::parse();
-    // An existing pool works as well.
+    // If a pool exists already, that one is used.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let unknown = parts.iter().find(|part| PARTS.iter().all(|known| known.0 != **part));
     if let Some(part) = unknown {

@@ -1,4 +1,4 @@
-//! Moving scenes of every kind in every arithmetic, with each frame compared with its truth.
+//! Tests moving scenes of every kind in every arithmetic; each frame is compared with its truth.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
@@ -16,7 +16,7 @@ use crate::{CONTROL, Counts, Plan, Table, What, in_batches};
 pub const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
 const LIMIT: u64 = 1 << 28;
 
-/// Packed, loose and clustered, of one size and of many, and far from the origin.
+/// Packed, loose and clustered scenes, with one size and with many, and far from the origin.
 const SCENES: [&str; 6] = [
     "packed:",
     "packed:size-ratio=4,",
@@ -36,11 +36,11 @@ const SKINS: [Skin; 7] = [
     Skin::Diameters(1.0),
 ];
 
-/// Runs all trackers on moving scenes. Motions, dimensions and arithmetics alternate; everything
-/// else is random.
+/// Runs all trackers on moving scenes. Motions, dimensions and arithmetics are used in turn;
+/// everything else is random.
 pub fn courses(plan: Plan) -> Table {
     let detectors = detectors();
-    // Every motion in both dimensions and each arithmetic.
+    // A batch has every motion in both dimensions and each arithmetic.
     in_batches(plan, 2 * Arithmetic::SAFE.len() * Kind::ALL.len(), |piece| {
         let mut draw = Draw::new(plan.seed, piece as u64);
         let mut turns = piece;
@@ -78,8 +78,8 @@ pub(crate) fn detectors() -> Vec<DetectorSpec> {
     right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
 }
 
-/// Returns frames in order or, occasionally, shuffled: lists are then useless, but contacts must
-/// not be missed.
+/// Returns frames in order or, occasionally, shuffled. Shuffled frames make lists useless, but no
+/// contact may be missed.
 fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Vec<Frame> {
     let scene = SCENES[draw.below(SCENES.len() as i64) as usize];
     let text = format!("{scene}dim={dim},n={},seed={}", 2 + draw.below(200), draw.below(1 << 20));
@@ -100,14 +100,14 @@ fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Ve
     order.into_iter().map(frame).collect()
 }
 
-/// A frame as an arithmetic stores it, and its touching pairs.
+/// A frame as stored for an arithmetic, and its touching pairs.
 pub(crate) struct Frame {
     pub scene: AnyScene<'static>,
     pub truth: Vec<[u32; 2]>,
 }
 
 impl Frame {
-    /// Returns `None` if the arithmetic cannot store the frame.
+    /// Stores a frame; returns `None` if the arithmetic cannot store it.
     pub fn new(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Option<Frame> {
         let scene = scene.stored(arithmetic).ok()?;
         let truth = oracle::truth_as_stored(&scene, arithmetic.test(), LIMIT).ok()?.pairs;

@@ -1,4 +1,4 @@
-//! The contact test alone, called as by detectors, for every pair of a batch.
+//! The contact test alone, called as detectors call it, for every pair of a batch.
 
 use std::cmp::Ordering;
 
@@ -15,17 +15,17 @@ use crate::draw::{Draw, Sphere, power};
 use crate::near::{Couple, Lengths, Near, long_sum, needle};
 use crate::{Counts, Plan, Table, What, in_batches};
 
-/// Offsets in diameters: coordinates have between one and five times this magnitude; 0 means around
-/// the origin.
+/// Offsets in diameters: coordinates have one to five times this magnitude; 0 means around the
+/// origin.
 pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
-/// Least magnitude of coordinates at an offset, in units; one unit is one ulp.
+/// Least magnitude of coordinates with an offset, in units; one unit is one ulp.
 pub const FAR: i64 = 1 << 52;
 const BATCH: u64 = 4096;
-/// Interval, in pairs, at which labels are compared with rational arithmetic.
+/// Every how many pairs the label is compared with rational arithmetic.
 const SAMPLE: u64 = 997;
-/// Interval, in pairs, at which the sign of the depth is compared.
+/// Every how many pairs the sign of the depth is compared.
 const DEPTHS: u64 = 16;
-/// Needles are rare, because one in sixteen needs the widest integers.
+/// Needles are made rarely, because one in sixteen needs the widest integers.
 const NEEDLES: usize = 9;
 
 const FAMILIES: [&str; 3] = ["grid", "long sum", "needle"];
@@ -37,7 +37,7 @@ pub fn run(plan: Plan) -> Table {
         rows.extend(OFFSETS.map(|offset| (0, dim, offset)));
         rows.extend([(1, dim, 0.0), (2, dim, 0.0)]);
     }
-    // One radius for all, or several.
+    // Scenes alternate between one radius and several.
     in_batches(plan, 2 * rows.len(), |piece| {
         let ((family, dim, offset), index) = (rows[piece % rows.len()], piece / rows.len());
         let mut table = Table::default();
@@ -53,7 +53,7 @@ pub fn run(plan: Plan) -> Table {
     })
 }
 
-/// Decides a batch of pairs with the test under trial, and the same pairs in f64.
+/// Decides a batch of pairs with the test under trial, and again in f64.
 fn batch<const D: usize>(
     sphere: &Sphere<D>,
     family: usize,
@@ -70,7 +70,7 @@ fn batch<const D: usize>(
         2 => draw.within(200) as i32,
         _ => (draw.within(990) - 20) as i32,
     };
-    // Around the origin all 53 bits of the radius are above the unit.
+    // Around the origin, no bit of a radius is below one unit.
     let room = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
     let lengths = Lengths::new(sphere, room, !uniform, draw);
     let mut counts = Counts::default();
@@ -101,7 +101,7 @@ fn batch<const D: usize>(
     }
     counts.add(What::Pairs, BATCH);
     counts.add(What::Exact, tally.get(Op::ExactTest));
-    // Extreme scales are skipped, because f64 cannot square them.
+    // Pairs of extreme scale are not decided in f64, which cannot hold their squares.
     let ask = Ask { truths: &truths, tally: &mut tally };
     if exponent.abs() <= 200
         && let Ok([missed, spurious]) = with_bodies(&scene, Test::Rounded, ask)
@@ -112,7 +112,7 @@ fn batch<const D: usize>(
     counts
 }
 
-/// Returns a pair at a random place, with coordinates below 2^53 units.
+/// Returns a pair at a random position, with coordinates below 2^53 units.
 fn on_the_grid<const D: usize>(
     lengths: &Lengths<'_, D>,
     far: bool,
@@ -136,7 +136,7 @@ fn on_the_grid<const D: usize>(
     Couple { a, b, ra, rb, truth }
 }
 
-/// Checks label, depth and, for some pairs, the construction itself.
+/// Checks the label, sometimes the depth, and sometimes the construction itself.
 fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
     let Couple { a, b, ra, rb, truth } = couple;
     let (what, label) = match truth {
@@ -156,13 +156,13 @@ fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
     }
 }
 
-/// Returns the sign of |a - b|² - (ra + rb)².
+/// Returns the sign of |a - b|² - (ra + rb)², computed with exact integers.
 fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
     let (distance, reach) = squares(a, b, ra, rb);
     distance.cmp(&reach)
 }
 
-/// Returns |a - b|² and (ra + rb)² in units of 2^-2148, by a library of exact integers.
+/// Returns |a - b|² and (ra + rb)² in units of 2^-2148, computed by a library of exact integers.
 pub fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (BigInt, BigInt) {
     let square = |x: BigInt| &x * &x;
     ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))

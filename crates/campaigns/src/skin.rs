@@ -1,5 +1,5 @@
 //! A few moving particles, two of which come into contact exactly when their displacements have
-//! used up the skin. All numbers are integers, so the contacts of a frame are known without the
+//! used up the skin. All numbers are integers, so the contacts of a frame are computed without the
 //! library.
 //!
 //! ```text
@@ -10,8 +10,8 @@
 //!
 //! On a *line* (along an axis, a Pythagorean direction or any other) coordinates are near 2^52
 //! units, so that a unit is an ulp, and skins are between 1/64 and 3 diameters. *Thin* skins are a
-//! few units, with a diameter near 2^58, and displacements of a few units beside displacements of
-//! diameters: sums and squares lose the units.
+//! few units, with a diameter near 2^58. Displacements are a few units or several diameters, so
+//! that their sums and squares lose the units.
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::DetectorSpec;
@@ -25,15 +25,15 @@ use crate::predicate::FAR;
 use crate::whole::sizes;
 use crate::{Plan, Table, What, in_batches};
 
-/// A few particles in consecutive frames; two of them are the pair under test.
+/// A few particles in consecutive frames; two of them form the pair under test.
 #[derive(Debug)]
 pub struct Couple<const D: usize> {
     pub name: &'static str,
-    /// Centres by frame, in units.
+    /// Centres of each frame, in units.
     frames: Vec<Vec<[i64; D]>>,
     /// Radii in half units.
     radii: Vec<i64>,
-    /// A unit is 2^exponent.
+    /// The length of a unit is 2^exponent.
     exponent: i32,
     /// Skin in diameters of the largest particle.
     pub skin: f64,
@@ -45,7 +45,7 @@ pub struct Couple<const D: usize> {
 
 /// Offsets of coordinates in diameters; 0 means around the origin.
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
-/// Half-skin with a rounded comparison: contacts are missed only by rounding.
+/// A half-skin rule whose comparison is rounded: it misses contacts only by rounding.
 const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
 const COUPLES: usize = 200;
 
@@ -93,7 +93,7 @@ impl<const D: usize> Couple<D> {
         (centres, self.radii.iter().map(|&r| r as f64 * half).collect())
     }
 
-    /// Runs all rules on the frames, in exact arithmetic and in a rounded one.
+    /// Runs trackers with all rules over the frames, in exact arithmetic and in a rounded one.
     fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table)
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -137,7 +137,7 @@ impl<const D: usize> Couple<D> {
         self.touching(self.frame_count() - 1).iter().filter(|pair| !near.contains(pair)).count()
     }
 
-    /// Returns the pairs with a gap of at most this many half units.
+    /// Returns the pairs in frame `k` with a gap of at most this many half units.
     fn within(&self, k: usize, gap: i64) -> Vec<[u32; 2]> {
         let (at, n) = (&self.frames[k], self.radii.len());
         let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j]));
@@ -157,8 +157,8 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let (p, length) = (1 + draw.below(6), sphere.length);
     let q = 1 + draw.below(3 << p);
     let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
-    // The diameter is 2^p·m times `length`, the skin q·m times `length`. Displacements are at most
-    // twelve skins.
+    // The diameter is 2^p·m times `length`; the skin is q·m times `length`. Displacements are at
+    // most twelve skins.
     let room = if offset == 0.0 {
         FAR / (length * ((1 << p) + 12 * q))
     } else {
@@ -207,7 +207,8 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let end =
         [nearly(moved(a, along(alpha), 1), draw), nearly(moved(b, along(skin - alpha), -1), draw)];
     let mut frames = Vec::new();
-    // A list of the final positions is useless once the particles have been elsewhere.
+    // Sometimes the motion begins with the final positions and a jump away, after which a list of
+    // these positions is useless.
     if draw.once_in(3) {
         frames.extend([end, [moved(a, along(9 * skin), -1), b]]);
     }
@@ -229,7 +230,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
         skin_units: 2 * skin * length,
         start,
     };
-    // Add a resting particle.
+    // Some motions have a third particle, which does not move.
     if draw.once_in(2) {
         let most = (touch + skin) * length;
         let at = std::array::from_fn(|k| a[k] + draw.within(most));
@@ -240,7 +241,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
 }
 
 fn thin<const D: usize>(draw: &mut Draw) -> Couple<D> {
-    // Keeps as many of the highest bits as a double has.
+    // Keeps only the highest 53 bits, which a double can hold.
     let double = |x: i64| x as f64 as i64;
     let diameter = match draw.once_in(2) {
         true => 1 << 57,

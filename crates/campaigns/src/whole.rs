@@ -1,4 +1,4 @@
-//! A scene in a box, in integers, and changes that only affect the images of its contacts.
+//! A scene in a box, in integers, and changes of it that only affect the images of its contacts.
 
 use std::cmp::Ordering;
 
@@ -9,10 +9,11 @@ use nalgebra::Point;
 use crate::draw::{Draw, power};
 use crate::near::{Near, gap};
 
-/// Two particles, an image of the second, and its relation to the first.
+/// Two particles, an image of the second, and the sign of the gap between the first particle and
+/// the image.
 pub type Meeting = ([usize; 2], [i64; 3], Ordering);
 
-/// A scene in integers, in a box if it repeats; radii are in half fine units.
+/// A scene in integers, in open space or in a box. Radii are in half fine units.
 pub struct Whole<const D: usize> {
     pub points: Vec<[i64; D]>,
     pub radii: Vec<i64>,
@@ -30,7 +31,7 @@ impl<const D: usize> Default for Whole<D> {
 }
 
 impl<const D: usize> Whole<D> {
-    /// Adds a pair whose first particle is at `a`.
+    /// Adds the two particles of a pair, with the first particle at `a`.
     pub fn couple(&mut self, a: [i64; D], Near { vector, radii, truth }: Near<D>) {
         let i = self.points.len();
         self.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
@@ -38,7 +39,7 @@ impl<const D: usize> Whole<D> {
         self.meetings.push(([i, i + 1], [0; 3], truth));
     }
 
-    /// Finds all pairs that touch or nearly touch, for vectors in lower triangular form.
+    /// Finds all pairs that touch or nearly touch. The vectors must be in lower triangular form.
     pub fn meet(&mut self) {
         let n = self.points.len();
         for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
@@ -55,8 +56,8 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// Returns all images S, from vector `v` - 1 down, for which no component of `difference` - S·H
-    /// exceeds `far`, and the remaining differences.
+    /// Collects the images S, by vectors `v` - 1 and below, for which no component of `difference`
+    /// - S·H exceeds `far`, with these differences.
     fn images(
         &self,
         v: usize,
@@ -83,7 +84,7 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// Replaces particles by images of themselves, if those are representable as doubles.
+    /// Replaces particles by images of themselves if doubles can hold these images.
     pub fn name_other_images(&mut self, away: i64, draw: &mut Draw) {
         let mut by = vec![[0; 3]; self.points.len()];
         for (point, by) in self.points.iter_mut().zip(&mut by) {
@@ -103,7 +104,7 @@ impl<const D: usize> Whole<D> {
         }
     }
 
-    /// Adds multiples of vectors to others, and reverses some.
+    /// Adds multiples of vectors to other vectors, and reverses some vectors.
     pub fn take_other_vectors(&mut self, draw: &mut Draw) {
         let periodic: Vec<usize> = (0..3).filter(|&v| self.periodic[v]).collect();
         for _ in 0..3 {
@@ -140,7 +141,7 @@ impl<const D: usize> Whole<D> {
         expected
     }
 
-    /// Converts to doubles in units of a power of two, with a random corner of the box.
+    /// Converts the scene to doubles in units of 2^`exponent`, with a random corner of the box.
     pub fn periodic(&self, exponent: i32, draw: &mut Draw) -> Option<Periodic<'static>>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
@@ -166,7 +167,7 @@ impl<const D: usize> Whole<D> {
     }
 }
 
-/// Returns one shared radius if all are equal.
+/// Returns a common radius if all are equal, else a radius each.
 pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
     match radii.first() {
         Some(&first) if radii.iter().all(|r| *r == first) => Radii::Uniform(first),
@@ -174,7 +175,7 @@ pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
     }
 }
 
-/// Returns whether this integer is representable as a double.
+/// Returns whether a double can hold this integer.
 fn is_double(x: i64) -> bool {
     x == 0 || x.unsigned_abs() >> x.trailing_zeros() < 1 << 53
 }

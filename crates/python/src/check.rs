@@ -1,4 +1,4 @@
-//! Checks functions of Python on small hard scenes.
+//! Checks a Python function that finds contacts on small hard scenes.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -38,7 +38,7 @@ pub fn check<'py>(
     let ask = move |scene: &AnyScene<'static>| {
         let answered = Python::attach(|py| answer(py, &function, scene));
         let mut stop = stop.lock().unwrap_or_else(PoisonError::into_inner);
-        // Do not call the function again.
+        // After a stop, the function must not be called again.
         anyhow::ensure!(stop.is_none(), "stopped");
         answered.map_err(|error| {
             *stop = Some(error);

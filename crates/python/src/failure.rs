@@ -33,7 +33,7 @@ pub enum Failure {
     Raised(PyErr),
     /// Another thread has written to an array: `RuntimeError`.
     Changed,
-    /// The object belongs to the process that this one was forked from: `RuntimeError`.
+    /// The object belongs to the process from which this one was forked: `RuntimeError`.
     Forked,
     /// A defect of this package: `RuntimeError`.
     Defect(String),
@@ -75,7 +75,7 @@ impl From<LoadError> for Failure {
     }
 }
 
-/// Finds the kind of an error from crates that use `anyhow`.
+/// Finds the kind of an error that comes from crates with `anyhow`.
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Failure {
         let what = format!("{error:#}");
@@ -125,10 +125,10 @@ impl From<Failure> for PyErr {
     }
 }
 
-/// Place of the last panic, for the exception.
+/// Source location of the last panic, for the exception.
 static PANICKED: Mutex<String> = Mutex::new(String::new());
 
-/// Silences panics, because they become exceptions.
+/// Keeps panics from being printed, because they become exceptions.
 pub fn quiet() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or(String::new(), |place| format!(" ({place})"));
@@ -136,7 +136,7 @@ pub fn quiet() {
     }));
 }
 
-/// The panic of detectors whose arrays change while they read them.
+/// Message of the panic of a detector whose arrays change while it reads them.
 const CHANGED: &str = "changed during a detection";
 
 fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
@@ -161,7 +161,7 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Ends the work if the caller has gone. Long work calls it between pieces.
+    /// Ends the work if its caller no longer waits. Long work calls this function between pieces.
     pub fn look(&self) {
         if self.0.load(Relaxed) {
             std::panic::resume_unwind(Box::new("stopped"));
@@ -180,8 +180,8 @@ pub fn work<R: Send>(
     Ok(py.detach(|| caught(work))?)
 }
 
-/// Does long work in another thread while the main thread checks for signals: Ctrl-C ends the call
-/// at once. The other thread then goes on with what it owns, and drops its result.
+/// Does long work in another thread while the main thread checks for signals, so that Ctrl-C ends
+/// the call at once. The other thread then continues with data of its own, and drops its result.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<R, Failure> + Send + 'static,
@@ -190,11 +190,11 @@ pub fn patient<R: Send + 'static>(
     let (sender, receiver) = mpsc::sync_channel(1);
     let its = stop.clone();
     let begun = std::thread::Builder::new().name("contactbench".into()).spawn(move || {
-        // The caller may have gone.
+        // Sending fails if the caller no longer waits.
         let _ = sender.send(caught(|| work(&its)));
     });
     begun.map_err(|error| Failure::Memory(format!("a thread could not be started: {error}")))?;
-    // Only this thread uses the channel, but without the lock it must be `Sync`.
+    // Only this thread uses the channel, but work without the interpreter's lock requires `Sync`.
     let receiver = Mutex::new(receiver);
     loop {
         let waited = py
@@ -225,8 +225,8 @@ pub fn is_main_thread() -> bool {
     true
 }
 
-/// Runs work with a pool of its own, so that a process forked later does not miss the pool's
-/// threads.
+/// Runs work in a thread pool of its own, because a process that is forked later lacks the threads
+/// of a shared pool.
 pub fn by_threads<R: Send>(
     threads: usize,
     work: impl FnOnce() -> Result<R, Failure> + Send,

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 /// Vectors, periodic flags and corner of a box.
 pub type Edges = ([[f64; 3]; 3], [bool; 3], [f64; 3]);
 
-/// Borrowed arrays. No thread may write to them meanwhile.
+/// Borrowed arrays. While they are borrowed, no thread may write to them.
 #[derive(Clone, Copy)]
 pub struct Arrays<'a> {
     x: &'a [f64],
@@ -27,7 +27,7 @@ pub struct Arrays<'a> {
 }
 
 impl<'a> Arrays<'a> {
-    /// Takes centres (N, 2) or (N, 3), and one radius or N.
+    /// Checks and borrows centres (N, 2) or (N, 3), and one radius or N radii.
     pub fn new(
         x: &'a PyReadonlyArrayDyn<'_, f64>,
         r: &'a PyReadonlyArrayDyn<'_, f64>,
@@ -79,8 +79,8 @@ impl<'a> Arrays<'a> {
         Ok(Copied { x: copied(x)?, dim, r: copied(r)?, edges })
     }
 
-    /// Returns whether a detection may take so long that a user interrupts it. The slowest detector
-    /// takes some milliseconds for 2,000 particles in open space.
+    /// Returns whether a detection of these particles may take so long that a user interrupts it.
+    /// The slowest detector takes some milliseconds for 2,000 particles in open space.
     pub fn are_many(&self) -> bool {
         self.edges.is_some() || self.len() > 2000
     }
@@ -91,7 +91,8 @@ impl<'a> Arrays<'a> {
     }
 }
 
-/// A copy of arrays, for work that may outlast its call, after which the caller may write to them.
+/// A copy of the arrays, for work that may continue after its call, when the caller may write to
+/// the originals.
 pub struct Copied {
     x: Vec<f64>,
     dim: usize,
@@ -119,7 +120,7 @@ pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {
 type Pairs = Py<PyArray2<u32>>;
 type Images = Py<PyArray2<i32>>;
 
-/// Returns the pairs (M, 2), the smaller number first, and in a box the images (M, D).
+/// Returns the pairs (M, 2), with the smaller number first, and in a box the images (M, D).
 pub fn answer(
     py: Python<'_>,
     contacts: Contacts,
@@ -142,7 +143,7 @@ pub fn answer(
     Ok((rows(py, pairs.into_flattened(), 2)?, images))
 }
 
-/// Turns numbers into rows of an array, without a copy.
+/// Turns a list of numbers into rows of an array, without a copy.
 pub fn rows<T: numpy::Element>(
     py: Python<'_>,
     numbers: Vec<T>,
@@ -152,7 +153,7 @@ pub fn rows<T: numpy::Element>(
     Ok(numbers.into_pyarray(py).reshape([len, width])?.unbind())
 }
 
-/// A scene as arrays: centres (N, D), N radii, and the common radius, if there is one.
+/// A scene as arrays: centres (N, D), N radii, and the radius of all particles if it is the same.
 pub type Made = (Py<PyArray2<f64>>, Py<PyArray1<f64>>, Option<f64>);
 
 pub fn made(py: Python<'_>, scene: &AnyScene<'_>) -> PyResult<Made> {

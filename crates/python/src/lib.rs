@@ -1,5 +1,5 @@
-//! The native half of the Python package `contactbench`. `contactbench/__init__.py` documents the
-//! public half.
+//! The native part of the Python package `contactbench`. `contactbench/__init__.py` documents the
+//! public part.
 #![allow(clippy::type_complexity)]
 
 mod check;
@@ -13,7 +13,8 @@ mod verify;
 
 use pages::Pages;
 
-/// Counts memory, as runners must, and uses large pages, because calls allocate much at once.
+/// The allocator counts memory, as runners must, and uses large pages, because a call allocates
+/// much memory at once.
 #[global_allocator]
 static ALLOCATOR: Pages = Pages;
 

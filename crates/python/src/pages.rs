@@ -1,17 +1,17 @@
 //! Large pages for large arrays.
 //!
-//! If pages have 4 KiB, the system clears each at its first use: 6,649 times for the contacts
-//! of a million packed spheres, a quarter of the call. NumPy requests large pages from 4 MiB on,
-//! and so does this allocator. If the system has none, nothing changes.
+//! The system clears each page at its first use. If pages have 4 KiB, this happens 6,649 times for
+//! the contacts of a million packed spheres, and takes a quarter of the call. NumPy requests large
+//! pages from 4 MiB on, and so does this allocator. If the system has none, nothing changes.
 
 use std::alloc::{GlobalAlloc, Layout};
 
 use contactbench_run::run::alloc::Counting;
 
-/// The counting allocator, with large pages.
+/// The counting allocator `Counting`, with large pages.
 pub struct Pages;
 
-/// Least size of an allocation in large pages.
+/// Size in bytes from which an allocation requests large pages.
 const LARGE: usize = 1 << 22;
 
 #[cfg(target_os = "linux")]
@@ -19,7 +19,7 @@ fn ask(begin: *mut u8, size: usize) {
     if size < LARGE || begin.is_null() {
         return;
     }
-    // A multiple of the page size of any machine.
+    // Alignment of the advice in bytes, a multiple of the page size of common machines.
     const PAGE: usize = 1 << 16;
     let skipped = begin.align_offset(PAGE);
     let len = size.saturating_sub(skipped) / PAGE * PAGE;

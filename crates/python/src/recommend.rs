@@ -16,8 +16,8 @@ use pyo3::prelude::*;
 use crate::failure::{Failure, Stop, by_threads, is_main_thread, patient, work};
 use crate::given::{Arrays, Edges, arithmetic};
 
-/// Measures like `contactbench recommend`, and returns its `--json`. Detectors run in processes
-/// that `program` starts: interpreters that call [`serve`].
+/// Measures like `contactbench recommend`, and returns the JSON of its option `--json`. Detectors
+/// run in processes that `program` starts: Python interpreters that call [`serve`].
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn recommend(
@@ -65,7 +65,7 @@ pub fn recommend(
     if is_main_thread() { patient(py, race) } else { work(py, || race(&Stop::default())) }
 }
 
-/// Serves as a runner until the end of its input, with the arguments of `contactbench runner`.
+/// Runs as a runner until its input ends, with the arguments of `contactbench runner`.
 #[pyfunction]
 pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
     work(py, || {
@@ -86,7 +86,7 @@ pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
         let threads = whole("--threads")? as usize;
         let options = Options { memory_limit: whole("--memory-limit")?, threads };
         if threads > 1 {
-            // Fails only if there is a pool, and this process has not made one.
+            // This only fails if a pool exists, and this process has not made one.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
         let arithmetic = arithmetic(of("--arithmetic")?)?;

@@ -1,4 +1,4 @@
-//! Records as columns, and generated scenes.
+//! Records as columns, and scenes from generators.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -24,8 +24,9 @@ pub enum Values {
     Flag(Vec<Option<bool>>),
 }
 
-/// Reads a record from a result folder or its file. Returns the columns, each with its kind
-/// (`text`, `whole`, `number` or `flag`); notes about skipped lines; and the provenance as JSON.
+/// Reads a record from a result folder or from its file. Returns three values: the columns, each
+/// with its kind (`text`, `whole`, `number` or `flag`); notes about skipped lines; and the
+/// provenance as JSON.
 #[pyfunction]
 pub fn load(
     py: Python<'_>,
@@ -48,7 +49,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         (name.to_string(), "text", Values::Text(values))
     };
     let whole = |name: &str, of: fn(&Row) -> Option<u64>| {
-        // A number beyond i64 becomes absent.
+        // A number beyond the range of i64 becomes an absent value.
         let values = rows.iter().map(|row| of(row).and_then(|x| x.try_into().ok())).collect();
         (name.to_string(), "whole", Values::Whole(values))
     };
@@ -91,7 +92,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         let name = column.name.to_string();
         let numbers = rows.iter().map(|row| column.read(row));
         columns.push(match column.is_whole() {
-            // All are below 2^53, or were rounded by the reader.
+            // All numbers are below 2^53, or the reader has rounded them.
             true => {
                 let values = numbers.map(|x| x.map(|x| x as i64)).collect();
                 (name, "whole", Values::Whole(values))
@@ -107,7 +108,7 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
     columns
 }
 
-/// Returns `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
+/// Returns the role as `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
 fn role_of(role: &Role) -> String {
     match role {
         Role::Detector => "detector".into(),
@@ -119,7 +120,7 @@ fn role_of(role: &Role) -> String {
     }
 }
 
-/// Returns the values of a parameter in the simplest kind that holds all of them.
+/// Returns a parameter's column with the simplest kind that holds all of its values.
 fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static str, Values) {
     let name = name.to_string();
     let all = |is: fn(&AxisValue) -> bool| values.iter().flatten().all(is);

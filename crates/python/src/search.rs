@@ -35,7 +35,7 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Loads a scene, unless it certainly has too many pairs.
+/// Prepares a scene for the search; fails if it certainly has too many pairs.
 fn loaded<'a>(
     arrays: &Arrays<'a>,
     arithmetic: Arithmetic,
@@ -46,8 +46,8 @@ fn loaded<'a>(
     Ok(loaded)
 }
 
-/// Returns an empty list with room for most answers, within a limit of bytes, because a growing
-/// list moves its pages. Unused room costs nothing.
+/// Returns an empty list with capacity for most answers, within a limit in bytes, because growing a
+/// list copies its pages. Unused capacity costs nothing.
 fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
     let most = usize::try_from(limit / PAIR_BYTES).unwrap_or(usize::MAX);
     let mut contacts = Contacts::default();
@@ -62,12 +62,12 @@ pub fn limit_for(particles: usize) -> u64 {
     memory::limit_for(particles)
 }
 
-/// A value that one call uses at a time, and that is remade after an interrupted call.
+/// A value that only one call uses at a time, and that is made again after an interrupted call.
 struct Owned<T> {
     of: Mutex<Arc<Mutex<T>>>,
-    /// The process that made it.
+    /// Number of the process that made the value.
     process: u32,
-    /// Whether it has threads, which a forked process lacks.
+    /// Whether the value has threads, which a forked process lacks.
     threads: bool,
 }
 
@@ -77,7 +77,8 @@ impl<T> Owned<T> {
         Owned { of, process: std::process::id(), threads: threads > 1 }
     }
 
-    /// Returns the value. A forked process gets it only if it has no threads and was idle.
+    /// Returns the value. A forked process gets it only if it has no threads and no call was using
+    /// it.
     fn lend(&self) -> Result<Arc<Mutex<T>>, Failure> {
         if self.process != std::process::id() {
             let idle = |lent: &Arc<Mutex<T>>| !self.threads && lent.try_lock().is_ok();
@@ -89,8 +90,8 @@ impl<T> Owned<T> {
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
-    /// Searches the arrays, or a copy of them if Ctrl-C may end the call first. After such an end
-    /// the next call uses what `fresh` makes.
+    /// Calls the search with the arrays, or with a copy of them if Ctrl-C may end the call first.
+    /// After such an end the next call uses a new value, made by `fresh`.
     fn with<R: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -116,7 +117,7 @@ impl<T> Owned<T> {
         } else {
             work(py, || search(&arrays))
         };
-        // A panic may leave the value half changed.
+        // A panic may leave the value in an invalid state.
         if !done.load(Ordering::Relaxed) {
             let made = Arc::new(Mutex::new(fresh()?));
             *self.of.lock().unwrap_or_else(PoisonError::into_inner) = made;
@@ -165,7 +166,7 @@ fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Fail
         Spec::Detector(spec) => Finder::Detector(Box::new(Searcher::new(spec, options))),
         Spec::Tracker(spec) => Finder::Tracker(spec.make(options)),
     };
-    // One thread needs no pool.
+    // A single thread needs no pool.
     Ok((finder, if threads == 1 { None } else { Some(pool(threads)?) }))
 }
 
@@ -187,7 +188,7 @@ impl Search {
 
 #[pymethods]
 impl Search {
-    /// Prepares a detector or, if `tracks`, a tracker.
+    /// Makes a detector or, if `tracks` is true, a tracker.
     #[new]
     fn new(
         text: &str,
@@ -247,7 +248,7 @@ impl Search {
                 None => find(),
             }?;
             smaller_first(&mut contacts.plain);
-            // Components of an image: the dimension, or `None` in open space.
+            // Number of components of an image: the dimension, or `None` in open space.
             let boxed = match &scene {
                 Loaded::Open(_) => None,
                 Loaded::InBox(periodic) => Some(periodic.scene().dim()),
@@ -265,7 +266,7 @@ impl Search {
         answer(py, found, boxed)
     }
 
-    /// Returns the number of each elementary operation of a detector, without those that are 0.
+    /// Returns how often a detector did each elementary operation, without those that are 0.
     fn count(
         &self,
         py: Python<'_>,
@@ -296,7 +297,8 @@ impl Search {
         })
     }
 
-    /// Steps, builds, dangerous builds, pairs listed in the last step, and whether that built.
+    /// Returns the numbers of steps, builds, dangerous builds and pairs listed in the last step,
+    /// and whether that step built the list.
     #[getter(done)]
     fn told(&self) -> (u64, u64, u64, u64, bool) {
         let Done { steps, builds, dangerous, listed, built } = *self.done();

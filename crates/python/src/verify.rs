@@ -15,11 +15,11 @@ use pyo3::types::PyDict;
 use crate::failure::{Failure, by_threads, is_main_thread, patient, work};
 use crate::given::{Arrays, Edges, arithmetic, copied, rows};
 
-/// Pairs, images in a box, and depths in mean radii.
+/// Pairs, their images in a box, and their depths in mean radii.
 type Worst = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>, Py<PyArray1<f64>>);
 
-/// Compares a list with the truth. Returns a dictionary with the fields of the class
-/// `Verification`.
+/// Compares a list of pairs with the truth. Returns a dictionary with the fields of the Python
+/// class `Verification`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn verify<'py>(
@@ -89,14 +89,14 @@ fn x_is_flat(x: &PyReadonlyArrayDyn<'_, f64>) -> bool {
     x.as_array().shape().last() == Some(&2)
 }
 
-/// Pads images to three numbers.
+/// Extends each image to three numbers.
 fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
     let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
     images.chunks(width.max(1)).map(three).collect()
 }
 
-/// Compares with the truth in the arithmetic. Also returns how the list may be meant and, if the
-/// arithmetic rounds, the errors by cause.
+/// Compares a list with the truth in an arithmetic. Also returns other possible meanings of the
+/// list and, if the arithmetic rounds, the errors by cause.
 fn held(
     arrays: &Arrays<'_>,
     list: Listed<'_>,
@@ -110,8 +110,8 @@ fn held(
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
     let found = contactbench_run::check::verify::verify(&job)?;
     let reading = contactbench_run::check::verify::explain(&job, &found, None)?;
-    // Only rounded arithmetics have causes. The list must identify its contacts: without allowed
-    // deviations, and with images if there is a box.
+    // Only rounded arithmetics have causes. They need a list that identifies its contacts: without
+    // allowed deviations, and with images if there is a box.
     if terms.arithmetic == Default::default()
         || terms.allowed != Allowed::default()
         || lattice.is_some() && list.images.is_none()
@@ -127,7 +127,7 @@ fn held(
     Ok((found, reading, causes))
 }
 
-/// Converts the pairs whose numbers exist.
+/// Converts the pairs whose particle numbers exist.
 fn contacts(list: Listed<'_>, base: i64, n: usize) -> Contacts {
     let mut contacts = Contacts::default();
     let place = |name: i64| {

@@ -1,10 +1,11 @@
 //! Checks that a silent probe costs nothing: direct checking with [`Silent`] executes as many
-//! instructions as a hand-written twin without a probe.
+//! instructions as a hand-written copy without a probe.
 //!
 //! `cargo run --release -p contactbench-campaigns --bin silent_probe` runs both under `valgrind
-//! --tool=callgrind`, which counts instructions repeatably even on a busy machine. It subtracts the
-//! instructions of the program without either, and fails if the counts differ by more than 1%. A
-//! run with [`Tally`] shows that the comparison can fail. Without valgrind nothing is compared.
+//! --tool=callgrind`, which counts instructions repeatably even on a busy machine. From both counts
+//! it subtracts that of the same program without direct checking. It fails if they differ by more
+//! than 1%. A run with [`Tally`] shows that the comparison can fail. Without valgrind nothing is
+//! compared.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
@@ -17,7 +18,7 @@ use contactbench_core::probe::{Silent, Tally};
 use contactbench_core::scene::{AnyScene, Radii, Scene, Stored, array};
 use contactbench_scenes::spec::Spec;
 
-/// Direct checking by hand: rounded arithmetic, one radius.
+/// Direct checking without a probe, in rounded arithmetic and with one radius.
 #[inline(never)]
 fn twin(scene: &Scene<'_, f64, 3>, pairs: &mut Vec<[u32; 2]>) {
     let Radii::Uniform(r) = *scene.radii() else { return };
@@ -56,7 +57,8 @@ fn work(what: &str) -> usize {
     black_box(pairs).len()
 }
 
-/// Returns the instructions that this program executes for `what`, or `None` without valgrind.
+/// Returns the number of instructions that this program executes for the argument `what`, or `None`
+/// without valgrind.
 fn instructions(what: &str) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
     let output = Command::new("valgrind")
