@@ -19,7 +19,7 @@ pub(super) struct Scene {
     pub given: Given,
 }
 
-/// Specs without dimension, n and seed. In 3D, a cubic lattice replaces the square one.
+/// Specs of scenes, without dimension, n and seed. In 3D, a cubic lattice replaces the square one.
 ///
 /// Lattices with spacing 1 and no jitter have neighbours exactly one diameter apart, up to
 /// rounding.
@@ -46,8 +46,8 @@ const CASES: &[(&str, &[u32])] = &[
 
 const SIZES: &[u64] = &[0, 1, 2, 3, 17, 100, 300];
 
-/// Number of scenes of random bytes per seed, and lengths of the bytes. In longer ones, particles
-/// are too far apart for cells.
+/// Number of scenes of random bytes for each seed, and range of their lengths in bytes. In longer
+/// ones, particles are too far apart for a grid of cells.
 const RANDOM: u64 = 200;
 const LENGTHS: Range<usize> = 4..64;
 

@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Limits for shrinking a scene on which a detector hangs. Each hang leaves a thread behind.
+/// Deadline and maximum number of hangs while shrinking. Each hang leaves a thread behind.
 const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
 const SHRINKING_HANGS: u32 = 2;
 
@@ -161,8 +161,8 @@ fn simplest(
                         hangs += 1;
                         false
                     }
-                    // The kind of error must stay the same; otherwise another defect could replace
-                    // it.
+                    // Only the same kind of error counts; otherwise shrinking could end at another
+                    // defect.
                     Ok(wrong) => {
                         wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
                     }

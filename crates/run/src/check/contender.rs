@@ -27,7 +27,7 @@ use contactbench_core::searcher::{Loaded, Searcher};
 use contactbench_core::sink::{Digest, Sink};
 use contactbench_io::Given;
 
-/// Name of these threads; panics in them are findings, not defects of the check.
+/// Name of the threads that run detectors; panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
 
 pub enum Contender {
@@ -38,7 +38,7 @@ pub enum Contender {
     Runner(Foreign),
     Function {
         name: String,
-        /// Called in the checking thread, so endless loops are not detected.
+        /// The function; it is called in the checking thread, so endless loops are not detected.
         ask: Arc<Function>,
     },
 }
@@ -84,7 +84,7 @@ pub struct Question<'a> {
     /// The scene as the arithmetic stores it.
     pub stored: &'a Arc<Loaded<'static>>,
     pub arithmetic: Arithmetic,
-    /// Whether the subject must be restarted, without history.
+    /// Whether the subject must be restarted, so that no earlier scene affects the answer.
     pub fresh: bool,
     pub truth: &'a Truth,
 }
@@ -151,8 +151,8 @@ impl Sink for Kept {
     }
 }
 
-/// Runs a detector in this thread, twice. The counting run is safe if a detector reports without
-/// end. If it is right, the timed form is run, which the compiler builds separately.
+/// Runs a detector in the calling thread: first a form that counts, which is safe if pairs are
+/// reported without end; if it is right, the timed form, which is compiled separately.
 pub fn answer(
     searcher: &mut Searcher,
     scene: &Loaded<'_>,
@@ -207,7 +207,7 @@ pub fn answer(
 #[derive(Clone, Copy, Default)]
 pub struct Expected {
     digest: Digest,
-    /// Number of pairs that suffice to show that an answer is wrong, and how.
+    /// Number of pairs to store: enough to show that an answer is wrong, and how.
     most: usize,
 }
 

@@ -52,8 +52,8 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
 }
 
 impl Talk {
-    /// Returns the reply to a request with additional fields. Without a reply it records what is
-    /// wrong, and returns `None`.
+    /// Sends a request with additional fields, and returns the reply. If there is none, notes what
+    /// is wrong and returns `None`.
     fn say(
         &mut self,
         when: &str,
@@ -172,7 +172,7 @@ impl Talk {
         Ok(())
     }
 
-    /// Checks the digest of the known pairs of the row.
+    /// Checks the digest of an answer whose pairs are known.
     fn digest(&mut self, when: &str, found: &Found, right: Digest) {
         let Found { contacts, digest: text, .. } = found;
         match digest(*contacts, text) {

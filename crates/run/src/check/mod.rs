@@ -37,23 +37,23 @@ use contactbench_core::detect::Options;
 use contactbench_core::detect::table::Entry;
 use contactbench_io::Given;
 
-/// Memory limit, enough for every scene of the battery and available on small machines. Filling
-/// much more takes as long as a hang.
+/// Memory limit in bytes: enough for every scene of the battery, and available on small machines.
+/// Filling much more memory takes as long as a hang.
 const MOST_BYTES: u64 = 256 << 20;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Maximum number of seeds; the first is always completed.
+    /// Maximum number of seeds; all scenes of the first seed are always checked.
     pub seeds: u64,
     pub time: Duration,
-    /// A detection that takes longer counts as a hang.
+    /// Maximum time of a detection; a longer one counts as a hang.
     pub deadline: Duration,
     pub effort: Effort,
     pub options: Options,
 }
 
 impl Default for Limits {
-    /// Defaults for CI: under 10 s, if nothing is wrong.
+    /// Returns limits for CI: under 10 s, if nothing is wrong.
     fn default() -> Limits {
         Limits {
             seeds: 1000,
@@ -68,11 +68,10 @@ impl Default for Limits {
 #[derive(Default)]
 pub struct Report {
     pub cases: u64,
-    /// Compared detections by detector and arithmetic; a missing entry means that nothing was
-    /// compared.
+    /// Number of compared detections by detector and arithmetic; a missing entry means none.
     pub compared: BTreeMap<(String, &'static str), u64>,
     pub scenes: BTreeMap<&'static str, u64>,
-    /// Whether the time was over before a [`battery`] was complete.
+    /// Whether the time ended before a [`battery`] was complete.
     pub cut: bool,
     pub refused: BTreeMap<String, u64>,
     pub failures: Vec<Failure>,
@@ -112,7 +111,7 @@ pub struct Failure {
     /// The smallest scene on which a fresh detector is wrong. If a fresh detector is right or
     /// hangs, this is the scene on which the error was found.
     pub smallest: Given,
-    /// The error on that scene. `None` if a fresh detector is right there, so that earlier scenes
+    /// The error on `smallest`. `None` if a fresh detector is right there, so that earlier scenes
     /// caused the error.
     pub wrong: Option<Wrong>,
 }
@@ -134,7 +133,7 @@ pub fn check(
 }
 
 /// Checks subjects on generated scenes with the first seed, hard cases with their history, and
-/// regressions; then on random bytes and further seeds until a limit is reached.
+/// regressions. Then random bytes and further seeds follow until a limit is reached.
 pub fn battery(
     contenders: &[Contender],
     arithmetics: &[Arithmetic],

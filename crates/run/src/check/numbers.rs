@@ -1,4 +1,4 @@
-//! A scene as plain numbers, which the shrinker changes one by one.
+//! A scene as a list of numbers, which the shrinker changes one by one.
 
 use nalgebra::Point;
 
@@ -8,7 +8,7 @@ use contactbench_core::with_scene;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
     pub dim: usize,
-    /// `dim + 1` numbers per particle, the radius last.
+    /// Coordinates and radius of each particle: `dim + 1` numbers.
     pub values: Vec<f64>,
 }
 
@@ -42,7 +42,7 @@ impl Numbers {
         self.radii().any(|r| r != self.values[self.dim])
     }
 
-    /// The scene, like a file of these numbers: equal radii become one.
+    /// Returns the scene, as if read from a file of these numbers: equal radii become one.
     pub fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
         let radii = match self.values.get(self.dim) {
             Some(&r) if !self.mixed() => Radii::Uniform(r),
@@ -68,7 +68,7 @@ pub fn bits(x: f64) -> u32 {
     if x == 0.0 {
         return 0;
     }
-    // The fraction lies between 1/2 and 1, also for subnormal numbers.
+    // `frexp` returns a fraction from 1/2 to 1, also for subnormal numbers.
     let (fraction, _) = libm::frexp(x);
     53 - (fraction.to_bits() & ((1 << 52) - 1)).trailing_zeros().min(52)
 }
@@ -84,7 +84,7 @@ pub fn scaled(x: f64, exponent: i32) -> Option<f64> {
 }
 
 pub fn difference(a: f64, b: f64) -> Option<f64> {
-    // Knuth's TwoSum for a and -b gives the rounding error.
+    // Knuth's TwoSum computes the rounding error of a - b.
     let d = a - b;
     let part = d - a;
     let error = (a - (d - part)) + (-b - part);

@@ -1,4 +1,4 @@
-//! A runner as a subject of the check, over the runner protocol (docs/PROTOCOL.md).
+//! Tests a runner as a subject of the check, over the runner protocol (docs/PROTOCOL.md).
 //!
 //! Every scene is loaded from a file and sampled once. Its pairs are requested if the scene is
 //! small or the digest is wrong. A runner that dies or does not answer in time is restarted for the
@@ -24,12 +24,12 @@ use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
 
-/// Address space in bytes; enough for an interpreter and its libraries.
+/// Maximum address space of a runner in bytes; enough for an interpreter and its libraries.
 const ADDRESS_SPACE: u64 = 8 << 30;
-/// Limit for the first line, because an interpreter may load libraries slowly.
+/// Time limit for the first line, because an interpreter may load libraries slowly.
 const GREETING: Duration = Duration::from_secs(30);
 const LAST_LINES: usize = 12;
-/// Up to this many particles, the pairs are always requested.
+/// Maximum number of particles for which the pairs are always requested.
 const SMALL: usize = 100;
 
 #[derive(Clone)]
@@ -110,7 +110,7 @@ fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
     Client::spawn(&start).map_err(|failure| anyhow!(failure.reason))
 }
 
-/// Translates a failure of a runner that did not answer.
+/// Converts a failed request to the error that the check reports.
 fn broken(client: &Client, failure: client::Failure) -> Wrong {
     if failure.outcome == Outcome::Wrong || failure.reason.starts_with(NO_REPLY) {
         return Wrong::Breaks(failure.reason);
@@ -190,7 +190,7 @@ impl Process {
         let n = given.scene.len();
         let box_dim = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");
-        // An old file must not be taken for the answer.
+        // Removes the file of the previous answer, which must not be taken for this one.
         let _ = std::fs::remove_file(&path);
         let contacts = match self.request(&Request::Pairs { path: path.clone(), frame: None })? {
             Reply::Pairs { contacts } => contacts,

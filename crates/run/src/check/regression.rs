@@ -1,5 +1,5 @@
-//! Regression files: a scene as CSV, with a comment that states where it was found and how to
-//! reproduce it; in a box, extended XYZ.
+//! Regression files: a scene as CSV or, in a box, as extended XYZ. A comment in a CSV file states
+//! where the scene was found and how to reproduce the error.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ pub const KEPT: [(&str, &str); 5] = [
     ("twice-around.xyz", include_str!("../../../../tests/regressions/twice-around.xyz")),
 ];
 
-/// A scene as CSV with a header, in numbers that read back to the same bits.
+/// Returns a scene as CSV with a header; the numbers read back to the same bits.
 pub fn as_csv(scene: &AnyScene<'_>) -> String {
     let numbers = Numbers::new(scene);
     let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
@@ -28,8 +28,8 @@ pub fn as_csv(scene: &AnyScene<'_>) -> String {
     text
 }
 
-/// The regression file of a failure. `path` is its path, `who` the option of `check` that selects
-/// the subject.
+/// Returns the text of the regression file of a failure. `path` is its path, `who` the option of
+/// `check` that selects the subject.
 pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
     let arithmetic = arithmetic.name();

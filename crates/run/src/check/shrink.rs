@@ -1,4 +1,4 @@
-//! Finds the simplest scene on which a condition still fails: few particles, few bits.
+//! Finds the simplest scene on which an error still occurs: few particles, few significant bits.
 //!
 //! Simplifications are tried in passes, until none helps or the effort is spent. Particles are
 //! removed in ever smaller groups (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without
@@ -9,7 +9,7 @@
 //! order: particles, more than one radius, significant bits, distance from 1 in powers of two,
 //! minus signs. Because the cost always falls, the passes end.
 //!
-//! Translations and scalings are only tried if exact, so that distances do not change.
+//! Translations and scalings are tried only if they change no distance by rounding.
 
 use std::time::{Duration, Instant};
 
@@ -91,7 +91,7 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         true
     }
 
-    /// The scene with `change` applied to each number; `None` if that fails for one.
+    /// Applies `change` to each number; returns `None` if `change` does for any of them.
     fn changed(&self, change: impl Fn(usize, f64) -> Option<f64>) -> Option<Numbers> {
         let values: Option<Vec<f64>> =
             self.best.values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
@@ -138,7 +138,7 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
                 }
             }
         }
-        // Scales the largest radius, the largest or the smallest number to between 1 and 2.
+        // Scales the largest radius, the largest or the smallest number to between 1/2 and 2.
         let sizes = || self.best.values.iter().map(|x| x.abs()).filter(|&x| x > 0.0);
         let units = [largest, sizes().reduce(f64::max), sizes().reduce(f64::min)];
         for unit in units.into_iter().flatten() {

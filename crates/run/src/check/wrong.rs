@@ -12,23 +12,23 @@ pub enum Wrong {
     Panics(String),
     Hangs(Duration),
     Dies {
-        /// The cause and its last words, in one sentence; `errors` is the end of its standard
-        /// error.
+        /// The cause of the runner's end and its last words, in one sentence. `errors` is the end
+        /// of its standard error.
         how: String,
         errors: String,
     },
     Breaks(String),
-    /// A function failed, as described: `raises an error`, for example.
+    /// A function failed. The text describes how, for example `raises an error`.
     Fails(String),
-    /// The digest is wrong, and the pairs are not known: a runner does not write them, or they are
-    /// too many.
+    /// The digest is wrong, and the pairs are unknown, because the runner does not write them or
+    /// there are too many.
     Counts {
         said: Digest,
         truth: Digest,
     },
 }
 
-/// The errors of a contact list. The smaller index comes first; in open space, images are 0.
+/// Errors of a contact list. Each pair has the smaller index first; images are 0 in open space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
     pub missed: Vec<ImagePair>,

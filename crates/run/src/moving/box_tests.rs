@@ -37,7 +37,7 @@ fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
     follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
 }
 
-/// A detector in every frame, lists that must miss nothing, and one that may.
+/// Tests a detector in every frame, lists that must miss nothing, and a list that may.
 #[test]
 fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     let trackers = [
@@ -77,8 +77,8 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     assert!(missed > 500, "{missed}");
 }
 
-/// In a shear, particles move with the box. Only the tilt makes a list invalid, however far they
-/// move.
+/// In a shear, particles move with the box. So only the change of tilt makes a list invalid,
+/// however far they move.
 #[test]
 fn a_list_serves_a_box_that_is_sheared() {
     let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
@@ -101,7 +101,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     assert_eq!([moved.contacts, moved.born, moved.ended, moved.tunnelled], [60, 0, 0, 0]);
     assert!((moved.way.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
     assert_eq!(trackers[0].late.missed, 0, "it was never out of the list");
-    // The same in a box that is sheared and flipped back: relative to each other, both are at rest.
+    // A box is sheared and flipped back, while two particles rest relative to each other.
     let frames: Vec<Given> = (0..60)
         .map(|k| {
             let tilt = 0.3 * f64::from(k);
@@ -111,7 +111,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
             given(vec![[1.0, 7.75], [(1.25 + tilt).rem_euclid(8.0), 0.5]], 0.5, lattice)
         })
         .collect();
-    // The image above the second particle stays in place while everything else moves.
+    // The second particle is placed so that its image above the box stays where it is.
     let still: Vec<Given> = frames
         .iter()
         .map(|frame| {
@@ -123,14 +123,14 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     let moved = followed(&still, &[]).moved;
     assert_eq!([moved.contacts, moved.born, moved.ended], [60, 0, 0]);
     assert!(moved.way.longest < 0.31, "{moved:?}");
-    // A contact with an image that the box carries away ends, and begins anew when the next image
-    // arrives.
+    // In the first of the two motions, the box carries the touching image away, so the contact
+    // ends; it begins anew when the next image arrives.
     let moved = followed(&frames, &[]).moved;
     assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
 }
 
-/// The contact is missed from the frame in which they meet, through the face, to the one in which
-/// it is reported.
+/// The contact is missed from the frame in which the particles meet to the frame in which it is
+/// reported; between them, they cross a face.
 #[test]
 fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
     let frames: Vec<Given> = (0..9)
@@ -147,13 +147,13 @@ fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
     assert_eq!(late.deepest, 0.5);
 }
 
-/// Positions in whole sixteenths, so that nothing is rounded.
+/// Returns positions in whole sixteenths, so that nothing is rounded.
 fn sixteenths(seed: u64, n: u64, most: u64) -> Vec<[f64; 2]> {
     let draw = |k: u64| (splitmix64(seed << 32 | k) % (2 * most + 1)) as f64 / 16.0;
     (0..n).map(|k| [draw(2 * k), draw(2 * k + 1)].map(|x| x - most as f64 / 16.0)).collect()
 }
 
-/// A dump may wrap its particles, or not, or use any image.
+/// A dump may wrap its particles into the box, leave them unwrapped, or use any image.
 #[test]
 fn a_wrapped_dump_and_its_twin_are_one_motion() {
     for (seed, way) in [(1, 3), (2, 20), (3, 40)] {
@@ -184,7 +184,7 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
     }
 }
 
-/// Compares with all images of all pairs, in boxes that move and are flipped.
+/// Compares with a test of all images of all pairs, in boxes that move and are flipped.
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {
     let mut all = 0;
@@ -257,13 +257,13 @@ fn boxes_that_change_too_much_are_not_counted() {
         moved.uncounted.as_deref(),
         Some("the box changes too much from one frame to the next")
     );
-    // A step between a frame with a box and one without is not counted.
+    // The step from a frame with a box to one in open space is not counted.
     let open: Given = frames[0].scene.clone().into();
     let moved = followed(&[frames[0].clone(), open, frames[1].clone()], &["every-step(nbs)"]).moved;
     assert_eq!((moved.frames, moved.tunnelled, moved.born), (3, 0, 0));
 }
 
-/// Compares with all images that can be the nearest, also in boxes with large tilts.
+/// Compares with the images that can be the nearest, also in boxes with large tilts.
 #[test]
 fn ways_are_those_to_the_nearest_image() {
     for (vectors, repeats) in [

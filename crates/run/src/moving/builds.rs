@@ -3,18 +3,18 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Builds {
     pub built: u64,
-    /// Builds that LAMMPS would call dangerous.
+    /// Number of builds that LAMMPS would call dangerous.
     pub dangerous: u64,
-    /// Dangerous builds after a frame with a missed contact since the last build.
+    /// Number of dangerous builds before which a contact was missed, since the build before.
     pub rightly: u64,
-    /// Builds after a frame with a missed contact, dangerous or not. Misses after the last build
-    /// are not counted.
+    /// Number of builds before which a contact was missed since the build before, dangerous or not.
+    /// Misses after the last build are not counted.
     pub missing: u64,
     missed_before: u64,
 }
 
 impl Builds {
-    /// Adds a frame; `missed` contacts were missed in all frames before it.
+    /// Adds a frame. `missed` is the total number of contacts missed in all earlier frames.
     pub fn take(&mut self, built: bool, dangerous: bool, missed: u64) {
         if !built {
             return;

@@ -17,9 +17,9 @@ pub struct Late<P: Eq + Hash = ImagePair> {
     pub worst: u64,
     pub first: Option<u64>,
     pub frames: u64,
-    /// Contacts that ended, or lasted to the last frame, without being reported.
+    /// Number of missed contacts that ended, or lasted to the last frame, without being reported.
     pub never: u64,
-    /// Largest delay of a reported contact, in frames.
+    /// Largest number of frames by which a contact was reported late.
     pub latest: u64,
     /// Largest overlap of a late contact when it was first reported, in mean radii of the pair.
     pub deepest: f64,
@@ -27,9 +27,9 @@ pub struct Late<P: Eq + Hash = ImagePair> {
 }
 
 impl Late {
-    /// Compares what was reported in frame `k` with the truth, both in ascending order, and returns
-    /// the number of spurious and repeated contacts. `names` are those of the frame; the default
-    /// names suffice in open space.
+    /// Compares the contacts reported in frame `k` with the truth, both in ascending order, and
+    /// returns the number of spurious and repeated contacts. `names` maps the frame's contacts to
+    /// lasting names; the default suffices in open space.
     pub fn take(
         &mut self,
         k: u64,
@@ -61,8 +61,8 @@ impl Late {
 }
 
 impl<P: Copy + Eq + Hash> Late<P> {
-    /// Notes the contacts missed in frame `k`, each once. `depth` returns the overlap of a contact,
-    /// or `None` if it has ended.
+    /// Records the contacts missed in frame `k`; none is repeated. `depth` returns the overlap of a
+    /// contact, or `None` if it has ended.
     pub fn note(&mut self, k: u64, missed: &[P], depth: impl Fn(&P) -> Option<f64>) {
         let mut before = std::mem::take(&mut self.open);
         for &pair in missed {
@@ -111,8 +111,8 @@ mod tests {
             (spurious, late.clone())
         };
         assert_eq!(take(0, &[a, b, c], &[a, b, c]), (0, Late::default()));
-        // a is missed in three frames and then reported; b is missed once and ends; c is missed in
-        // the last.
+        // Contact a is missed in three frames and then reported; b is missed once and ends; c is
+        // missed in the last frame.
         for (k, reported, truth) in [
             (1, &[b, c][..], &[a, b, c][..]),
             (2, &[c], &[a, b, c]),

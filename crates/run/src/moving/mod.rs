@@ -44,7 +44,7 @@ pub struct Followed {
 #[derive(Clone, Debug)]
 pub struct Tracked {
     pub spec: TrackerSpec,
-    /// Whether it must not miss contacts.
+    /// Whether the tracker's rule guarantees that no contact is missed.
     pub is_safe: bool,
     pub times: Vec<Duration>,
     pub building: Duration,
@@ -53,7 +53,7 @@ pub struct Tracked {
     pub reported: u64,
     pub spurious: u64,
     pub late: Late,
-    /// Bytes kept between frames, by formula.
+    /// Memory kept between frames in bytes, computed by a formula.
     pub bytes: u64,
     pub refused: Option<String>,
 }

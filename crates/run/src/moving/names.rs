@@ -1,24 +1,24 @@
 //! Names of contacts in a periodic box that stay the same in all frames.
 //!
 //! The image S of a contact (i, j, S) changes if a particle leaves through a face and enters on the
-//! other side, or if a sheared box is flipped back. So two things are tracked. W is the number of
-//! box vectors that each particle was moved so far, always to the image nearest to its last
-//! position. C are the box vectors in terms of those of the first frame, as they have moved. Then
-//! S·C + Wi - Wj does not change.
+//! other side, or if a sheared box is flipped back. To undo both, two things are tracked. Wk counts
+//! the box vectors by which particle k was moved so far; each step moves it to the image nearest to
+//! its last position. C expresses the current box vectors by those of the first frame, which move
+//! with the box. Then S·C + Wi - Wj does not change.
 
 use contactbench_core::periodic::{ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_scenes::touching::particle;
 
-/// Whole numbers, one row per box vector.
+/// A matrix of whole numbers, with one row for each box vector.
 type Numbers = [[i32; 3]; 3];
 
 const SAME: Numbers = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 pub(crate) struct Onward {
-    /// Number of vectors of the later box that bring each particle nearest to its earlier position.
+    /// Whole numbers of later box vectors that bring each particle nearest to its earlier position.
     pub by: Vec<[i32; 3]>,
-    /// Vectors of the later box in terms of the moved vectors of the earlier one; `back` is the
+    /// The later box vectors in terms of the earlier ones after their motion; `back` is the
     /// inverse.
     turned: Numbers,
     back: Numbers,
@@ -27,9 +27,9 @@ pub(crate) struct Onward {
 #[derive(Default)]
 pub struct Names {
     last: Option<Periodic<'static>>,
-    /// W of each particle, in vectors of the first frame.
+    /// W of each particle, in terms of the first frame's vectors.
     brought: Vec<[i32; 3]>,
-    /// C; `back` is the inverse.
+    /// The matrix C; `back` is its inverse.
     turned: Numbers,
     back: Numbers,
 }
@@ -69,7 +69,7 @@ impl Names {
         ImagePair::new(name.i, name.j, times(add(name.image, apart), &self.back))
     }
 
-    /// By how many box vectors i was moved more than j: Wi - Wj.
+    /// Returns Wi - Wj, the number of box vectors by which i was moved more than j.
     fn apart(&self, pair: ImagePair) -> [i32; 3] {
         let of = |k: u32| self.brought.get(k as usize).copied().unwrap_or_default();
         add(of(pair.i), of(pair.j).map(i32::wrapping_neg))
@@ -90,14 +90,14 @@ impl Onward {
         Some(Onward { by, turned, back })
     }
 
-    /// The image, in the later frame, of a contact of the earlier frame.
+    /// Returns the image that a contact of the earlier frame has in the later frame.
     pub fn called(&self, ImagePair { i, j, image }: ImagePair) -> [i32; 3] {
         let [of_i, of_j] = [i, j].map(|k| self.by[k as usize]);
         add(times(image, &self.back), add(of_j, of_i.map(i32::wrapping_neg)))
     }
 
-    /// Vectors of the later box that the vectors of the earlier one have moved to; 0 along open
-    /// axes.
+    /// Returns the vectors to which the earlier box vectors have moved, from those of the later box
+    /// `to`; 0 along open axes.
     pub fn vectors(&self, to: &Lattice) -> [[f64; 3]; 3] {
         let vectors = repeating(to);
         self.back.map(|row| sum(row, &vectors))
@@ -113,8 +113,8 @@ pub(super) fn sum(image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * vectors[v][k]).sum())
 }
 
-/// Returns the vectors of the later box as whole-number combinations of the earlier ones, and the
-/// inverse. Returns the identity if there are none.
+/// Returns the later box vectors as whole-number combinations of the earlier ones, and the inverse.
+/// Returns the identity if there are no such combinations.
 fn turned(from: &Lattice, to: &Lattice) -> (Numbers, Numbers) {
     if from.vectors() == to.vectors() {
         return (SAME, SAME);
@@ -172,7 +172,7 @@ pub(super) struct Nearest {
     vectors: [[f64; 3]; 3],
     duals: [[f64; 3]; 3],
     numbers: Numbers,
-    /// Square of a length. A particle that moved at most this far has no nearer image.
+    /// Square of the distance up to which a moved particle has no nearer image.
     near: f64,
 }
 
@@ -181,12 +181,12 @@ impl Nearest {
         let (lattice, numbers) = lattice.reduced();
         let repeats = lattice.periodic();
         let duals = std::array::from_fn(|v| if repeats[v] { lattice.dual(v) } else { [0.0; 3] });
-        // Slightly less than half, because of rounding.
+        // The factor is slightly less than one half, because of rounding.
         let near = 0.49 * lattice.shortest();
         Nearest { vectors: repeating(&lattice), duals, numbers, near: near * near }
     }
 
-    /// Number of box vectors that bring `at` nearest to `then`.
+    /// Returns the whole numbers of box vectors that bring `at` nearest to `then`.
     pub fn by(&self, at: [f64; 3], then: [f64; 3]) -> [i32; 3] {
         let way: [f64; 3] = std::array::from_fn(|k| then[k] - at[k]);
         if square(way) <= self.near {

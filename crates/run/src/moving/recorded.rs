@@ -8,7 +8,7 @@ use contactbench_io::boxes::along;
 use contactbench_io::{About, Particles};
 
 /// Frames of the same particles, with the same periodic axes. Particles are identified and sorted
-/// by the ids of the file, otherwise by position in the file.
+/// by their ids; a file without ids must keep their order.
 pub struct Recorded<'a, I> {
     frames: I,
     name: &'a str,
@@ -29,13 +29,13 @@ fn repeats(particles: &Particles) -> [bool; 3] {
 }
 
 impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I> {
-    /// `radius` is the radius of all particles, for files without radii.
+    /// `radius` is the radius of all particles if the file has no radii.
     pub fn new(frames: I, name: &'a str, radius: Option<f64>) -> Recorded<'a, I> {
         Recorded { frames, name, radius, first: None }
     }
 
-    /// The next frame, or `None` after the last. Fails if the file is broken, or particles or
-    /// periodic axes differ from the first frame.
+    /// Returns the next frame, or `None` after the last. Fails if the file is broken, or particles
+    /// or periodic axes differ from the first frame.
     pub fn next_frame(&mut self) -> anyhow::Result<Option<Given>> {
         let Some((mut particles, about)) = self.frames.next().transpose()? else {
             return Ok(None);
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use contactbench_io::{Frame, Options, frames_from};
 
-    /// Reads frames of a dump from rows `id x`; also returns the error at the end.
+    /// Returns the coordinates by frame of a dump with rows `id x`, and the error at its end.
     fn read(frames: &[&[(i64, f64)]]) -> (Vec<Vec<f64>>, String) {
         let frame = |(k, rows): (usize, &&[(i64, f64)])| {
             let n = rows.len();

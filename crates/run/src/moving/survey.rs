@@ -7,7 +7,7 @@ use contactbench_terms::moved::Moved;
 pub struct Survey {
     pub moved: Moved,
     pub names: Names,
-    /// Contacts of the last frame, by their names in all frames.
+    /// Contacts of the previous frame, by their lasting names.
     last: Vec<ImagePair>,
 }
 
@@ -46,7 +46,7 @@ impl Survey {
     }
 }
 
-/// Counts the pairs in both lists, which must be in ascending order.
+/// Returns the number of pairs that both lists contain; the lists must be in ascending order.
 fn common(a: &[ImagePair], b: &[ImagePair]) -> u64 {
     let mut b = b.iter().peekable();
     let is_there = |pair: &&ImagePair| {
@@ -80,7 +80,7 @@ mod tests {
         assert_eq!((moved.way.at_rest, moved.steps()), (2, 1));
         assert!((moved.way.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
         assert!((moved.mean_way() - 0.125).abs() < 1e-12);
-        // The last disc passes through all others except the first, and stops beyond the third.
+        // The last disc passes through the third and the second, and stops at the first.
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
         assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
         assert_eq!(moved.uncounted, None);

@@ -1,15 +1,15 @@
 //! One step in a box: displacements to the nearest image, and contacts between two frames.
 //!
 //! Particle i moves from xi to yi, its nearest image in the next frame. The image S of j moves from
-//! xj + S·H to yj + S·H', where H' are the vectors that H has moved to (a flipped box continues).
-//! Both paths are rounded to f64 and straight. So the count may differ for pairs whose least
-//! distance is within rounding of touching.
+//! xj + S·H to yj + S·H'. H are the box vectors, and H' the vectors to which they have moved, even
+//! if the box was flipped. Paths are straight lines between positions that are rounded to f64. So
+//! the count may differ for pairs whose least distance is within rounding of touching.
 //!
-//! **Which pairs can meet.** For a pair that touches on its way, let d be its distance before. d is
-//! at most ri + rj, plus both displacements, plus the displacement of the image by the box. The
-//! last is at most the sum over vectors of |Sv| |H'v - Hv|. Let g be the dual vectors, and w the
-//! width of all particles along them. Then |Sv| <= wv + |gv| d. So d (1 - B) <= ri + rj +
-//! displacements + A, with A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
+//! **Which pairs can meet.** For a pair that touches during the step, let d be its distance before.
+//! Then d is at most ri + rj, plus both displacements, plus the displacement of the image by the
+//! box. The latter is at most the sum over vectors v of |Sv| |H'v - Hv|. Let gv be the dual vector
+//! of Hv, and wv the width of all particles along it. Then |Sv| <= wv + |gv| d. So d (1 - B) is at
+//! most ri + rj + displacements + A, with A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
 
 use super::names::{Onward, centres, repeating, sum};
 use contactbench_core::contact::Arithmetic;
@@ -29,7 +29,7 @@ pub(crate) struct Through<'a> {
     last: &'a Periodic<'a>,
     frame: &'a Periodic<'a>,
     onward: &'a Onward,
-    /// x, y, and the given positions of the next frame.
+    /// Positions x, y, and those of the next frame as given in its file.
     from: Vec<[f64; 3]>,
     to: Vec<[f64; 3]>,
     given: Vec<[f64; 3]>,
@@ -43,8 +43,8 @@ impl<'a> Through<'a> {
         Through { last, frame, onward, from: centres(last.scene()), to, given }
     }
 
-    /// The displacement of each particle, rounded up, and the number of particles that did not
-    /// move.
+    /// Returns the displacement of each particle, rounded up, and the number of particles that did
+    /// not move.
     pub fn ways(&self) -> (Vec<f64>, usize) {
         let ends = || self.from.iter().zip(&self.to);
         let gone = |a, b| if a == b { 0.0 } else { way(a, b) };
@@ -56,7 +56,7 @@ impl<'a> Through<'a> {
         self.onward.vectors(self.frame.lattice()) != now
     }
 
-    /// Contacts between the two frames, or why they were not counted.
+    /// Returns the number of contacts between the frames that no frame has, or an error.
     pub fn tunnelled(&self, ways: &[f64], memory_limit: u64) -> Result<u64, String> {
         let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
         let onward = self.onward.vectors(self.frame.lattice());
@@ -70,8 +70,8 @@ impl<'a> Through<'a> {
             let apart = |at: &[[f64; 3]], image, vectors| {
                 compare(&at[i], &at[j], ri, rj, Shift { image, vectors }).is_gt()
             };
-            // The rounded positions must not touch either; otherwise nearly touching pairs at rest
-            // would count.
+            // The pair must not touch in the rounded positions either; otherwise nearly touching
+            // pairs at rest would count.
             let [from_apart, to_apart] = [&from, &to].map(|[a, b]| !label(a, b, ri, rj).touches());
             touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
                 && from_apart
@@ -82,8 +82,8 @@ impl<'a> Through<'a> {
         Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
     }
 
-    /// How much farther apart a pair that meets in this step may be before it, because the box
-    /// moves the image of j.
+    /// Returns the bound on how much farther apart, before the step, a pair that meets in it may be
+    /// because the box moves the image of j.
     fn more(
         &self,
         ways: &[f64],

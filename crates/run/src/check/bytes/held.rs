@@ -14,17 +14,17 @@ use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_core::searcher::Searcher;
 use contactbench_io::Given;
 
-/// Detectors refuse large arrays early, because they slow a fuzzer down.
+/// Low memory limit, so that detectors refuse large arrays, which would slow a fuzzer down.
 const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
 
-/// Compares every detector with the truth, on the scene that the bytes describe, in every safe
-/// arithmetic. Textbook filters may lose pairs but must not add any. Panics with the scene if a
-/// detector is wrong.
+/// Compares every detector with the truth on the scene that the bytes describe, in every
+/// arithmetic. Unsafe arithmetics may miss contacts but must not report extra pairs. Panics with
+/// the scene if a detector is wrong.
 pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
     let keep = data[0] & 4 != 0;
-    // A history of scenes: half of the particles, all, others in reverse order, and all again.
+    // Detectors that keep buffers get half of the particles, all, two thirds reversed, and all.
     let n = scene.len() as u32;
     let mut scenes = vec![scene];
     if keep {
@@ -55,7 +55,7 @@ pub fn fuzz_box(data: &[u8]) {
 }
 
 /// Compares every detector with the truth on each scene; if `keep`, detectors keep their buffers
-/// between scenes. In open space, all forms of their code are compared.
+/// between scenes. In open space, every code form of each detector is compared.
 fn hold(scenes: &[Given], keep: bool) {
     let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
     let entries = TABLE.iter().filter(|entry| entry.must_be_right());
@@ -87,7 +87,7 @@ fn hold(scenes: &[Given], keep: bool) {
                         Refusal::Domain { .. }
                         | Refusal::Extent { .. }
                         | Refusal::Memory { .. } => entry.memory != "0",
-                        // Detectors in a box may refuse images that the truth does not need.
+                        // In a box, detectors may refuse images that the truth does not need.
                         Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
                             given.lattice.is_some()
                         }
@@ -129,7 +129,7 @@ fn only_loses(wrong: &Wrong) -> bool {
     pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty()
 }
 
-/// Checks the filter of the contact test against integer arithmetic.
+/// Checks the contact test of the truth against integer arithmetic.
 fn the_truth_is_exact(scene: &AnyScene<'_>) {
     let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
         panic!("exact arithmetic refuses:\n{}", as_csv(scene))

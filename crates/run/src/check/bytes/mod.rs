@@ -1,4 +1,4 @@
-//! Fuzzing: any bytes describe a scene, often a hard one, and every detector must be right on it.
+//! Fuzzing: any bytes describe a scene, often a hard one, on which detectors must be right.
 //!
 //! Random coordinates are never tangent and rarely near each other. So most particles are placed on
 //! a lattice of small whole numbers, exactly a diameter from an earlier particle, or some units in
@@ -12,8 +12,8 @@
 //! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
 //! | 3 | the radius: 1/2 to 16 half units, one of some odd lengths, or 0 |
 //!
-//! Each particle then uses one byte that chooses the method of placing it, and the bytes that this
-//! method needs. The scene ends with the bytes.
+//! After these four bytes, each particle has one byte that chooses how it is placed, and the bytes
+//! that this method needs. Particles are added until the bytes end.
 
 mod held;
 mod readers;
@@ -26,7 +26,7 @@ use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};
 
 const MOST: usize = 64;
 
-/// Legs and hypotenuse in whole numbers; plane triangles first.
+/// Legs and hypotenuse of whole-number right triangles; those in a plane come first.
 const PYTHAGOREAN: [([f64; 3], f64); 8] = [
     ([3.0, 4.0, 0.0], 5.0),
     ([5.0, 12.0, 0.0], 13.0),
@@ -67,20 +67,20 @@ struct Maker<'a> {
 struct Next {
     how: u8,
     dim: usize,
-    /// The position of the reference particle; without one, the offset.
+    /// Position of the earlier particle beside which this one is placed, or the offset.
     beside: [f64; 3],
-    /// The distance at which the two just touch.
+    /// Distance of the centres at which this particle and the earlier one just touch.
     contact: f64,
 }
 
 struct Way {
     place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
     beside: bool,
-    /// Whether the position is then moved by some units in the last place.
+    /// Whether the position is moved by some units in the last place afterwards.
     nudged: bool,
 }
 
-/// The methods, chosen by the lowest three bits of the byte.
+/// Methods of placing a particle; the lowest three bits of its first byte choose one.
 const WAYS: [Way; 8] = [
     Way { place: lattice, beside: false, nudged: true },
     Way { place: along_an_axis, beside: true, nudged: true },
@@ -146,7 +146,7 @@ fn huge(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     })
 }
 
-/// Whole diameters from another particle, where cells of the book end.
+/// Places a particle whole diameters from an earlier one, where textbook grids have cell borders.
 fn diameters_away(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     let diameter = 2.0 * maker.radius;
     maker.each(next.dim, |bytes, axis| {

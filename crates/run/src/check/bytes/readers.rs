@@ -32,8 +32,8 @@ pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
 }
 
 /// Reads the bytes as a particle file or contact list. The first byte chooses the format, the
-/// second the options. The result must be a scene, or an error of one line. A scene must read back
-/// from its CSV, and its box must have a volume.
+/// second the options. Panics unless the result is a valid scene or an error of one line. A scene
+/// must read back from its CSV, and its box must have a volume.
 pub fn fuzz_reader(data: &[u8]) {
     let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
     let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
@@ -84,7 +84,7 @@ pub fn fuzz_reader(data: &[u8]) {
     };
     let whole = |lattice: &Lattice| lattice.repeats() && (0..3).all(|k| lattice.height(k) > 0.0);
     assert!(lattice.as_ref().is_none_or(whole), "{lattice:?} is no box");
-    // An empty file cannot store the common radius.
+    // A file without particles cannot store the common radius.
     if !scene.is_empty() {
         let again = io::from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
         assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");

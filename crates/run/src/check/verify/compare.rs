@@ -5,18 +5,18 @@ use contactbench_core::oracle::Errors;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::{gap, nearest};
 
-/// Larger gaps, in mean radii, do not belong to a skin.
+/// Widest gap of a pair that a skin may explain, in mean radii.
 pub(super) const FAR: f64 = 2.5;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {
-    /// Entries are pairs, none of which touches through several images.
+    /// Each entry is a pair, and no pair touches through several images.
     #[default]
     Pairs,
     Images,
-    /// Entries are pairs, each listed as often as its images touch.
+    /// Each entry is a pair, listed once for each of its images that touches.
     Each,
-    /// Entries are pairs, each listed once, however many images touch.
+    /// Each entry is a pair, listed once, however many of its images touch.
     Once,
 }
 
@@ -24,9 +24,9 @@ pub enum Taken {
 pub(super) struct Against<'a> {
     pub space: &'a Periodic<'a>,
     pub truth: &'a Contacts,
-    /// All pairs within the skin; empty without one.
+    /// All pairs within the skin; empty if there is no skin.
     pub near: &'a Contacts,
-    /// Pairs with at most this gap (a length) may be listed.
+    /// Largest gap of a pair that may be listed without being a contact, as a length.
     pub skin: f64,
     pub kept: usize,
 }
@@ -37,7 +37,7 @@ pub(super) struct Compared {
     pub errors: Errors,
     pub missed: Worst,
     pub spurious: Worst,
-    /// Number of pairs that do not touch but are within the skin.
+    /// Number of listed pairs that do not touch but are within the skin.
     pub within_skin: u64,
 }
 
@@ -103,7 +103,7 @@ impl Against<'_> {
         }
     }
 
-    /// The deepest image of each touching pair.
+    /// Returns, for each touching pair, the image with the largest overlap.
     pub fn deepest(&self) -> Contacts {
         let ends = |pair: &ImagePair| [pair.i, pair.j];
         let deep = |pair: ImagePair| depth(self.space, pair);
@@ -139,8 +139,8 @@ impl Against<'_> {
         pairs
     }
 
-    /// Assigns images to pairs listed without: touching images, the deepest first; otherwise images
-    /// within the skin; otherwise the nearest.
+    /// Assigns images to a list without images. Each pair gets its touching images, the deepest
+    /// first; then images within the skin; if it has neither, its nearest image.
     fn with_images(&self, listed: &Contacts, once: bool) -> Contacts {
         let mut resolved = Contacts::default();
         for same in listed.plain.chunk_by(|a, b| a == b) {
@@ -157,7 +157,7 @@ impl Against<'_> {
                 [i, j] if i == j => ImagePair::new(i, i, [0; 3]),
                 _ => nearest(self.space, pair),
             });
-            // If a pair is listed more often than it touches, the last image is repeated.
+            // If a pair is listed more often than it has such images, the last one is repeated.
             let images = images.into_iter().chain(std::iter::repeat(last));
             resolved.extend(images.take(same.len()));
         }
@@ -198,13 +198,13 @@ fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Di
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worst {
-    /// Each pair with its depth in mean radii; negative for a gap.
+    /// Pairs with their depth in mean radii, which is negative for a gap.
     pub pairs: Vec<(ImagePair, f64)>,
     pub count: u64,
     largest: f64,
     /// Number of pairs with a gap above [`FAR`].
     pub far: u64,
-    /// Widest gap of the others, in mean radii and, as `gap`, as a length.
+    /// Widest gap that is at most [`FAR`], in mean radii. `gap` is the same as a length.
     pub widest: f64,
     pub gap: f64,
 }

@@ -1,4 +1,4 @@
-//! Guesses the periods of an undeclared box from listed pairs that are far apart.
+//! Guesses the periods of a box that no file declares, from listed pairs that are far apart.
 
 use crate::check::verify::compare::FAR;
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
@@ -55,7 +55,7 @@ pub(super) fn periods(
             across[k] = true;
         }
     }
-    // In a shorter box, more pairs would touch than are listed.
+    // A large period is preferred, because more pairs would touch in a shorter box.
     let length = |k: usize| {
         let [low, high] = *lengths.get(k)?;
         across[k].then(|| short(low, high))
@@ -63,7 +63,7 @@ pub(super) fn periods(
     Some(([0, 1, 2].map(length), far))
 }
 
-/// The number in the range with the fewest digits; of several, the largest.
+/// Returns the number in the range with the fewest digits, and the largest one of several.
 fn short(low: f64, high: f64) -> f64 {
     let power = high.abs().log10().floor() as i32;
     let rounded = |digits: i32| {

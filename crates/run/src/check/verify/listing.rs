@@ -1,4 +1,4 @@
-//! Translates a contact list to contacts of a scene's particles.
+//! Translates the entries of a list to contacts between particles of a scene.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_io as io;
 use contactbench_io::Groups;
 
-/// A pair by the numbers in the list.
+/// Two particles by their numbers or ids in the list.
 pub type Couple = [i64; 2];
 
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +20,9 @@ pub struct Listed<'a> {
 
 #[derive(Clone, Debug)]
 pub enum Naming {
-    /// Indices into the particle file, counted from this number.
+    /// Numbers are indices into the particle file, counted from this base.
     Base(i64),
-    /// Ids of the particles, mapped to their indices.
+    /// Numbers are ids of particles; the map leads to their indices.
     Ids(HashMap<i64, u32>),
 }
 
@@ -33,7 +33,7 @@ pub enum Meaning {
 }
 
 impl Naming {
-    /// Uses the ids of the particles. Fails if an id occurs twice.
+    /// Returns a naming by ids. Fails if an id occurs twice.
     pub fn by_id(ids: &[i64]) -> anyhow::Result<Naming> {
         let mut places = HashMap::with_capacity(ids.len());
         for (k, &id) in ids.iter().enumerate() {
@@ -79,10 +79,10 @@ impl Naming {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ImagesOf<'a> {
-    /// Images of the second particle, as expected.
+    /// Images belong to the second particle, as `verify` expects.
     Second,
     First,
-    /// Images of the second particle, counted as if all particles were wrapped into the box. The
+    /// Images belong to the second particle, as if all particles were wrapped into the box. The
     /// value is the periodic copy of the box in which each particle really lies.
     Wrapped(&'a [[i32; 3]]),
     LeftOut,
@@ -92,7 +92,7 @@ pub(super) enum ImagesOf<'a> {
 pub(super) struct Taking<'a> {
     pub naming: &'a Naming,
     pub images: ImagesOf<'a>,
-    /// Whether each pair is listed in both directions, and counts once.
+    /// Whether the list has each pair in both directions, which count as one.
     pub both_sides: bool,
     pub without: Option<&'a Groups>,
 }
@@ -102,7 +102,7 @@ pub(super) struct Listing {
     pub contacts: Contacts,
     pub has_images: bool,
     pub unknown: Vec<Couple>,
-    /// Pairs listed in one direction only, if both are expected.
+    /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<Couple>,
     pub left_out: u64,
 }
@@ -154,8 +154,8 @@ impl Listing {
         let plain = once([&forward.plain, &backward.plain], own, |pair, forward| {
             single.push(turn(pair, forward));
         });
-        // The reverse of a particle's contact with itself has another image, so none is its own
-        // reverse.
+        // Every contact here has an image. The reverse of a particle's contact with itself has
+        // another image, so no contact is its own reverse.
         let shifted = once(
             [&forward.shifted, &backward.shifted],
             |_| false,
@@ -183,7 +183,7 @@ fn shift(image: [i32; 3], of: ImagesOf<'_>, [a, b]: [u32; 2]) -> [i32; 3] {
     }
 }
 
-/// Merges pairs listed in both directions. `single` receives pairs listed more often in one
+/// Merges pairs listed in both directions. Passes to `single` each pair listed more often in one
 /// direction, and whether that is the first. A pair that is its `own` reverse counts half.
 fn once<C: Copy + Ord>(
     [forward, backward]: [&[C]; 2],

@@ -1,11 +1,11 @@
-//! Common mistakes in contact lists, in words and as options of `verify`.
+//! Common mistakes in contact lists, as words and as options of `verify`.
 
 use crate::check::verify::listing::Meaning;
 use contactbench_core::contact::Arithmetic;
 use contactbench_io::boxes::along;
 use contactbench_terms::number::{number, plural};
 
-/// A list with assumed mistakes, and the remaining differences.
+/// An interpretation of a list: assumed mistakes, and the differences that remain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// The assumed mistakes: in numbers, images, the definition of a contact, or the box.
@@ -21,7 +21,7 @@ pub enum Mistake {
     ImagesOfFirst,
     /// Images are relative to particles wrapped into the box.
     ImagesWrapped,
-    /// Pairs agree if images are ignored; `zero` if all images are 0.
+    /// The list's pairs are right but its images are not; `zero` if all images are 0.
     ImagesLeftOut {
         zero: bool,
     },
@@ -38,7 +38,7 @@ pub enum Mistake {
     Nearest,
     Along([bool; 3]),
     Straight([f64; 3]),
-    /// The particles have these periods; `None` along open axes.
+    /// The box has these periods; `None` along open axes.
     Periods([Option<f64>; 3]),
 }
 
@@ -87,7 +87,7 @@ impl Mistake {
         }
     }
 
-    /// The options of `verify`, in `dim` dimensions, with which a list is read this way.
+    /// Returns the options of `verify`, in `dim` dimensions, that accept a list with this mistake.
     pub fn flags(self, dim: usize) -> Option<String> {
         let lengths = |lengths: [f64; 3]| {
             lengths[..dim].iter().map(|length| format!("{length:?}")).collect::<Vec<_>>().join(",")
@@ -118,7 +118,7 @@ fn letters(axes: [bool; 3]) -> String {
     names.map(|(name, _)| name).collect()
 }
 
-/// Rounds up to three digits, written in the fewest that read back.
+/// Rounds upwards, to three significant digits.
 pub fn rounded_up(value: f64) -> f64 {
     let step = 10f64.powf(value.abs().log10().floor() - 2.0);
     let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);

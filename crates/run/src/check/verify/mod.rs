@@ -29,17 +29,17 @@ use contactbench_io::Given;
 use contactbench_io::{Groups, boxes};
 use contactbench_scenes::touching::{contacts, gap, resized};
 
-/// Number of pairs kept of each kind, unless all missed pairs are requested.
+/// Maximum number of kept pairs of each kind, missed or spurious, by default.
 pub const WORST: usize = 100;
-/// Largest memory of the search for mistakes, in bytes per pair of the list and of the truth.
+/// Memory that the search for mistakes may need, in bytes per pair of the list and of the truth.
 const READING_BYTES: u64 = 128;
 
-/// Deviations that are not errors.
+/// Differences between list and truth that are not errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Allowed {
-    /// Each pair is listed as i,j and as j,i, and counts once.
+    /// Whether each pair is listed as i,j and as j,i, which count as one.
     pub both_sides: bool,
-    /// Pairs with at most this gap (a length) may be listed.
+    /// Largest gap of a pair that may be listed without being a contact, as a length.
     pub skin: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct Terms<'a> {
     pub allowed: Allowed,
     pub memory_limit: u64,
     pub kept: usize,
-    /// Contacts left out of truth and list.
+    /// Groups of particles whose contacts are removed from truth and list.
     pub without: Option<&'a Groups>,
 }
 
@@ -59,7 +59,7 @@ pub struct Job<'a> {
     pub space: &'a Periodic<'a>,
     pub list: Listed<'a>,
     pub naming: &'a Naming,
-    /// Other possible meanings of the list's numbers.
+    /// Other interpretations of the list's numbers, which [`explain`] tries.
     pub others: &'a [Naming],
     pub terms: Terms<'a>,
 }
@@ -74,9 +74,9 @@ pub struct Verification {
     /// Listed pairs that do not touch, with their depth in mean radii (negative), the widest gap
     /// first.
     pub spurious: Vec<(ImagePair, f64)>,
-    /// Pairs listed in one direction only, if both are expected.
+    /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<Couple>,
-    /// Number of pairs that do not touch but are within the skin.
+    /// Number of listed pairs that do not touch but are within the skin.
     pub within_skin: u64,
     pub taken: Taken,
     pub left_out: [u64; 2],
@@ -95,7 +95,7 @@ impl Verification {
 /// Compares a list with the true contacts.
 ///
 /// # Errors
-/// No truth, no memory for the pairs, or images along an open axis.
+/// Fails if there is no truth, no memory for the pairs, or an image along an open axis.
 pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     let Job { space, list, naming, terms, .. } = *job;
     let boxed = space.lattice().repeats();
@@ -133,9 +133,9 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     })
 }
 
-/// Finds the mistakes that best explain a list that differs. They must at least halve the number of
-/// differing pairs. `declared` is the box of the particle file, if boundaries are open. Fails if
-/// memory runs out.
+/// Finds the mistakes that best explain the differences of a list. They must at least halve the
+/// number of differing pairs. `declared` is the box of the particle file, if the list was compared
+/// in open space. Fails if memory runs out.
 pub fn explain(
     job: &Job<'_>,
     found: &Verification,
@@ -143,7 +143,7 @@ pub fn explain(
 ) -> anyhow::Result<Option<Reading>> {
     let plain = job.terms.allowed == Allowed::default() && job.terms.without.is_none();
     let pairs = job.list.pairs.len() as u64 + found.truth.len();
-    // A hint should not use all memory, and an empty list explains nothing.
+    // The search is only a hint, so it must not use all memory. An empty list explains nothing.
     if found.is_same()
         || !plain
         || pairs * READING_BYTES > job.terms.memory_limit
@@ -155,12 +155,12 @@ pub fn explain(
     let explained = reading.as_ref().is_some_and(|reading| reading.wrong == 0);
     let Some(declared) = declared.filter(|_| !explained) else { return Ok(reading) };
     let job = Job { space: declared, ..*job };
-    // A hint must not cause an error.
+    // The search is only a hint, so its errors are ignored.
     let in_box = in_declared(&job).unwrap_or_default();
     Ok(in_box.or(reading))
 }
 
-/// Whether the list agrees fully in the box of the file, and with which mistakes.
+/// Returns the mistakes that explain all differences in the box of the file, or `None`.
 fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
     let found = verify(job)?;
     let reading = match found.is_same() {
@@ -171,8 +171,8 @@ fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
     Ok(reading.map(|reading| reading.declared(job.space.lattice().periodic())))
 }
 
-/// Errors by cause of a list whose contacts were decided in an arithmetic; `None` if there is no
-/// truth. A list of contacts may use `memory_limit` bytes. Fails if the box does not fit the scene.
+/// Returns the errors by cause of a list decided in `arithmetic`; `None` if there is no truth. A
+/// contact list may use `memory_limit` bytes. Fails if the box does not fit the scene.
 pub fn causes(
     given: &Given,
     contacts: &Contacts,
@@ -185,7 +185,7 @@ pub fn causes(
     Ok(judge.judge("list", said, |_| Ok(contacts.clone()))?.0.causes)
 }
 
-/// The true contacts in an arithmetic, sorted; lists may use `limit` bytes.
+/// Returns the true contacts in an arithmetic, sorted; lists may use `limit` bytes.
 fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Contacts, NoTruth> {
     if space.lattice().repeats() {
         return Ok(periodic::truth(space, arithmetic, limit)?.pairs.into_iter().collect());
@@ -195,7 +195,7 @@ fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Con
     Ok(Contacts { plain, ..Contacts::default() })
 }
 
-/// All pairs with at most this gap (a length), sorted.
+/// Returns all pairs whose gap is at most `most` (a length), sorted.
 fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Contacts> {
     let near = contacts(&resized(space, |r| with_skin(r, most))?, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())

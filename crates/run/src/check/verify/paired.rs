@@ -10,7 +10,7 @@ use contactbench_io::{About, Frames, Particles};
 const NAMED: usize = 6;
 
 /// Frames with their lists, matched by time step if both files have steps, otherwise by number.
-/// Only one of each is in memory at a time.
+/// Only one frame and one list are in memory at a time.
 pub struct Paired<'a, 'b> {
     particles: Frames<'a>,
     lists: Lists<'b>,
@@ -20,10 +20,10 @@ pub struct Paired<'a, 'b> {
     by_step: bool,
     stepless: bool,
     renumbered: bool,
-    /// The steps of the first particle frames, and of the last.
+    /// Steps of the first few particle frames, and step of the last one read.
     steps: (Vec<i64>, Option<i64>),
     pub left_out: Vec<u64>,
-    /// Number of frames without a row in the list, which have no contacts.
+    /// Number of frames for which the list has no rows; they have no contacts.
     pub without_rows: u64,
 }
 
@@ -48,8 +48,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         self.by_step
     }
 
-    /// The next frame that has a list, and the list. Fails if a file is broken, a list has no
-    /// particles, or a frame that should have a list has none.
+    /// Returns the next frame that has a list, with the list. Fails if a file is broken, a list has
+    /// no frame, or a frame has no list although lists are matched by number.
     pub fn next_frame(&mut self) -> anyhow::Result<Option<(Particles, About, List)>> {
         loop {
             let Some((particles, about)) = self.particles.next().transpose()? else {
@@ -125,8 +125,8 @@ impl<'a, 'b> Paired<'a, 'b> {
         }
     }
 
-    /// A list without rows has no step. If lists without a step occur, lists must be numbered like
-    /// the frames.
+    /// Lists without rows have no step, so they can be matched only if lists are numbered like the
+    /// frames.
     fn hold_numbers(&mut self, same: bool) -> anyhow::Result<()> {
         let [particles, lists] = self.names;
         self.renumbered |= !same;
@@ -138,7 +138,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         Ok(())
     }
 
-    /// The step of a frame, which must be larger than the last.
+    /// Returns the step of a frame; fails unless it is larger than the step before.
     fn step(&mut self, about: &About) -> anyhow::Result<i64> {
         let name = self.names[0];
         let Some(step) = about.step else {
@@ -204,8 +204,8 @@ mod tests {
         steps.iter().map(frame).collect()
     }
 
-    /// Frames with the first number of their list (-1 if empty), frames left out, and number of
-    /// frames without rows.
+    /// Matched frames with the first number in their list (-1 if empty), numbers of frames left
+    /// out, and number of frames without rows.
     type Told = (Vec<(u64, i64)>, Vec<u64>, u64);
 
     fn told(frames: Frames<'_>, lists: Lists<'_>) -> anyhow::Result<Told> {
@@ -229,7 +229,7 @@ mod tests {
         told.map_err(|error| format!("{error:#}"))
     }
 
-    /// Each list is one file; a list without a step is a file without rows.
+    /// Here each list is a file of its own; a file without rows is a list without a step.
     #[test]
     fn files_without_rows_are_lists_of_the_frames_of_their_number() {
         let of = |particles: &[i64], lists: &[Option<i64>]| {

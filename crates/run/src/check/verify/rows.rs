@@ -1,4 +1,4 @@
-//! The table of common mistakes: the contacts that each mistake would give.
+//! The table of common mistakes in contact lists, each with the contacts that it would give.
 
 use crate::check::verify::guess::periods;
 use crate::check::verify::mistake::Mistake;
@@ -9,7 +9,7 @@ use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_core::scene::Radii;
 use contactbench_core::with_scene;
 
-/// A kind of mistake; `tries` passes on the contacts that each variant of the mistake would give.
+/// One common mistake; `tries` passes on the contacts that each variant of it would give.
 pub(super) struct Row {
     pub kind: Kind,
     pub tries: fn(&Search<'_>, At<'_>, Each<'_>),
@@ -23,7 +23,7 @@ pub(super) enum Kind {
     Part,
     /// A mistake about pairs that just touch.
     Tie,
-    /// Wrong sizes or a skin. Such a mistake must explain all but distant pairs.
+    /// Wrong sizes or a skin. Such a mistake must explain all differing pairs except distant ones.
     Size,
     Box,
 }
@@ -91,7 +91,7 @@ fn doubled(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
 
 fn skin(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
     let gap = search.found.spurious.gap;
-    // A single extra pair does not suggest a skin.
+    // A single spurious pair does not suggest a skin.
     if search.is_larger(2)
         && let Ok(near) = within(at.space, gap, search.job.terms.memory_limit)
     {

@@ -1,4 +1,4 @@
-//! Searches for the common mistakes that explain a list: [`ROWS`], tried in turn.
+//! Searches for the common mistakes that explain a list, by trying [`ROWS`] in turn.
 
 use crate::check::verify::compare::{Against, Compared};
 use crate::check::verify::listing::{ImagesOf, Listing, Taking};
@@ -9,19 +9,19 @@ use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
 use contactbench_core::scene::Lattice;
 use contactbench_scenes::touching::{contacts, particle, resized};
 
-/// Differences below this, in mean radii, may be rounding of f32.
+/// Largest overlap or gap, in mean radii, that may be due to rounding to f32.
 const ROUNDED: f64 = 1e-3;
-/// Pairs within this of just touching, in mean radii, count as tangent.
+/// Largest overlap or gap of a tangent pair, in mean radii.
 const TANGENT: f64 = 1e-9;
-/// Two mistakes at once take about twenty detections, so they are not tried for more particles.
+/// Maximum number of particles for trying two mistakes at once (about twenty detections).
 const FEW: usize = 100_000;
 
 pub(super) struct Search<'a> {
     pub job: &'a Job<'a>,
     pub may_guess: bool,
-    /// The list, with the interpretation of numbers and images that differs least.
+    /// The list, in the interpretation of numbers and images with the fewest differences.
     pub listing: Listing,
-    /// The mistakes in that interpretation.
+    /// The mistakes that `listing` assumes.
     of_list: Vec<Mistake>,
     pub found: Compared,
     best: Reading,
@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
     }
 
     /// Tries all interpretations of numbers, directions and images. Also returns how many pairs
-    /// differ if the list is read as given, without assuming a mistake.
+    /// differ if no mistake is assumed.
     fn of_list(
         job: &'a Job<'a>,
         truth: &Contacts,
@@ -100,8 +100,8 @@ impl<'a> Search<'a> {
         Ok((search, given.unwrap_or_default()))
     }
 
-    /// Tries the rows of these kinds, in addition to earlier mistakes, until everything is
-    /// explained.
+    /// Tries the mistakes of these kinds, each together with those in `before`, until all
+    /// differences are explained.
     fn try_all(&mut self, at: At<'_>, before: &[Mistake], kinds: &[Kind]) {
         let errors = self.found.errors;
         let near = errors.duplicate + errors.self_pairs + self.listing.faults();
@@ -141,12 +141,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries two mistakes at once: a skin, or diameters and radii mixed up, with a mistake about
-    /// the box.
+    /// Tries two mistakes at once: one about sizes (a skin, or diameters and radii mixed up) and
+    /// one about the box.
     fn two_at_once(&mut self, space: &Periodic<'_>) {
         let limit = self.job.terms.memory_limit;
         let Compared { spurious, .. } = &self.found;
-        // A single extra pair does not suggest a skin.
+        // A single spurious pair does not suggest a skin.
         let skin = (spurious.count - spurious.far > 1).then_some(Mistake::Skin(spurious.gap));
         for mistake in [0.5, 2.0].map(Mistake::Radii).into_iter().chain(skin) {
             let size = |r: f64| match mistake {
@@ -188,24 +188,24 @@ impl<'a> Search<'a> {
         Against { space, truth, near: NONE, skin: 0.0, kept: WORST }
     }
 
-    /// The largest overlap or gap of a differing pair, in mean radii.
+    /// Returns the largest overlap or gap of a differing pair, in mean radii.
     pub fn largest(&self) -> f64 {
         self.found.errors.deepest_miss.max(self.found.errors.widest_false)
     }
 
-    /// Whether at least this many near pairs are extra, and none is missed.
+    /// Returns whether at least `least` spurious pairs are not distant, and no contact is missed.
     pub fn is_larger(&self, least: u64) -> bool {
         let Compared { errors, spurious, .. } = &self.found;
         errors.missed == 0 && spurious.count - spurious.far >= least
     }
 
-    /// Whether at least this many contacts are missed, and only distant pairs are extra.
+    /// Returns whether at least `least` contacts are missed, and all spurious pairs are distant.
     pub fn is_smaller(&self, least: u64) -> bool {
         let Compared { errors, spurious, .. } = &self.found;
         errors.missed >= least && spurious.count == spurious.far
     }
 
-    /// Tries radii multiplied by `by`, and slightly larger ones.
+    /// Tries radii multiplied by `by` and a margin `more`, with the contacts that `keep` selects.
     pub fn with_radii(
         &self,
         at: At<'_>,

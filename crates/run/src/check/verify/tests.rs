@@ -12,8 +12,8 @@ fn skin(skin: f64) -> Allowed {
     Allowed { skin, ..GIVEN }
 }
 
-/// Unit discs at 0, 1, 3, 10 and 20. 0 and 1 overlap by one radius, 1 and 2 are tangent, 0 and 2
-/// have a gap of 1.
+/// Returns unit discs at 0, 1, 3, 10 and 20. Discs 0 and 1 overlap by one radius, 1 and 2 are
+/// tangent, 0 and 2 have a gap of 1.
 fn row() -> AnyScene<'static> {
     let centres = [0.0, 1.0, 3.0, 10.0, 20.0].map(|x| nalgebra::Point::from([x, 0.0]));
     Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
@@ -90,7 +90,7 @@ fn both_sides_and_skins_are_allowed_where_asked_for() {
     }
 }
 
-/// The pairs of a packing whose centres are less than `reach` apart, across a box of length
+/// Returns the pairs of a packing whose centres are less than `reach` apart, across a box of length
 /// `period`.
 fn apart(scene: &AnyScene<'_>, reach: f64, period: f64) -> Vec<Couple> {
     let n = scene.len() as u32;
@@ -125,8 +125,8 @@ fn usual_mistakes_are_recognised_alone_and_together() {
         (&pack, map(&right, |i| i + 1), vec![one]),
         (&pack, map(&right, |i| 3 * i + 7), vec![Mistake::Numbers(Meaning::Ids)]),
         (&pack, map(&twice, |i| i + 1), vec![one, Mistake::BothSides]),
-        // Radii are 0.5: diameters taken for radii let pairs touch at 2, radii that were halved at
-        // 0.5.
+        // Radii are 0.5. If diameters are taken for radii, centres up to 2 apart touch; if radii
+        // are halved, centres up to 0.5.
         (&dense, apart(&dense, 0.5, none), vec![Mistake::Radii(0.5)]),
         (&pack, apart(&pack, 2.0, none), vec![Mistake::Radii(2.0)]),
     ] {
@@ -146,7 +146,7 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     };
     assert!(skin <= 0.2 && skin > 0.05 && reading.wrong == 0, "{skin}");
     assert!(periods.iter().all(good), "{periods:?}");
-    // Distant pairs do not hide a skin.
+    // A skin is found even if the list has distant pairs.
     let mut far = apart(&pack, 1.2, none);
     let close = apart(&pack, 5.0, none);
     far.extend(apart(&pack, 99.0, none).into_iter().filter(|it| !close.contains(it)).take(2));
@@ -178,7 +178,7 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
         assert_eq!((found.taken, counts(&found)), (taken, expected), "{list:?}");
         assert_eq!((found.truth.len(), found.is_same()), (3, expected == [0; 4]), "{list:?}");
     }
-    // A spurious pair is shown with its nearest image: 0 and 2 are sqrt 2 apart on both sides.
+    // Spurious pairs get their nearest image: discs 0 and 2 are sqrt 2 apart on both sides.
     let (found, _) = in_box(&row, &[[0, 1], [1, 2], [0, 2]], None, GIVEN);
     let (pair, depth) = found.spurious[0];
     assert_eq!((pair.i, pair.j), (0, 2));
@@ -191,7 +191,7 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
 
 #[test]
 fn particles_touch_their_own_images() {
-    // One disc in a square of its diameter has two contacts with itself, or four directed ones.
+    // A disc in a square of its diameter touches itself twice, or four times by direction.
     let one = discs(&[[0.3, 7.0]], 0.5, [1.0, 1.0]);
     for (rows, allowed, taken, expected) in [
         (1, GIVEN, Taken::Once, [0; 4]),
@@ -230,7 +230,7 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert_eq!(counts(&ask(&[[0, 1]], None, skin(0.4))), [0, 1, 0, 0]);
     let far = discs(&[[0.0, 0.0], [1.5 + 1e-10, 0.0]], 0.5, [9.0, 9.0]);
     assert_eq!(counts(&in_box(&far, &[[0, 1]], None, skin(0.5)).0), [0, 1, 0, 0]);
-    // They touch through one image, and have a gap of 0.75 through another.
+    // The two discs touch through one image, and have a gap of 0.75 through another.
     let mixed = discs(&[[0.0, 0.0], [1.0, 0.0]], 0.5, [2.75, 9.0]);
     let ask = |pairs: &[Couple]| in_box(&mixed, pairs, None, skin(0.8)).0;
     let found = ask(&[[0, 1]; 2]);
@@ -280,7 +280,7 @@ fn the_nearest_image_is_found() {
     assert!((gap(&periodic, pair) - (distance - 1.0)).abs() < 1e-14);
 }
 
-/// Too many particles for testing all pairs; the list ignores the box.
+/// The scene has too many particles for testing all pairs; the list ignores the box.
 #[test]
 fn many_particles_are_compared_with_what_two_detectors_say() {
     let pack = Spec::parse("packed:dim=3,n=3375,lattice=cubic").unwrap().make().unwrap();
