@@ -70,7 +70,7 @@ struct Commit {
 
 /// Returns `None` without git, and outside a repository with these sources (a package, a tarball).
 fn commit(sources: &[&str]) -> Option<Commit> {
-    said("git", &["ls-files", "--error-unmatch", "build.rs"])?;
+    said("git", &["ls-files", "--error-unmatch", "src/build.rs"])?;
     let with = |arguments: &[&str]| said("git", &[arguments, &["--"], sources].concat());
     let revision = with(&["log", "-1", "--format=%H"])?;
     let dirty = !with(&["status", "--porcelain", "--untracked-files=all"])?.is_empty();

@@ -57,7 +57,9 @@ fn every_row_names_the_program_that_answered_and_when() {
             assert_eq!(process.version, env!("CARGO_PKG_VERSION"));
             assert_eq!(process.files[0].name, "contactbench");
             assert_eq!(process.files[0].sha256.as_ref(), Some(&own));
-            assert!(build("revision").is_some() && build("sources").is_some());
+            assert!(build("sources").is_some());
+            let revision = build("revision").unwrap();
+            assert_eq!(revision.len() == 40, is_tracked(), "{revision}");
         }
         let span = row.span.as_ref();
         assert_eq!(span.is_some(), row.pass == Pass::Time && cfg!(target_os = "linux"), "{row:?}");
@@ -83,6 +85,17 @@ fn every_row_names_the_program_that_answered_and_when() {
     }
 }
 
+/// Returns whether the program was built in a git checkout of its sources.
+fn is_tracked() -> bool {
+    let mut git = Command::new("git");
+    git.current_dir(env!("CARGO_MANIFEST_DIR")).args([
+        "ls-files",
+        "--error-unmatch",
+        "src/build.rs",
+    ]);
+    git.output().is_ok_and(|output| output.status.success())
+}
+
 /// Makes git ignore the user's settings, and repositories above the folder.
 fn git_free(mut command: Command, folder: &Path) -> Command {
     command.current_dir(folder).env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap());
@@ -103,7 +116,7 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
     // At first, the source tree has no repository.
     let tree = at.path("tree");
     std::fs::create_dir_all(tree.join("src")).unwrap();
-    for name in ["build.rs", "src/lib.rs", "README.md"] {
+    for name in ["src/build.rs", "src/lib.rs", "README.md"] {
         at.file(&format!("tree/{name}"), "1");
     }
     // Returns revision, state of the sources, and whether a commit makes the script run again.

@@ -2,7 +2,8 @@
 //! over.
 //!
 //! * Probes take up to half of the time. Each detector is started, loads the scene, takes one
-//!   sample, and its answer is judged. A probe may take `PATIENCE` times as long as the fastest.
+//!   sample, and its answer is judged. A probe may take `PATIENCE` times as long as the fastest,
+//!   and a third of the time left for probes.
 //!   A detector that takes over 12 times the fastest's time drops out (`HOPELESS`); for the
 //!   others, memory is measured.
 //! * In each block, each detector takes a sample in random order, and the fastest a second one as
@@ -128,7 +129,9 @@ impl Ground<'_> {
                 let reason = "not tried: the time was over (--seconds)".into();
                 standing.fail(Failure { outcome: Outcome::Timeout, reason });
             } else {
-                let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left));
+                // A slow probe must not use up the time of those that follow.
+                let patience =
+                    shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
                 let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
                 let took = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)?;
                 shortest = shortest.into_iter().chain(took).min();
