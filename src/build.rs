@@ -64,7 +64,7 @@ fn note(name: &str, value: &str) {
 struct Commit {
     /// Last commit that changed one of the sources.
     revision: String,
-    /// Whether a source differs from that commit or is not in it.
+    /// Whether a source has uncommitted changes or is not tracked.
     dirty: bool,
 }
 

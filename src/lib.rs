@@ -1,8 +1,8 @@
 //! contactbench measures and checks contact detectors for discs (2D) and spheres (3D).
 //!
-//! Which algorithm suits which scene: how fast is it, how much memory does it take, how many
-//! operations, and how wrong is it? Every detector gets exactly the same input, and every
-//! measurement becomes one row with time, operation counts, bytes, a verified result and its error.
+//! It shows which algorithm suits which scene: its time, memory, operations and errors. Every
+//! detector gets exactly the same input, and every measurement becomes one row with time, operation
+//! counts, bytes, a verified result and its error.
 //!
 //! The modules, in the order in which data pass through them; no module imports a later one:
 //!

@@ -60,7 +60,7 @@ struct Comparison<'a> {
     how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
-    /// Cells that fail the comparison.
+    /// Number of cells that fail the comparison.
     failed: usize,
 }
 

@@ -112,7 +112,7 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     let formula = detector.formula_bytes();
     let what = format!("{spec} on {text} in {}", arithmetic.name());
     if spec.entry.name == "binary-tree" {
-        // The array of nodes grows by doubling.
+        // The array of nodes grows by doubling, so it may exceed the formula.
         assert!(
             cold.live_bytes >= formula && cold.peak_bytes <= 3 * formula + 64,
             "{what}: {cold:?}, formula {formula}"
@@ -142,7 +142,7 @@ fn two_threads(entry: &Entry, text: &str) {
             && (formula.saturating_sub(QUEUE)..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
-    // A second call needs no more than the first.
+    // A second call needs no more memory than the first.
     assert!(warm.peak_bytes <= formula + SHARES, "{what}, warm: {warm:?}, formula {formula}");
     // The memory limit covers the contacts, too.
     let limited = |memory_limit| {
@@ -192,7 +192,7 @@ fn book_formulas() {
             .unwrap()
             .peak_bytes
     };
-    // Centres span 19,800 diameters; cells are wider by 2^-18; there are 2 border cells.
+    // Centres span 19,800 diameters. Cells are wider than a diameter by 2^-18; 2 are border cells.
     let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
     assert_eq!(bytes("nbs"), 4 * (3 * cells + 2 * 10_000));
     assert_eq!(bytes("sorting"), 4 * 3 * 10_000);

@@ -82,7 +82,7 @@ fn known_scenes() {
         // right one in cell 2.
         ("three", of(&[[0.0, 0.0], [1f64.next_down(), 0.0], [2.0, 0.0]], 0.5), Some(1)),
         ("row from -1", of(&row(-1.0), 0.5), Some(1999)),
-        // Rounding decides which neighbours touch.
+        // In this row of discs, rounding decides which neighbours touch.
         ("decimal row", of(&decimal, 0.05), None),
         ("square", of(&square, 0.5), Some(2 * 20 * 19)),
         ("cubic", of(&cubic, 0.125), Some(3 * 100 * 9)),
@@ -175,7 +175,7 @@ fn a_refusal_leaves_no_trace() {
         let mut reported = 0;
         let mut sink = Visit(|_, _| reported += 1);
         let refused = detector.visit(&sparse, Test::Exact, &mut sink).is_err();
-        // Libraries have no memory limit.
+        // Detectors of other libraries have no memory limit, so they may take the scene.
         let may_take = entry.name == "direct" || !entry.is_ours();
         assert!(refused && reported == 0 || !refused && may_take, "{}", entry.name);
         let mut digest = Digest::default();

@@ -1,4 +1,4 @@
-//! The exact contact test against arbitrary-precision integers, on random and adversarial
+//! Tests the exact contact test against arbitrary-precision integers, on random and adversarial
 //! near-tangent pairs.
 
 use std::cmp::Ordering;

@@ -1,4 +1,4 @@
-//! All detectors on every file of `tests/regressions`, in all safe arithmetics.
+//! Runs all detectors on every file of `tests/regressions`, in all safe arithmetics.
 
 use std::path::{Path, PathBuf};
 

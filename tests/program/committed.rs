@@ -12,7 +12,7 @@ pub fn committed() -> Vec<PathBuf> {
     let of_project = |path: &PathBuf| {
         path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("reference"))
     };
-    // Other crates of the workspace use this file too.
+    // This file is also compiled into other crates of the workspace.
     let mut above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
     let root = above.find(|folder| folder.join("results/README.md").exists());
     let all = inside(&root.expect("the project has results/").join("results"));

@@ -28,13 +28,13 @@ pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &
     folder(options).join(name.replace([':', '=', ','], "-") + regression::ending(failure))
 }
 
-/// Returns the folder for files: that of --out, or a temporary one.
+/// Returns the folder for failing scenes: that of --out, or a temporary one.
 fn folder(options: &Check) -> PathBuf {
     let own = || std::env::temp_dir().join(format!("contactbench-check-{}", std::process::id()));
     options.out.clone().unwrap_or_else(own)
 }
 
-/// Pairs with a smaller gap or overlap, in mean radii, are decided by rounding.
+/// Gap or overlap in mean radii; below it, rounding decides whether a pair touches.
 const TANGENT: f64 = 1e-9;
 
 /// Returns the worst pair of the scene before it was shrunk, because two defects may shrink to the
@@ -47,7 +47,7 @@ pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
-/// Returns a remark if rounding decides all pairs that differ.
+/// Returns a remark if rounding explains every wrong pair of the failure.
 pub(super) fn rounding(failure: &Failure) -> Option<String> {
     let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = &failure.found else {
         return None;

@@ -69,7 +69,7 @@ pub struct Check {
 /// Default of --deadline, so that a hang is reported within 10 seconds.
 const DEADLINE_S: f64 = 5.0;
 
-/// The result of a group on a given scene, or on the generated ones.
+/// Result of checking a group of detectors on a given scene, or on all generated scenes.
 struct Checked<'a> {
     group: &'a Group,
     report: Report,

@@ -259,7 +259,7 @@ pub struct Told {
 }
 
 impl Told {
-    /// Prints the assumptions of the reader about a frame.
+    /// Prints what the reader of the file assumed about a frame.
     pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
         self.tell(&place(name, about), &particles.notices);
     }

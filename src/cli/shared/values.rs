@@ -9,19 +9,19 @@ use contactbench_run::plan::{builtin, detectors};
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::number;
 
-/// A whole number: `1000000`, `1e6`, `1_000_000`.
+/// Parses a whole number: `1000000`, `1e6`, `1_000_000`.
 pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let value = number::whole(text).and_then(|value| T::try_from(value).ok());
     value.ok_or_else(|| "it must be a whole number, such as 1000 or 1e6".into())
 }
 
-/// A number of bytes: `4294967296`, `4GiB`, `512MB`.
+/// Parses a number of bytes: `4294967296`, `4GiB`, `512MB`.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let must = "it must be a number of bytes, such as 4294967296, 4GiB or 512MB";
     number::bytes(text).ok_or_else(|| must.into())
 }
 
-/// Any text; shells complete it with the names that the function returns.
+/// Parser of any text, for which shells complete the names that the function returns.
 #[derive(Clone, Copy)]
 pub struct Named(fn() -> Vec<&'static str>);
 

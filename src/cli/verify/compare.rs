@@ -1,4 +1,4 @@
-//! Compares a list with a frame of the particles.
+//! Compares the contact list with one frame of the particles.
 
 use std::sync::Once;
 

@@ -56,7 +56,7 @@ impl Row {
 #[derive(Default)]
 struct All {
     rows: Vec<Row>,
-    /// Late contacts, named by ids or else by numbers in file order.
+    /// Late contacts, named by ids or else by the numbers in file order.
     late: Late<[i64; 2]>,
     by_step: bool,
     left_out: Vec<u64>,

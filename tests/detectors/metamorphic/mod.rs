@@ -4,16 +4,16 @@
 //! | relation | the set of pairs | exact in | because |
 //! |---|---|---|---|
 //! | permutation of the particles | renamed | all | a - b and b - a round alike, ri + rj commutes |
-//! | one radius for all, or the same one each | same | all | the same operations |
-//! | removal of particles | those of the rest | all; f32-cell if the largest stays | the cell's edge is made from the largest |
-//! | a particle twice | its pairs twice, and one more | all | 0 <= s² holds rounded, too |
+//! | one radius for all, or the same for each particle | same | all | the same operations |
+//! | removal of particles | the pairs of the other particles | all; f32-cell if the largest stays | the edge of cells depends on the largest particle |
+//! | a particle twice | its pairs twice, and both as a pair | all | 0 <= s² also holds after rounding |
 //! | larger radii | a superset | all; f32-cell up to the largest | rounding is monotone: s' >= s gives s'² >= s² |
 //! | scaling by 2^k | same | all | no bit is lost; rounded tests while no square under- or overflows |
-//! | mirroring of an axis | same | all; f32-cell on its grid | the ties of its rounding go upwards on both sides of 0 |
-//! | exchange of x and y | same | all | a + b = b + a, rounded, too |
+//! | mirroring of an axis | same | all; f32-cell on its grid | it rounds half a step upwards on both sides of 0 |
+//! | exchange of x and y | same | all | a + b = b + a also holds after rounding |
 //! | exchange of other axes | same | exact | (a + b) + c is not a + (b + c) |
-//! | translation | same | all | dyadic numbers with few bits: no difference changes |
-//! | a copy far away | twice | all | as translation |
+//! | translation | same | all | coordinates have few bits, so differences stay equal |
+//! | a copy far away | each pair twice | all | as for translation |
 //!
 //! The relations do not use the oracle, so they also test `direct`, on which the oracle rests.
 //!
@@ -57,7 +57,7 @@ type Relation<const D: usize> = fn(Given<'_, D>) -> Option<Claim<D>>;
 
 const ALL: &[Arithmetic] = &Arithmetic::SAFE;
 
-/// Defines one test for each relation.
+/// Defines one test for each metamorphic relation.
 macro_rules! relations {
     ($($test:ident: $relation:ident in $arithmetics:expr;)*) => {$(
         #[test]
@@ -82,7 +82,7 @@ relations! {
     a_copy_far_away_has_the_same_pairs: copy in ALL;
 }
 
-/// A small limit, so that scenes with far particles are refused quickly.
+/// The memory limit is small, so that scenes with far particles are refused quickly.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
 /// Compares the pairs that a detector finds before and after a change. Returns the number of pairs

@@ -59,7 +59,7 @@ where
         let share = [0.02, 0.5][self.random.random_range(0..2)];
         let kept: Vec<u32> = (0..self.n()).filter(|_| !self.random.random_bool(share)).collect();
         let (after, largest) = (self.scene.reordered(&kept), self.scene.largest_radius());
-        // Coordinates are rounded in cells, whose edge depends on the largest particle or the
+        // f32-cell rounds coordinates in cells, whose edge depends on the largest particle or the
         // extent.
         let by_cells = self.arithmetic == Arithmetic::F32Cell;
         if by_cells && (after.largest_radius() != largest || largest == 0.0) {

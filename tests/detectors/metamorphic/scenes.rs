@@ -61,7 +61,7 @@ struct Seed<const D: usize> {
 fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
     // Relative radii: 0, or from 1/100 to 10.
     let size = prop_oneof![12 => Just(1.0), 2 => Just(0.5), 2 => 0.3..1.0, 2 => Just(0.01), 1 => Just(0.0), 1 => Just(10.0)];
-    // Multiples of 2^-30, so that no difference is tiny.
+    // Random offsets are multiples of 2^-30, so that no difference of coordinates is tiny.
     let noise = (-(1i32 << 29)..1 << 29).prop_map(|k| f64::from(k) / f64::from(1 << 30));
     let nudge = prop_oneof![8 => Just(0i8), 1 => Just(1), 1 => Just(-1)];
     (prop::array::uniform::<_, D>(-2i8..4), prop::array::uniform::<_, D>(noise), size, nudge)

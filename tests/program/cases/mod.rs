@@ -1,18 +1,18 @@
 //! Tests of the command line as text files in this folder, one test each.
 //!
 //! In `*.txt` a line `[title]` begins a scenario in a folder of its own. Lines above the first
-//! title make files for every scenario. Below a title:
+//! title make files for every scenario. Lines below a title:
 //!
-//! | line | does or holds |
+//! | line | effect or expectation |
 //! |---|---|
 //! | `file NAME TEXT` | makes a file |
 //! | `more NAME COUNT TEXT` | appends the text this many times |
 //! | `copy FROM TO OLD => NEW` | copies a file with one text replaced by another everywhere |
-//! | `CODE ARGUMENTS :: words \| words` | runs the program; exit code, and words that it prints |
-//! | `= TEXT` | all of standard output |
-//! | `+ words \| words` | further words that it prints |
-//! | `! words \| words` | words that it does not print |
-//! | `in FILE words \| words` | words in a file |
+//! | `CODE ARGUMENTS :: words \| words` | runs the program, which must exit with CODE and print the words |
+//! | `= TEXT` | the whole standard output |
+//! | `+ words \| words` | further words that the run prints |
+//! | `! words \| words` | words that the run does not print |
+//! | `in FILE words \| words` | words that the file contains |
 //! | `same ARGUMENTS` | another run with the same standard output |
 //!
 //! Words are names, numbers, options and keys, not sentences. `ARRAYS/` stands for the folder
@@ -40,7 +40,7 @@ macro_rules! cases {
 }
 cases!(refusals, experiments, boxes, files, records);
 
-/// Compares the pages with the output of the program, or writes them.
+/// Compares the pages in `pages/` with the output of the program, or writes them.
 mod pages {
     use super::*;
 

@@ -98,7 +98,7 @@ fn this_program_is_a_runner_in_every_arithmetic() {
     let words = ["f32", "f32-cell", "f64", "exact"];
     let words = words.map(|it| format!(", {it} arithmetic, has all requests\n"));
     check(&at, &command, "--seconds 0", 0, &words.each_ref().map(String::as_str));
-    // A runner that ignores the arithmetic.
+    // This runner ignores the requested arithmetic.
     let command = format!("sh -c \"exec '{PROGRAM}' runner --detector nbs\" {{arithmetic}}");
     let words = ["WRONG: ", " by nbs: WRONG"];
     check(&at, &command, "--seconds 0 --arithmetic f64 --arithmetic exact", 1, &words);

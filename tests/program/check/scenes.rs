@@ -1,4 +1,4 @@
-//! `check` of detectors, on generated and given scenes.
+//! Tests `check` of detectors, on generated and given scenes.
 
 use std::path::Path;
 
@@ -31,8 +31,8 @@ fn check_takes_scenes() {
     let at = Place::new();
     at.file("two.csv", "# a comment\nx,y,r\n0,0,1\n2,0,1\n9,0,1\n");
     at.file("far.csv", "x,y,z,r\n0,0,0,1\n1e40,0,0,1\n");
-    // All detectors run on the near scene in two arithmetics. Those without an array over cells
-    // also run on the far scene, in exact arithmetic only.
+    // Each detector runs on the near scene in two arithmetics. Detectors without an array over
+    // cells also run on the far scene, in exact arithmetic only.
     let scene = io::scene(&at.path("far.csv"), io::Options::default()).unwrap();
     let takes = |entry: &&Entry| {
         entry.make(Options::default()).list(&scene, Test::Exact, &mut Vec::new()).is_ok()

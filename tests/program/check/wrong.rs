@@ -36,7 +36,7 @@ const WAYS: [(&str, &str, &str); 14] = [
     // The runner prints other lines before and between replies.
     ("print(json.dumps({", "print('hello', file=channel)\nprint(json.dumps({", "hello"),
     ("    return pairs\n", "    print('found', file=channel)\n    return pairs\n", "found"),
-    // Wrong version, arithmetic, digest or unit of time, and a sample without repetition.
+    // Each change makes one thing wrong: version, arithmetic, digest, unit of time, repetitions.
     ("\"protocol\": 4", "\"protocol\": 3", "protocol 4"),
     ("\"f64\"", "\"double\"", "'double'"),
     ("<< 32", "<< 31", "0x447a68c51d52cce3"),

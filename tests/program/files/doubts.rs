@@ -1,4 +1,4 @@
-//! Notices about doubtful files, by kind; `cases/files.txt` tests that every verb prints them.
+//! Tests notices about files by kind; `cases/files.txt` tests that every verb prints them.
 
 use crate::common::Place;
 

@@ -139,8 +139,7 @@ fn settings_are_told_apart() -> Result<(), String> {
     Ok(())
 }
 
-/// A foreign program that cannot start is tried twice, then skipped with the reason; one that
-/// starts and fails is a failure.
+/// A foreign program that fails to start twice is skipped; one that fails later is a failure.
 #[test]
 fn programs_of_others_are_tried_twice() {
     let tries = std::cell::Cell::new(0);

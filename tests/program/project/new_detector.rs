@@ -59,7 +59,7 @@ fn what_is_written_works() {
     }
 }
 
-/// Returns a folder with the two files that the verb changes.
+/// Returns a folder with the two files that `new-detector` changes.
 fn checkout() -> Place {
     let at = Place::new();
     std::fs::create_dir_all(at.path(FOLDER).join("table")).unwrap();

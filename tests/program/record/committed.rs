@@ -168,7 +168,7 @@ fn changed_since(record: &Path, revision: &str) -> Option<BTreeSet<String>> {
     let mut changed = BTreeSet::new();
     for name in detectors(record) {
         let stem = if name == "streamed-nbs" { "streamed".into() } else { name.replace('-', "_") };
-        // The file of the detector may have been moved since.
+        // The file of the detector may have been moved since that revision.
         let path = format!("*core/src/detect/*{stem}*");
         if git(&["diff", "-M", revision, "--", &path, ":!*tests*"])?.lines().any(is_code) {
             changed.insert(name);

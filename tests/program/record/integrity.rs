@@ -82,7 +82,7 @@ fn an_edited_line_is_named() {
         (time, whole, whole.replacen(ns, "\"time_ns\":1", 1), check),
         (time, whole, whole.replacen("\"detector\":\"", "\"detector\":\"x", 1), check),
         (time, whole, whole.replacen("0x", "0x1", 1), check),
-        // The line loses its checksum, gets an older schema, or becomes malformed JSON.
+        // Here a line loses its checksum, gets an older schema, or is cut at its start.
         (time, whole, seal::unsealed(whole), check),
         (1, first, older(first), check),
         (time, whole, older(&seal::unsealed(whole)), "schema is 3"),

@@ -1,4 +1,4 @@
-//! Merging the records of shards and machines.
+//! Tests merging the records of shards and machines.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -5,7 +5,7 @@ use contactbench::record::row::{Outcome, Pass, Row};
 use super::{EMPTY, HEAD, SPARSE, of, rows};
 use crate::common::{PROGRAM, Place, answers, fake, runner, sample, say};
 
-/// A runner that reports impossible numbers crashes, in a run and in `check`, with the reason.
+/// A runner with impossible numbers counts as crashed, in a run and in `check`, with the reason.
 #[test]
 fn impossible_numbers_are_refused() {
     let fields = r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#;
@@ -104,7 +104,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     let late = of(&dense, "hangs", 400);
     let untried = |row: &&Row| row.outcome == Outcome::Timeout && row.reason.contains("not tried");
     assert!(late.len() == 3 && late.iter().all(untried), "{late:?}");
-    // The detector itself refuses the scene.
+    // screening refuses the scene itself; its process does not exceed a limit.
     for row in of(&sparse, "screening", 100) {
         assert!(row.outcome == Outcome::Refused && row.reason.contains("1048576 bytes"), "{row:?}");
     }

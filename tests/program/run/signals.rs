@@ -63,7 +63,7 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
 fn a_second_ctrl_c_ends_at_once() {
     let at = Place::new();
     let mut child = hanging(&at);
-    // After the first signal, the report blocks on this pipe.
+    // The report, written after the first signal, blocks on this pipe.
     assert_eq!(at.shell("mkfifo result/report.md").code, Some(0));
     signal(&child, Signal::INT);
     std::thread::sleep(Duration::from_millis(500));

@@ -65,7 +65,7 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     ] {
         assert_eq!((&passes(detector, 1), &passes(detector, 2)), (one, two), "{detector}");
     }
-    // The cell of `particular` with two threads is complete, except for the copies.
+    // The cell of `particular` with two threads is complete, except that copies cannot run.
     let expected = [&ok[..], &[(Pass::Ceiling, 0, Outcome::Unavailable)]].concat();
     assert_eq!(passes("particular", 2), expected);
     for row in rows.iter().filter(|row| row.pass == Pass::Ceiling && row.outcome == Outcome::Ok) {

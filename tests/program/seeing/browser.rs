@@ -65,7 +65,6 @@ impl Browser {
         Some(browser)
     }
 
-    /// Returns the folder for downloads.
     fn downloads(&self) -> PathBuf {
         self.folder.path().join("downloads")
     }

@@ -27,7 +27,7 @@ fn a_trace_counts_and_finds_what_the_counted_build_does() {
             assert_eq!((last.tally, trace.tally), (tally, tally), "{algorithm:?} {name}");
             assert_eq!(trace.contacts, pairs, "{algorithm:?} {name}");
             assert_eq!(last.state.contacts, pairs, "{algorithm:?} {name}");
-            // Counters never fall, and every step has a sentence.
+            // The counters never decrease, and every step has a sentence.
             for pair in trace.steps.array_windows::<2>() {
                 assert!(pair[0].tally.iter().zip(pair[1].tally.iter()).all(|(a, b)| a.1 <= b.1));
             }

@@ -95,7 +95,7 @@ fn trackers_follow_the_frames_of_a_file() {
     for (one, other) in [(0, "missed"), (0, "latest"), (1, "built")] {
         assert_eq!(array["trackers"][one][other], found["trackers"][one][other], "{other}");
     }
-    // `inspect` describes the same motion.
+    // `inspect` describes the same motion as `track`.
     let inspected = at.json("inspect t.dump --frame all");
     assert_eq!([&inspected["frames"], &inspected["frame"]], [12, 11]);
     for key in ["particles", "contacts", "born", "ended", "tunnelled", "mean_way", "longest_way"] {
