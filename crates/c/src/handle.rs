@@ -14,8 +14,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::contactbench_scene;
 use crate::given::{Failure, Given};
 
-/// A searcher or tracker, and the contacts of its last scene. A call fails if it would have to wait
-/// for another one.
+/// A searcher or tracker, and the contacts of its last scene. Calls that would have to wait fail.
 pub struct Handle<S> {
     arithmetic: Arithmetic,
     limit: u64,

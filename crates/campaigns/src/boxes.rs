@@ -97,8 +97,7 @@ struct Row<'a, const D: usize> {
 }
 
 impl<const D: usize> Row<'_, D> {
-    /// Returns a box with vectors of about these lengths in lower triangular form, of which a
-    /// random part is periodic.
+    /// Returns lower triangular vectors of about these lengths; a random part of them is periodic.
     fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
         let mut whole = Whole::default();
         for v in 0..D {
@@ -117,8 +116,7 @@ impl<const D: usize> Row<'_, D> {
         whole
     }
 
-    /// Returns the largest coordinate of a box at which doubles can still hold its images and other
-    /// vectors.
+    /// Returns the largest coordinate in a box at which doubles can hold its images and vectors.
     fn room(&self) -> f64 {
         let bits = if self.shape == Shape::Skewed { 46 } else { 53 };
         (1i64 << bits) as f64 / (3.0 * self.away + 1.0)

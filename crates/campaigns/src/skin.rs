@@ -207,8 +207,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let end =
         [nearly(moved(a, along(alpha), 1), draw), nearly(moved(b, along(skin - alpha), -1), draw)];
     let mut frames = Vec::new();
-    // Sometimes the motion begins with the final positions and a jump away, after which a list of
-    // these positions is useless.
+    // Sometimes a list of the final positions is built first; it is useless after a jump away.
     if draw.once_in(3) {
         frames.extend([end, [moved(a, along(9 * skin), -1), b]]);
     }

@@ -9,8 +9,7 @@ use nalgebra::Point;
 use crate::draw::{Draw, power};
 use crate::near::{Near, gap};
 
-/// Two particles, an image of the second, and the sign of the gap between the first particle and
-/// the image.
+/// Two particles, an image of the second, and the sign of the gap between first and image.
 pub type Meeting = ([usize; 2], [i64; 3], Ordering);
 
 /// A scene in integers, in open space or in a box. Radii are in half fine units.

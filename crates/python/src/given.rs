@@ -91,8 +91,7 @@ impl<'a> Arrays<'a> {
     }
 }
 
-/// A copy of the arrays, for work that may continue after its call, when the caller may write to
-/// the originals.
+/// A copy of arrays, for work that may outlast its call, after which the caller may write to them.
 pub struct Copied {
     x: Vec<f64>,
     dim: usize,

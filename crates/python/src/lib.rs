@@ -13,8 +13,7 @@ mod verify;
 
 use pages::Pages;
 
-/// The allocator counts memory, as runners must, and uses large pages, because a call allocates
-/// much memory at once.
+/// Counts memory, as runners must, and uses large pages, because calls allocate much at once.
 #[global_allocator]
 static ALLOCATOR: Pages = Pages;
 

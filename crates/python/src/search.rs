@@ -77,8 +77,7 @@ impl<T> Owned<T> {
         Owned { of, process: std::process::id(), threads: threads > 1 }
     }
 
-    /// Returns the value. A forked process gets it only if it has no threads and no call was using
-    /// it.
+    /// Returns the value. A forked process gets it only if it has no threads and was not in use.
     fn lend(&self) -> Result<Arc<Mutex<T>>, Failure> {
         if self.process != std::process::id() {
             let idle = |lent: &Arc<Mutex<T>>| !self.threads && lent.try_lock().is_ok();
@@ -297,8 +296,8 @@ impl Search {
         })
     }
 
-    /// Returns the numbers of steps, builds, dangerous builds and pairs listed in the last step,
-    /// and whether that step built the list.
+    /// Returns steps, builds, dangerous builds, pairs listed in the last step, and whether it
+    /// built.
     #[getter(done)]
     fn told(&self) -> (u64, u64, u64, u64, bool) {
         let Done { steps, builds, dangerous, listed, built } = *self.done();

@@ -77,21 +77,18 @@ impl<const D: usize> Numbered<D> {
     /// Returns the particles as a scene, with this radius, or with a radius each if it is `None`.
     pub fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
         let each = || Radii::Each((&self.radii[..]).into());
-        // This cannot fail: the particles come from valid scenes, and each has a radius unless all
-        // share one.
+        // This cannot fail: the particles are valid, and each has a radius unless all share one.
         Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
     }
 
-    /// Packs a message for each rank. For particle k, `to` calls its argument with each rank that
-    /// gets the particle.
+    /// Packs a message for each rank; `to` calls its argument with each rank that gets particle k.
     pub fn letters(
         &self,
         ranks: usize,
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Failure> {
-        // A single pass calls `to` once per particle, because for a halo `to` usually finds no
-        // rank.
+        // A single pass calls `to` once per particle, because `to` usually finds no rank.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
         chosen.resize_with(ranks, Vec::new);

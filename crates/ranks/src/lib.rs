@@ -109,8 +109,7 @@ impl Whole {
 }
 
 impl Row {
-    /// Returns whether the contacts are those of one process; `None` if one process did not compute
-    /// them.
+    /// Returns whether the contacts are those of one process; `None` if not computed by one.
     pub fn is_right(&self) -> Option<bool> {
         let whole = self.whole.as_ref()?;
         Some(whole.pairs == self.pairs && whole.digest == self.digest)

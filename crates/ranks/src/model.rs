@@ -92,8 +92,7 @@ pub fn step(
     Some(Step { ms, efficiency: one_ms / ms, ..found })
 }
 
-/// Predicts the time of the search on `ranks` ranks and of their messages, without the rest of a
-/// step.
+/// Predicts the time of the search on `ranks` ranks and of their messages only.
 fn search(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
     // In a periodic box the last slab meets the first.
     let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };

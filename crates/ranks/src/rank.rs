@@ -59,8 +59,7 @@ pub fn failed(world: &impl World, here: bool) -> Option<usize> {
     (highest[0] >= 0.0).then_some(highest[0] as usize)
 }
 
-/// Returns this rank's result if no rank has failed; otherwise fails in all ranks, so that none
-/// waits for one that ended.
+/// Returns this rank's result if no rank has failed, so that none waits for one that ended.
 ///
 /// # Errors
 /// The error of this rank, or the number of the highest rank that failed.

@@ -36,8 +36,7 @@ pub trait Dealt {
     /// Fails as [`Origin::whole`] does, for a file, and for a periodic box.
     fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
 
-    /// Makes the scenes of [`Dealt::beside`] for this many ranks as one scene; fails in the same
-    /// cases.
+    /// Makes the scenes of [`Dealt::beside`] for this many ranks as one scene; fails as that does.
     fn row(&self, ranks: usize) -> anyhow::Result<Given>;
 }
 

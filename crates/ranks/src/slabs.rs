@@ -191,8 +191,7 @@ impl<const D: usize> Along<D> {
         }
     }
 
-    /// Returns the largest distance of two places whose particles touch; `sum` is the sum of their
-    /// radii.
+    /// Returns the largest distance of two places in contact; `sum` is the sum of both radii.
     fn reach(&self, sum: f64) -> f64 {
         match self {
             Along::Axis(_) => sum,

@@ -13,8 +13,7 @@ use contactbench_ranks::{Row, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 
-/// Small scenes of all kinds: touching lattices, different sizes, boxes smaller than the largest
-/// diameter.
+/// Small scenes of all kinds: touching lattices, different sizes, boxes smaller than a diameter.
 const SCENES: [&str; 12] = [
     "packed:n=0",
     "packed:n=300",
@@ -55,8 +54,7 @@ fn ranks_find_the_contacts_of_one_process() {
         let setting = Setting { spec: &direct, memory_limit: MEMORY, steps: 1 };
         // Scenes that one process refuses are skipped.
         let Ok(truth) = whole(&given, setting) else { continue };
-        // Every second detector is tested with three ranks, and one detector with all other
-        // numbers.
+        // Every second detector is tested with three ranks, and one with all other numbers.
         let turn = detectors[k % detectors.len()];
         let others = [1, 2, 4, 8].map(|ranks| (turn, ranks));
         let half = detectors.iter().skip(k % 2).step_by(2).map(|&name| (name, 3));

@@ -149,8 +149,7 @@ fn a_lattice_is_divided_evenly_for_any_row_length() {
     }
 }
 
-/// One giant is larger than all slabs, and the rest is dust: only particles near the giant are sent
-/// far.
+/// A giant is larger than all slabs, the rest is dust: only particles near the giant are sent far.
 #[test]
 fn a_particle_larger_than_slabs_is_sent_to_all_it_reaches() {
     for place in [0.0, 50.0, 100.0] {
@@ -204,8 +203,7 @@ fn ranks_with_different_scenes_fail() {
 /// Particles far from the box have inaccurate places; those in contact must be sent all the same.
 #[test]
 fn tangent_particles_many_boxes_away_are_sent() {
-    // Fractions along the vector are multiples of 1/10, and so not doubles; the coordinates are
-    // doubles.
+    // Fractions along the vector are multiples of 1/10, not doubles; coordinates are doubles.
     let cylinder = Lattice::along_axes([5.0, 9.0, 1.0], [true, false, false]).unwrap();
     for seed in 0..20 {
         let away = |k: u64| (splitmix64(seed << 8 ^ k) % 2001) as f64 - 1000.0;

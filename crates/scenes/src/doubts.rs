@@ -23,8 +23,7 @@ const EXAMINED: usize = 1 << 18;
 const MOST_BYTES: u64 = 400_000_000;
 /// Least number of contacts whose mean overlap is judged.
 const ENOUGH: u64 = 10;
-/// Suspicious mean overlap, in mean radii. Packed particles overlap by less; random ones by 0.5 or
-/// more.
+/// Suspicious mean overlap, in mean radii. Packed particles overlap less; random ones 0.5 or more.
 const DEEP: f64 = 0.25;
 /// Overlap in mean radii above which pairs are nearly concentric. Concentric pairs overlap by 2.
 const NESTED: f64 = 1.8;

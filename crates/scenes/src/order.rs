@@ -49,8 +49,7 @@ pub fn shuffled(n: usize, seed: u64) -> Vec<u32> {
 }
 
 /// Returns the particles in order along a Morton curve through the smallest cube around all
-/// centres, which has 2^32 cells per axis in 2D and 2^21 in 3D. Particles in one cell keep their
-/// order.
+/// centres. It has 2^32 cells per axis in 2D, 2^21 in 3D. Particles in one cell keep their order.
 pub fn morton(scene: &AnyScene<'_>) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> = with_scene!(scene, scene => {
         let points = || scene.centres().iter().map(|centre| array(centre).map(Real::wide));

@@ -158,8 +158,7 @@ fn half_edges<T: Real, const D: usize>(
     let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; D];
     for (k, centre) in scene.centres().iter().enumerate() {
         for ([low, high], x) in bounds.iter_mut().zip(array(centre)) {
-            // Coordinates are quartered, so that neither the ends nor half their difference can
-            // overflow.
+            // Coordinates are quartered, so that no end and no half difference can overflow.
             (*low, *high) = (
                 low.min(0.25 * x.wide() - 0.25 * extent(k)),
                 high.max(0.25 * x.wide() + 0.25 * extent(k)),

@@ -6,8 +6,7 @@ use crate::nearest::hint;
 /// Parameters that belong to a tracker; all others in its text belong to its detector.
 pub const TRACKER: [&str; 3] = ["margin", "rule", "skin"];
 
-/// A name with parameters, as the user wrote them. Blanks around names, keys and values are
-/// removed.
+/// A name with parameters, as written. Blanks around names, keys and values are removed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Spec<'a> {
     /// The text as a whole, for messages.

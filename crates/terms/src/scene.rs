@@ -16,8 +16,7 @@ pub struct Stats {
     /// Edges of the box around the centres, in units of the largest diameter; along periodic axes,
     /// the lengths of the box vectors. `None` if the largest diameter is zero.
     pub box_diameters: Option<Vec<f64>>,
-    /// Fingerprint of the exact coordinates and radii in input order: `0x` and 16 hexadecimal
-    /// digits.
+    /// Fingerprint of exact coordinates and radii in input order: `0x` and 16 hexadecimal digits.
     pub scene_hash: String,
 }
 

@@ -57,8 +57,7 @@ fn work(what: &str) -> usize {
     black_box(pairs).len()
 }
 
-/// Returns the number of instructions that this program executes for the argument `what`, or `None`
-/// without valgrind.
+/// Returns how many instructions this program executes for `what`, or `None` without valgrind.
 fn instructions(what: &str) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
     let output = Command::new("valgrind")

@@ -61,8 +61,7 @@ impl Text {
         self
     }
 
-    /// Returns the words. Each style but the plain one puts its two parts of `around` around them;
-    /// `escape` escapes them.
+    /// Returns the text, with `around` on both sides of each style except the plain one.
     fn written(&self, around: [[&str; 2]; 3], escape: impl Fn(Style, &str) -> String) -> String {
         let span = |(style, text): &(Style, String)| {
             let [open, close] = match style {

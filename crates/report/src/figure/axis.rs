@@ -66,8 +66,7 @@ impl Axis {
             let mut ticks = Vec::new();
             for power in first - 1..=last {
                 for digit in 1..10 {
-                    // The text is parsed because 10^-k times a digit is not always the nearest
-                    // number.
+                    // The text is parsed, because 10^-k times a digit may be off by an ulp.
                     let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
                     if value >= self.low && value <= self.high {
                         ticks.push((value, matches!(digit, 1 | 2 | 5).then(|| plain(value))));

@@ -49,8 +49,7 @@ impl<'a> Bar<'a> {
         Some(Bar { name, detector, entry, said })
     }
 
-    /// Returns the length by which bars are sorted: wrong answers come after right ones, subjects
-    /// without a time last.
+    /// Sort key: right answers by ratio, then wrong answers, then subjects without a time.
     fn length(&self) -> f64 {
         match self.entry.ratio {
             Some(ratio) if self.entry.outcome.is_good() => ratio.median,

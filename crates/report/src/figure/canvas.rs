@@ -83,8 +83,7 @@ impl Canvas<'_> {
         };
     }
 
-    /// Draws a line. `dash` holds the lengths of a dash and of the gap after it; `None` is a solid
-    /// line.
+    /// Draws a line. `dash` holds the lengths of a dash and of the gap; `None` is a solid line.
     pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Point>) {
         match dash {
             None => self.line(points, colour, width),

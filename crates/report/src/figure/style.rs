@@ -158,8 +158,7 @@ impl Styles {
     }
 }
 
-/// Returns the style at an index of the palette; past its end, the colours repeat with other
-/// markers.
+/// Returns the style at a palette index; past the end, colours repeat with other markers.
 fn of_place(place: usize) -> Style {
     let (round, (colour, own)) = (place / PALETTE.len(), PALETTE[place % PALETTE.len()]);
     let first = MARKERS.iter().position(|marker| *marker == own).unwrap_or(0);

@@ -10,8 +10,7 @@ use contactbench_terms::number::times;
 use contactbench_terms::text::html as escape;
 
 const SCRIPT: &str = include_str!("../../assets/report/map.js");
-/// Percentage of a detector's colour in a tile, by its lead: first below all [`STEPS`]. Text must
-/// stay readable.
+/// Percentage of a detector's colour in a tile, by its lead; text must stay readable.
 const DEPTHS: [u32; STEPS.len() + 1] = [10, 20, 32, 46];
 
 pub fn section(maps: &[&Drawn], styles: &Styles) -> String {

@@ -1,7 +1,6 @@
 use std::fmt::Write as _;
 
-/// Escapes JSON for a `script` element, so that no character can end the element or begin a
-/// comment.
+/// Escapes JSON for a `script` element: no character can end the element or begin a comment.
 pub fn script_safe(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {

@@ -119,8 +119,7 @@ fn verdict(timing: &Timing) -> String {
     format!("{}{but}", timing.judgement.name())
 }
 
-/// Makes the table of the cells that became slower or faster, or of all cells, sorted by verdict
-/// and then by descending ratio.
+/// Makes the table of cells that became slower or faster, or of all, by verdict and falling ratio.
 pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     let shown =
         |timing: &Timing| all || matches!(timing.judgement, Judgement::Slower | Judgement::Faster);

@@ -47,8 +47,7 @@ pub const GENERATOR: Generator = Generator {
 fn border(low: f64, d: f64, k: f64) -> f64 {
     let product = d * k;
     let sum = low + product;
-    // Computes the exact errors of product and sum (Knuth, Dekker); IEEE 754 defines the fused
-    // multiply-add.
+    // Exact errors of product and sum (Knuth, Dekker); IEEE 754 defines fused multiply-add.
     let rest = d.mul_add(k, -product);
     let part = sum - low;
     sum + ((low - (sum - part)) + (product - part) + rest)

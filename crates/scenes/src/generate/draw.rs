@@ -4,8 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, UnitDisc};
 
-/// ChaCha8 has 2^64 independent streams per seed. Each purpose uses another stream of the scene's
-/// seed.
+/// ChaCha8 has 2^64 independent streams per seed. Each purpose uses another stream.
 const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
 const SIZES_STREAM: u64 = 2;

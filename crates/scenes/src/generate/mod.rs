@@ -77,8 +77,7 @@ const OF_BODIES: &[Parameter] = &[
     boxes::TILT,
 ];
 
-/// Returns the edge, in diameters, of the square or cube of which the particles fill the share
-/// `fraction`.
+/// Returns the edge, in diameters, of the square or cube that the particles fill to `fraction`.
 fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {
     let power = |r: f64| if D == 2 { r * r } else { r * r * r };
     let sum = radii.map_or(n as f64 * power(0.5), |radii| radii.iter().map(|&r| power(r)).sum());

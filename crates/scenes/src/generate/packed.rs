@@ -79,8 +79,8 @@ where
     boxed(inputs, scene, period.map(|edge| edge * spacing))
 }
 
-/// Returns a function from a number to the 2D lattice site, and the edges of the period, for a
-/// spacing of 1.
+/// Returns a function from number to lattice site in 2D, and the edges of the period, for spacing
+/// 1.
 fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) {
     let square = lattice == "square";
     let pitch = if square { 1.0 } else { 3f64.sqrt() / 2.0 };

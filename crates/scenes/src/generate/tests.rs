@@ -218,8 +218,7 @@ fn clusters_have_their_width_and_number() {
         assert!((deviation - 3.0).abs() < 0.1, "{deviation}");
         assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
     }
-    // Width 0 makes 3 clusters of 30 coincident particles; the 10 background particles coincide
-    // with none.
+    // Width 0 makes 3 clusters of 30 coincident particles; the other 10 coincide with none.
     let couples = couples(&make("clustered:n=100,per-cluster=30,width=0"));
     assert_eq!(couples.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
 }

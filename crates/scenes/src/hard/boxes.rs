@@ -118,8 +118,7 @@ fn tiled(dim: u32, scale: f64, offset: f64) -> Steps {
     in_box(grid(dim, [6, 4], 0.5 * scale, |k| (offset + 0.25 + k) * scale), cube(edge), ALL)
 }
 
-/// Returns two particles, `aside` apart along x, that touch through the faces across y of a sheared
-/// box.
+/// Returns two particles, `aside` apart along x, in touch through the y faces of a sheared box.
 fn sheared(dim: u32, tilt: f64, aside: f64) -> Steps {
     let places = [[1.0, 0.25, 3.0], [1.0 + aside, 7.25, 3.0]];
     let vectors = [[8.0, 0.0, 0.0], [8.0 * tilt, 8.0, 0.0], [0.0, 0.0, 8.0]];

@@ -25,8 +25,7 @@ pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
     Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
 }
 
-/// Returns one step, a lattice of particles with equal radius. `sites` holds the sites per axis in
-/// 2D and in 3D.
+/// Returns one step, a lattice of equal particles, with `sites` per axis in 2D and in 3D.
 pub fn grid(dim: u32, sites: [u32; 2], r: f64, at: impl Fn(f64) -> f64) -> Steps {
     uniform(dim, lattice(dim, sites, at), r)
 }

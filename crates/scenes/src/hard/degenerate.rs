@@ -45,8 +45,7 @@ fn spoilt(dim: u32, spoil: impl Fn(&mut Body)) -> Steps {
     each(dim, bodies)
 }
 
-/// Returns 400 particles whose coordinate on one axis is 1/3: a touching row in 2D, a touching
-/// square in 3D.
+/// Returns 400 particles at 1/3 on one axis: a touching row in 2D, a touching square in 3D.
 fn on_a_plane(dim: u32, axis: usize) -> Steps {
     let width = by_dim(dim, [400.0, 20.0]);
     let at = |k: f64| {

@@ -79,8 +79,7 @@ pub struct Case {
     /// Source: project#issue, a publication, a file of a project, or "own" for this project.
     pub source: &'static str,
     pub expect: Expect,
-    /// Refusals of the last step that are accepted in exact arithmetic with the default memory
-    /// limit.
+    /// Refusals of the last step accepted in exact arithmetic with the default memory limit.
     pub allows: &'static [Allowed],
     make: fn(u32) -> Steps,
 }

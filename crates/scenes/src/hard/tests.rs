@@ -128,8 +128,7 @@ fn last_answer(
     last
 }
 
-/// In exact arithmetic only the refusals that a case allows may occur; in other arithmetics any
-/// may.
+/// In exact arithmetic only the refusals that a case allows may occur; in others, any refusal.
 #[test]
 fn every_detector_is_right_in_every_safe_arithmetic() {
     let mut refused: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
@@ -187,8 +186,7 @@ fn a_spec_gives_last_step_and_history() {
     assert!(cases().next().unwrap().steps(4).is_err());
 }
 
-/// Counts the contacts by the difference of the two cells; the particle that comes first in the
-/// input is subtracted.
+/// Counts contacts by the cell of the second particle minus that of the first, in input order.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
 impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {

@@ -21,8 +21,7 @@ pub(super) struct Paths<const D: usize> {
     /// Velocities of the particles, in length per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
-    /// For [`Kind::Shear`]: the velocity along x per unit of y, then the y at which particles stand
-    /// still.
+    /// For [`Kind::Shear`]: velocity along x per unit of y, then the y where particles are at rest.
     slope: f64,
     still: f64,
     /// Box and walls of a periodic scene; `None` in open space.
@@ -153,8 +152,7 @@ impl<const D: usize> Paths<D> {
         }
     }
 
-    /// Returns the position after the displacement `way` in open space, where walls reflect
-    /// particles.
+    /// Returns the position after the displacement `way` in open space, reflected at the walls.
     fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);

@@ -104,8 +104,7 @@ fn the_fastest_particle_has_about_the_given_speed() {
             }
             match kind {
                 Kind::Rest => assert_eq!(most, 0.0),
-                // The largest of thousands of displacements that are normally distributed along
-                // each axis.
+                // This is the largest of thousands of displacements, normal along each axis.
                 Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
                 _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
             }

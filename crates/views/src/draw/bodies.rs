@@ -73,8 +73,7 @@ impl Bodies {
         Ok(Bodies { all, images })
     }
 
-    /// Returns the lines of a pair: one, or two if the pair crosses a face of the box, one on each
-    /// side.
+    /// Returns the lines of a pair: one, or one on each side if the pair crosses a face of the box.
     pub fn lines(&self, pair: ImagePair) -> impl Iterator<Item = [u32; 2]> + use<> {
         let ImagePair { i, j, image } = pair;
         let to = |of: u32, image: [i32; 3]| self.images.get(&(of, image)).copied();

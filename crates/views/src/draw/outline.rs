@@ -73,8 +73,7 @@ fn around(plane: &Plane, lattice: &Lattice) -> Rectangle {
     [[0, 1].map(|k| low[k] - more(k)), [0, 1].map(|k| high[k] + more(k))]
 }
 
-/// Removes the part of a convex polygon where the linear function `inside` is negative. The new
-/// edge is a face.
+/// Clips a convex polygon where the linear function `inside` is negative. The new edge is a face.
 fn cut(polygon: &[Corner], repeats: bool, inside: impl Fn([f64; 2]) -> f64) -> Vec<Corner> {
     let mut left = Vec::new();
     for (k, &(a, edge)) in polygon.iter().enumerate() {

@@ -104,8 +104,7 @@ impl Plane {
             let r = body.r * factor;
             let away =
                 slice.map_or(0.0, |slice| body.centre[slice.axis] * factor - slice.at * factor);
-            // (r - away)(r + away) loses no digits, and a root of each factor keeps the product
-            // from overflowing.
+            // (r - away)(r + away) loses no digits, and the root of each factor does not overflow.
             let cut = (r - away).sqrt() * (r + away).sqrt();
             let at = axes.map(|axis| body.centre[axis] * factor);
             (away.abs() <= r).then_some(Circle { id, at, r: cut })

@@ -1,5 +1,4 @@
-//! The page of a film: the first frame as a picture, all frames as numbers, and the script that
-//! draws them.
+//! The page of a film: the first frame as a picture, all frames as numbers, and the script.
 
 use std::fmt::Write;
 

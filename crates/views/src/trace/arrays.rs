@@ -145,8 +145,7 @@ fn text_of(step: &Step, place: Place, at: [f64; 2], size: f64, text: String) -> 
     label(&format!("t{}", class(step, place)), at, Some(size), text)
 }
 
-/// Returns the CSS classes of a value: written or read in this step, in the range, empty, marked
-/// old.
+/// Returns the CSS classes of a value: written or read now, in the range, empty, marked old.
 fn class(step: &Step, (letter, at, slot): Place) -> String {
     let marks = &step.marks;
     let holds = |places: &[(char, usize)]| at.is_some_and(|at| places.contains(&(letter, at)));

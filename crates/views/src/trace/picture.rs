@@ -9,8 +9,7 @@ use crate::trace::{Algorithm, Trace};
 const SIDE: f64 = 700.0;
 const MARGIN: f64 = 36.0;
 
-/// Draws a rectangle with this CSS class from its upper left corner; `more` holds further
-/// attributes.
+/// Draws a rectangle from its upper left corner; `more` holds further attributes.
 pub fn rect(class: &str, [x, y]: [f64; 2], [width, height]: [f64; 2], more: &str) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!(
@@ -134,8 +133,7 @@ impl<'a> Scene<'a> {
         (0..).zip(self.trace.discs.iter().map(|disc| disc.at)).map(number).collect()
     }
 
-    /// Draws the parts that change from step to step, in two layers: one below the discs, one above
-    /// contacts.
+    /// Draws what differs from step to step, in two layers: below the discs, and above contacts.
     pub fn layers(&self, step: &Step) -> [String; 2] {
         let (marks, discs) = (&step.marks, &self.trace.discs);
         let (mut under, mut over) = (String::new(), String::new());

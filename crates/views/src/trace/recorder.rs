@@ -25,8 +25,7 @@ impl Names {
         k.map_or("-1".into(), |k| self.particle(k).to_string())
     }
 
-    /// Returns the number of a place in the sorted order; places count from the same number as
-    /// particles.
+    /// Returns the number of a place in the sorted order; places are numbered like particles.
     pub fn place(&self, at: usize) -> u32 {
         self.particle(at as u32)
     }

@@ -128,8 +128,7 @@ impl Area<'_> {
         }
     }
 
-    /// Draws a light line at the N from which coordinates alone do not fit into a cache, with the
-    /// cache's name at its foot.
+    /// Draws a light line where the coordinates alone outgrow a cache, with its name at the foot.
     fn caches(&self, canvas: &mut Canvas, dim: u32) {
         let (top, bottom) = self.scale();
         let inside = self.low.0 + 2.0..self.high.0 - 2.0;
