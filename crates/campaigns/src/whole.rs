@@ -174,7 +174,6 @@ pub fn sizes(radii: Vec<f64>) -> Radii<'static, f64> {
     }
 }
 
-/// Returns whether a double can hold this integer.
 fn is_double(x: i64) -> bool {
     x == 0 || x.unsigned_abs() >> x.trailing_zeros() < 1 << 53
 }

@@ -21,7 +21,6 @@ pyo3::create_exception!(
      the detector or the arithmetic can hold."
 );
 
-/// The reason why a call fails, in one sentence.
 pub enum Failure {
     /// Invalid input: `ValueError`.
     Value(String),

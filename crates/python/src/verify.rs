@@ -89,7 +89,6 @@ fn x_is_flat(x: &PyReadonlyArrayDyn<'_, f64>) -> bool {
     x.as_array().shape().last() == Some(&2)
 }
 
-/// Extends each image to three numbers.
 fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
     let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
     images.chunks(width.max(1)).map(three).collect()

@@ -291,7 +291,6 @@ fn table(rows: &[Row]) -> Table {
         .into()
 }
 
-/// Rounds a predicted time to two digits.
 fn two_digits(ms: f64) -> String {
     let decimals = 1 - ms.abs().log10().floor().clamp(-9.0, 9.0) as i32;
     let scale = 10f64.powi(decimals);

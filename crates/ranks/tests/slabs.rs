@@ -36,7 +36,6 @@ where
         let mut rank = Rank::new(world, bodies, lattice)?;
         let mut searcher = Searcher::new(&spec, OPTIONS);
         let mut contacts = Contacts::default();
-        // Two steps are made, as in a simulation.
         let mut traffic = Traffic::default();
         for _ in 0..2 {
             traffic = rank.refresh(world)?;

@@ -59,7 +59,6 @@ fn chained_hash(scene: &AnyScene<'_>) -> u64 {
     with_scene!(scene, scene => chained(scene))
 }
 
-/// `contacts` is the number of pairs that touch.
 pub fn stats(given: &Given, contacts: u64) -> Stats {
     let Given { scene, lattice, .. } = given;
     let (n, lattice) = (scene.len(), lattice.as_ref());

@@ -33,7 +33,6 @@ pub fn lightened(colour: Colour, white: f64) -> Colour {
     (mix(colour.0), mix(colour.1), mix(colour.2))
 }
 
-/// Returns the colour of text on this background.
 pub fn ink_on(ground: Colour) -> Colour {
     let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
     if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }

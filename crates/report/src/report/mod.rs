@@ -71,7 +71,6 @@ pub struct Part<'a> {
     pub figures: Vec<(String, PathBuf)>,
     pub maps: Vec<Drawn>,
     pub tables: Vec<Block>,
-    /// Names and tables of CSV files.
     pub files: Vec<(&'static str, table::Table)>,
 }
 

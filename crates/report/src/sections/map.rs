@@ -76,7 +76,6 @@ pub fn either(front: &[&str]) -> String {
     named.iter().map(|name| name.to_string()).chain(more).collect::<Vec<_>>().join(" or ")
 }
 
-/// Describes all numbers of a tile.
 pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
     let [x, y] = &map.axes;
     let (across, up) = (&x.values[spot.at[0]], &y.values[spot.at[1]]);

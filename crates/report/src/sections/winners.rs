@@ -152,7 +152,6 @@ pub fn brief(winners: &Winners) -> Text {
     Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
-/// Layout of the table of the fastest detectors.
 pub struct Columns {
     pub pictures: bool,
     /// True if the table shows ratios of first detections.

@@ -54,7 +54,6 @@ fn scene(
     })
 }
 
-/// Returns 2^k.
 pub const fn two_to(k: i32) -> f64 {
     if k < -1022 {
         f64::from_bits(1 << (k + 1074))

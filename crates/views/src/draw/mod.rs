@@ -48,7 +48,6 @@ pub const MOST_LINES: usize = 2_000_000;
 /// Maximum number of particles that are labelled by default.
 pub const LABELLED: usize = 60;
 
-/// Options of a picture: title, labels, grid, slice, extent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub title: String,

@@ -68,7 +68,6 @@ pub struct Step {
     pub words: String,
     pub part: usize,
     pub marks: Marks,
-    /// The arrays after the step.
     pub state: State,
     /// Operations counted from the beginning through this step.
     pub tally: Tally,

@@ -68,7 +68,6 @@ impl State {
         state
     }
 
-    /// Writes an event's changes to the arrays.
     pub fn apply(&mut self, event: &Event) {
         match *event {
             Event::Push { heads, list, particle, next } => {

@@ -18,7 +18,6 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Finds a position for each node of the final tree.
     pub fn new(trace: &Trace) -> Tree {
         let nodes = trace.steps.last().map_or(&[][..], |last| &last.state.nodes);
         let Some(deepest) = nodes.iter().map(|node| node.level).max() else {
@@ -63,7 +62,6 @@ impl Tree {
         x
     }
 
-    /// Draws the nodes and leaves that exist in this step.
     pub fn draw(&self, trace: &Trace, step: &Step) -> String {
         let visited = |node: usize| step.marks.path.contains(&(node as u32));
         let cell = step.marks.cell.or(step.marks.central);

@@ -96,7 +96,6 @@ impl Picture<'_> {
         }
     }
 
-    /// Draws a mark where each of these pairs touches.
     fn mark(&self, marks: &mut Marks, lines: &[Line]) {
         marks.pairs += usize::from(!lines.is_empty());
         for &(bodies, [a, b]) in lines {

@@ -100,7 +100,6 @@ impl Sheet<'_> {
         )
     }
 
-    /// Describes the scene, and which part of it is drawn.
     fn subtitle(&self) -> String {
         let (scene, lattice) = (self.periodic.scene(), self.periodic.lattice());
         let count = scene.len();
