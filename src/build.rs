@@ -15,7 +15,7 @@ const SOURCES: [&str; 7] = [
 ];
 
 fn main() {
-    // Other crates of the workspace run this script in their own folder.
+    // Cargo starts this script in the folder of a crate, so it looks for the workspace above.
     let here = std::env::current_dir().unwrap_or_default();
     let root = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
     let root = root.unwrap_or(&here);
@@ -68,7 +68,7 @@ struct Commit {
     dirty: bool,
 }
 
-/// Returns `None` without git, and outside a repository with these sources (a package, a tarball).
+/// Returns the last commit of the sources; `None` if git is missing or does not track them.
 fn commit(sources: &[&str]) -> Option<Commit> {
     said("git", &["ls-files", "--error-unmatch", "src/build.rs"])?;
     let with = |arguments: &[&str]| said("git", &[arguments, &["--"], sources].concat());

@@ -9,7 +9,7 @@ use contactbench_terms::number::wrap;
 use crate::cli::shared::terminal;
 use crate::cli::{GROUPS, Verb};
 
-/// The page of the program: its verbs by group, one line each.
+/// Formats the help of the program: its verbs by group, one line each.
 pub fn template() -> StyledStr {
     let verbs = Verb::augment_subcommands(Command::new(""));
     let mut verbs = verbs.get_subcommands();

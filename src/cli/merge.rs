@@ -80,7 +80,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    // Prints no missing shards if one folder is not a shard, because it may hold their rows.
+    // Missing shards are not reported if a folder is not a shard, because it may hold their rows.
     let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
     let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
     let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();

@@ -109,7 +109,7 @@ fn known_scenes() {
     }
 }
 
-/// None of our detectors refuses any number of points (particles of radius 0).
+/// Our detectors accept any number of points (particles of radius 0).
 #[test]
 fn points_are_taken() {
     let AnyScene::Plane(Stored::F64(loose)) = make("loose:n=300") else { unreachable!() };

@@ -1,4 +1,4 @@
-//! The detectors of a check: those of the table, or a runner.
+//! Groups of detectors that are checked together: those of the table, or a runner.
 
 use std::io::Write;
 

@@ -172,7 +172,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Returns the verdict on all scenes: `Wrong` before `Nothing` before `Right`.
+/// Returns `Wrong` if any check failed, else `Nothing` if any compared nothing, else `Right`.
 fn overall(reports: &[Checked<'_>], broken: &[Wrong]) -> Verdict {
     let any = |wanted| reports.iter().any(|checked| checked.report.verdict() == wanted);
     if !broken.is_empty() || any(Verdict::Wrong) {

@@ -97,7 +97,7 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
         format!("{}; contacts reach {} at most{times}", text.join(", "), number(reach)),
         json!({ "reach": reach, "least_height_over_reach": least }),
     );
-    // Heights are rounded; a small tolerance avoids a false warning.
+    // The heights of the box are rounded, so a small tolerance avoids a false warning.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")

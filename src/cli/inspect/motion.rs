@@ -12,7 +12,7 @@ use contactbench_io as io;
 use contactbench_run::moving::{Moved, Question, Recorded, follow};
 use contactbench_terms::number::plural;
 
-/// Describes the motion, or warns if it cannot be read.
+/// Prints the motion from frame to frame, or warns if it cannot be read.
 pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &mut Report) {
     match moved(options, particles, frames as u64) {
         Ok(moved) if moved.steps() == 0 => {

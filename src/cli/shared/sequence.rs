@@ -19,9 +19,9 @@ pub struct Sequence<'a> {
     pub name: &'a str,
     /// Name of the motion.
     pub motion: &'a str,
-    /// Whether the frames are those of a file.
+    /// Whether the frames come from a file.
     pub recorded: bool,
-    /// Particles in each frame.
+    /// Number of particles in each frame.
     pub particles: usize,
     /// Maximum number of frames.
     pub count: u64,

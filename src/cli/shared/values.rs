@@ -21,7 +21,7 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     number::bytes(text).ok_or_else(|| must.into())
 }
 
-/// Parser of any text, for which shells complete the names that the function returns.
+/// Accepts any text. Shells complete it with the names that the function returns.
 #[derive(Clone, Copy)]
 pub struct Named(fn() -> Vec<&'static str>);
 

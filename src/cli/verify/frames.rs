@@ -107,7 +107,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let (frame, step) = (about.frame, about.step);
         let list_frame = list.frame.unwrap_or(frame);
         input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
-        // Ids that two particles share are not usable.
+        // Ids are used only if no two particles share one.
         let ids = match particles.ids.as_deref().map(Naming::by_id) {
             Some(Ok(_)) => particles.ids_copied()?,
             _ => None,
@@ -136,7 +136,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        // An empty list does not show how lists are read, so the next list replaces its reading.
+        // The first list with pairs shows how lists are read; empty lists do not.
         if all.rows.iter().all(|row| row.listed == 0) {
             let compared = verified.compared();
             all.read = Some((verified.list.format, words(verified.naming), compared));

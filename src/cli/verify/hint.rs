@@ -12,7 +12,7 @@ impl Verified<'_> {
         needed.filter_map(|mistake| mistake.flags(self.scene().dim())).collect()
     }
 
-    /// Returns a sentence: read in which way the list agrees better, and with which options.
+    /// Returns a sentence: how to read the list so that it agrees better, and with which options.
     pub(super) fn sentence(&self, reading: &Reading) -> String {
         let with = reading.sentence();
         let flags = self.flags(reading);

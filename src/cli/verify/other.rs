@@ -96,7 +96,7 @@ pub(super) struct Shift {
     /// Listed and true pairs of the previous frame, named as in the list.
     last: Option<[Vec<[i64; 2]>; 2]>,
     compared: u32,
-    /// Whether a list does not belong to the frame before, and whether one does not to the frame
+    /// Whether some list differs from the frame before, and whether some differs from the frame
     /// after.
     refuted: [bool; 2],
 }

@@ -111,7 +111,7 @@ where
     pub fn mirror(self) -> Change<D> {
         let axis = self.random.random_range(0..D);
         let before = match self.arithmetic {
-            // Storing rounds half a step upwards, which is downwards in the mirror: store first.
+            // Storing rounds half a step upwards, so the scene is rounded before it is mirrored.
             Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
             Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
             _ => self.scene.clone(),

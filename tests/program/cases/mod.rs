@@ -129,7 +129,7 @@ impl Scenario {
         self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
     }
 
-    /// Records a fault for each of the words that is in the text, if not `there`, or is not in it.
+    /// Records a fault for each word that the text lacks, or, if not `there`, contains.
     fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
         let text = flat(text);
         for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {

@@ -51,7 +51,7 @@ fn line(text: &str, words: &[&str]) -> usize {
     text.lines().position(|line| words.iter().all(|words| line.contains(words))).unwrap() + 1
 }
 
-/// Every verb that reads a record refuses it, and writes nothing.
+/// Every verb that reads a record refuses an edited one, and writes nothing.
 #[test]
 fn every_verb_refuses_a_damaged_record() {
     let (at, text) = measured();
