@@ -80,9 +80,9 @@ pub struct Arrays {
     pub cells: Cells,
     sizes: Vec<Size>,
     others: Vec<String>,
-    /// Whether some cell k is not point k.
+    /// Whether the cells are not the points, each alone and in order.
     out_of_order: bool,
-    /// Number of cells that are one point, while they stand in point order.
+    /// Number of cells that are one point, as long as cell k is point k.
     vertices: u64,
     ghosts: u64,
     ids: Vec<Ids>,

@@ -97,7 +97,7 @@ impl Declared {
         in_order(&ranges, boundaries)?;
         let [xy, xz, yz] = tilt;
         let mut rounded = false;
-        // LAMMPS rounds this sum, too, perhaps of numbers with more digits than in the file.
+        // LAMMPS rounds this sum, too, but its numbers may have more digits than the file.
         let both = minus(xy, -xz, &mut rounded);
         let least = [xy, xz, both].into_iter().fold(0.0, f64::min);
         let most = [xy, xz, both].into_iter().fold(0.0, f64::max);
@@ -230,8 +230,8 @@ pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Tolerance of the test whether a particle is outside the box, relative to a box vector. The
-/// corner and the relative coordinates are rounded.
+/// Tolerance of the test whether a particle is outside the box, relative to a box vector, because
+/// the corner and the relative coordinates are rounded.
 const OUT: f64 = 1e-9;
 
 pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec<usize> {
@@ -267,8 +267,8 @@ impl Boundaries {
         *self == Boundaries::AS_DECLARED && declared.is_some_and(silent)
     }
 
-    /// Returns the declared box if these boundaries drop it. If the file does not state the
-    /// periodic vectors, all are.
+    /// Returns the declared box if these boundaries drop it. If the file does not state which
+    /// vectors are periodic, all count as periodic.
     pub fn left_out(&self, dim: usize, declared: Option<&Declared>) -> Option<Lattice> {
         let declared = declared.filter(|_| self.edges.is_none())?;
         let flags = declared.periodic.filter(|flags| flags.contains(&true)).unwrap_or([true; 3]);

@@ -92,7 +92,7 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let mut contacts = Contacts::default();
     header.pieces(&mut source, header.rows, columns, |_, numbers| {
         for row in numbers.chunks_exact(columns) {
-            // Every i32 and u32 is exact as f64.
+            // f64 holds every i32 and u32 exactly.
             let [Ok(i), Ok(j)] = [row[0], row[1]].map(|k| u32::try_from(k as i64)) else {
                 bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
             };

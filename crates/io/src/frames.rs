@@ -45,15 +45,15 @@ pub struct Choice {
     /// Whether to read to the end of the file in any case.
     survey: bool,
     pub seen: u64,
-    /// Whether missing frames are empty frames.
+    /// Whether a frame that is missing in the file has no particles or pairs.
     pub sparse: bool,
-    /// Whether frames are identified by time step; then missing frames have no number.
+    /// Whether frames are identified by time step. Missing frames then have no number.
     pub by_step: bool,
     /// Whether later rows may still belong to an earlier frame, so that the file must be read to
     /// its end.
     pub through: bool,
     whole: u64,
-    /// The last line of these frames; 0 if the format has no lines.
+    /// Last line of the frames read so far; 0 if the format has no lines.
     line: u64,
     torn: Option<String>,
     pub gzip: bool,
@@ -87,7 +87,7 @@ impl Choice {
     }
 
     fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
-        // A second frame in a file that should have one is not damage.
+        // If only one frame is allowed, a second frame is an error but no damage.
         if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
         }
@@ -216,7 +216,7 @@ pub fn chosen<T>(
         match reader.next(choice) {
             Ok(Some(frame)) => kept = Some(frame),
             Ok(None) => break,
-            // The chosen frame was read before the error.
+            // The chosen frame was complete before the error.
             Err(error)
                 if kept.is_some()
                     && !choice.through

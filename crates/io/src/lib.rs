@@ -18,8 +18,8 @@
 //! **Boxes.** Particles keep their periodic box. They do not become an open scene unless the
 //! options ask for it; see [`boxes`].
 //!
-//! **Memory.** Lists of particles grow by a quarter with the bytes that are present, whatever
-//! number the header announces. Nothing else is kept.
+//! **Memory.** Lists of particles grow by a quarter at a time, as bytes are read, whatever number
+//! the header announces. Nothing else is kept.
 
 mod arrays;
 pub mod boxes;
@@ -69,7 +69,7 @@ use contactbench_core::scene::AnyScene;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum RadiusSource {
     Column(String),
-    /// The column or array of diameters with this name; its values were halved.
+    /// Name of the column or array of diameters, whose values were halved.
     Halved(String),
     Given,
     #[default]

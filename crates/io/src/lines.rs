@@ -17,7 +17,7 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Fills `bytes`; returns false if the file ends before.
+    /// Fills `bytes`; returns false if the file is too short.
     pub fn fill(&mut self, bytes: &mut [u8]) -> anyhow::Result<bool> {
         match self.input.read_exact(bytes) {
             Ok(()) => Ok(true),
@@ -26,7 +26,7 @@ impl Source<'_> {
         }
     }
 
-    /// Skips `count` bytes; returns false if the file ends before.
+    /// Skips `count` bytes; returns false if the file is too short.
     pub fn skip(&mut self, count: u64) -> anyhow::Result<bool> {
         let skipped = std::io::copy(&mut Read::take(&mut self.input, count), &mut std::io::sink());
         Ok(skipped.with_context(|| format!("cannot read {}", self.name))? == count)
@@ -91,7 +91,7 @@ impl<'a> Lines<'a> {
         Ok(false)
     }
 
-    /// Reads row `k` of `n`. If the file ends before, the error uses `of`, which names the rows and
+    /// Reads row `k` of `n`. If the file has fewer, the error uses `of`, which names the rows and
     /// the remedy.
     pub fn row(&mut self, k: u64, n: u64, of: &str) -> anyhow::Result<()> {
         ensure!(self.advance()?, "{} ends after {k} of the {n} {of}", self.source.name);
@@ -102,7 +102,7 @@ impl<'a> Lines<'a> {
         self.line.trim_ascii()
     }
 
-    /// The line as text; if it is not UTF-8, as Latin-1.
+    /// Returns the line as text; a line that is not UTF-8 is read as Latin-1.
     pub fn text(&self) -> String {
         decoded(self.line())
     }
@@ -358,7 +358,7 @@ pub fn shown(bytes: &[u8]) -> String {
     short(&String::from_utf8_lossy(&bytes[..bytes.len().min(200)]))
 }
 
-/// Text in UTF-8, or in Latin-1 if it is not UTF-8: Excel writes `r [µm]` so.
+/// Decodes UTF-8, or Latin-1 if it is not UTF-8: Excel may write `r [µm]` in Latin-1.
 pub fn decoded(bytes: &[u8]) -> String {
     let latin = || bytes.iter().map(|&byte| char::from(byte)).collect();
     std::str::from_utf8(bytes).map_or_else(|_| latin(), String::from)

@@ -25,8 +25,8 @@ pub struct Options {
     pub columns: Option<Chosen>,
     pub boundaries: Boundaries,
     pub without: Option<Without>,
-    /// Part k, counted from 0, of the given number of parts. Formats that cannot read parts ignore
-    /// it; see [`Particles::first`](crate::Particles).
+    /// Part of the particles to read: its index from 0, and the number of parts. Formats that
+    /// cannot read parts ignore this; see [`Particles::first`](crate::Particles).
     pub part: Option<[u64; 2]>,
 }
 
@@ -103,7 +103,7 @@ pub const OPTIONS: [FileOption; 8] = [
     },
 ];
 
-/// A number, which has a point and no comma.
+/// Parses a number with a decimal point; a decimal comma is refused.
 fn real(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "it must be a number with a decimal point, such as 0.5".into())
 }

@@ -98,7 +98,7 @@ pub struct Size {
 #[derive(Clone)]
 pub struct Ids {
     pub label: String,
-    /// `None` if a number is not whole or not exact in f64.
+    /// The ids; `None` if a number is not whole or not exact in f64.
     values: Option<Vec<i64>>,
     /// Whether the array is named like a column of ids, or was chosen.
     sure: bool,
@@ -137,8 +137,8 @@ impl Ids {
         Ok(())
     }
 
-    /// Returns the ids of `n` particles, preferably from a column of ids. An array that is ids by
-    /// its name only counts if no number repeats, because each piece of a file may count from 0.
+    /// Returns the ids of `n` particles, preferably from a column of ids. Other arrays named like
+    /// ids are used if no number repeats, because each piece of a file may count from 0.
     pub fn of(mut all: Vec<Ids>, n: usize) -> Option<Vec<i64>> {
         let differ = |values: &[i64]| {
             let mut seen = values.to_vec();

@@ -161,7 +161,7 @@ fn lists(path: &Path) -> anyhow::Result<Option<bool>> {
     }
     let (input, unpacking) = (&mut &head[..], &Unpacking::default());
     let mut xml = Xml { source: Source { input, name: &name, unpacking }, line: 1 };
-    // A file that is not XML is refused by its reader.
+    // A file that is not XML is left to its reader, which refuses it.
     let kind = xml.tag().ok().flatten().filter(|tag| tag.name == "VTKFile");
     Ok(kind.and_then(|tag| match tag.get("type") {
         Some("Collection") => Some(true),

@@ -15,7 +15,7 @@ use crate::room::{room, room_for};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Without {
     column: Word,
-    /// Named values; all other values get index [`MOST`].
+    /// Values with an index of their own; all others have the index [`MOST`].
     values: [Option<Word>; MOST],
     /// Bit b of `with[a]`: whether contacts between values a and b are left out.
     with: [u16; MOST + 1],

@@ -7,7 +7,7 @@ use crate::Notice;
 use crate::lines::short;
 use crate::units::{known, split, suffixed};
 
-/// Column names next to which r or d is not a size, the doubtful name, and its likely meaning.
+/// Names of columns next to which r or d is not a size; the doubtful name and its likely meaning.
 const BESIDE: [(&[&str], &str, &str); 5] = [
     (&["g", "b"], "r", "red, beside g and b"),
     (&["ra", "dec"], "r", "a magnitude or a distance, beside ra and dec"),

@@ -59,7 +59,7 @@ impl Column {
 pub struct Columns {
     pub meaning: Vec<Column>,
     pub names: Vec<String>,
-    /// Whether lines may have further columns.
+    /// Whether lines may have more columns than the named ones.
     pub or_more: bool,
     /// Whether the user chose the column of sizes; then its name is trusted.
     pub sizes_chosen: bool,
@@ -113,7 +113,7 @@ impl Columns {
     }
 
     /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
-    /// the options replaces columns of sizes; units are converted to one.
+    /// the options replaces columns of sizes. Lengths in several units are converted to one unit.
     pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
         self.leave_out_sizes(options.radius);
         self.leave_out_doubts();
@@ -244,7 +244,7 @@ impl Columns {
                 Column::Id => {
                     match whole(cell) {
                         Some(value) => id = value,
-                        // Ids are dropped without an error because they may not be needed.
+                        // Faulty ids are dropped without an error because they may not be needed.
                         None => particles.ids = None,
                     }
                 }
@@ -311,7 +311,7 @@ pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, wri
 const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
                          write.table writes it, give row.names = FALSE there, or col.names = NA";
 
-/// Which signs end a column.
+/// Separators of columns, for messages.
 const SEPARATED: &str = "; columns are separated by commas, semicolons, tabs or blanks";
 
 fn not_a_number(cell: &[u8]) -> &'static str {

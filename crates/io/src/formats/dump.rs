@@ -166,7 +166,7 @@ impl Atoms {
         );
         let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
-        // A chosen column xs also holds scaled coordinates.
+        // A chosen column `xs` holds scaled coordinates, too.
         let chosen = |name: &str| {
             let k = columns.names.iter().position(|other| other == name);
             k.is_some_and(|k| columns.meaning[k] == Column::Axis(0))

@@ -196,7 +196,7 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
     let mut columns = match parts.next() {
         Some("hybrid") => {
             let mut names: Vec<&str> = "id type x y z".split(' ').collect();
-            // Columns after an unknown part may hold anything.
+            // The columns after an unknown part of the style are unknown, too.
             for part in parts.map_while(of) {
                 let new: Vec<&str> = part.split(' ').filter(|name| !names.contains(name)).collect();
                 names.extend(new);

@@ -127,7 +127,7 @@ pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> 
     let bytes = bytes.next().map(|&(name, .., out)| (name, out));
     let form = || forms.next().map(|&(name, _, out)| (name, out));
     let Some((name, out)) = bytes.or_else(form) else { return Ok(()) };
-    // These remedies fit any content: unpack the file, or fetch the real one.
+    // Some remedies, such as unpacking, also fit a file that should not hold particles.
     let way =
         way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8, PLAIN, SEPARATOR].contains(&out)).unwrap_or(out);
     let way = way.replace("FILE", file);
@@ -186,7 +186,7 @@ fn stl(head: &[u8]) -> bool {
     (0..5).all(|k| zero(k) && unit(k))
 }
 
-/// Letters, figures and signs of ASCII with a zero between them, without the mark that names it.
+/// Recognises UTF-16 without a byte order mark: characters of ASCII, each beside a zero byte.
 fn utf_16(head: &[u8]) -> bool {
     let plain = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
     let pairs = head.as_chunks::<2>().0;
@@ -196,7 +196,7 @@ fn utf_16(head: &[u8]) -> bool {
     pairs.len() >= 4 && (all(0) || all(1))
 }
 
-/// A table in double brackets, or a key with a text.
+/// Recognises TOML by a table in double brackets, or a key with a text.
 fn toml(head: &[u8]) -> bool {
     let is_name = |name: &[u8]| {
         !name.is_empty() && name.iter().all(|b| b.is_ascii_alphanumeric() || b"_-.".contains(b))
@@ -222,7 +222,7 @@ fn pdb(head: &[u8]) -> bool {
     let records =
         "HEADER    |TITLE     |COMPND   |REMARK |CRYST1 |MODEL     |ATOM  |HETATM|EXPDTA    ";
     let first = head.split(|&b| b == b'\n').next().unwrap_or_default();
-    // Titles may be short; lines of atoms are not.
+    // A title may be short, but a line of an atom is long.
     let least = if first.starts_with(b"ATOM") || first.starts_with(b"HETATM") { 21 } else { 10 };
     first.len() >= least && records.split('|').any(|it| first.starts_with(it.as_bytes()))
 }

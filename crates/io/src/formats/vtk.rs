@@ -165,7 +165,7 @@ impl Vtk<'_> {
         self.array(target, kind, components.saturating_mul(self.tuples), name)
     }
 
-    /// Counts one cell for a grid of points, unless it is a single row.
+    /// Counts a grid of points as one face or body, unless it is a single row of points.
     fn grid(&mut self, sizes: &[&str]) {
         let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
         match sizes.iter().filter(long).count() {
@@ -247,7 +247,7 @@ impl Vtk<'_> {
                 self.lines.advance_over_blanks()?,
                 "{name} is cut off in a FIELD; write it again"
             );
-            // METADATA belongs to the array before and is skipped.
+            // METADATA belongs to the array before it and is skipped.
             if !self.lines.line().starts_with(b"METADATA") {
                 break;
             }

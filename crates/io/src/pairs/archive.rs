@@ -24,7 +24,7 @@ struct Arrays {
     names: Vec<String>,
     columns: Vec<Vec<i64>>,
     others: Vec<String>,
-    /// Two-dimensional arrays: name, and list or the reason why it is not a list.
+    /// Two-dimensional arrays, each with its name and its list, or the reason why it is not a list.
     tables: Vec<(String, anyhow::Result<List>)>,
 }
 

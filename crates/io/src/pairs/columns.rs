@@ -24,7 +24,7 @@ const REMEDY: &str = "; name the columns of the two particles with --pairs-colum
 pub struct Other {
     /// The name of the column, or its number from 1.
     pub name: String,
-    /// Whether its name shows that it is not an image.
+    /// Whether the name of the column shows that it is not an image.
     pub named: bool,
     /// Whether it could be an image: all numbers are whole, and its name does not exclude it.
     pub whole: bool,
@@ -91,7 +91,7 @@ impl Columns {
         Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
-    /// Takes the first two of `count` unnamed columns as the pair. Two or three more are the image.
+    /// Takes the first two of `count` unnamed columns as the pair. Two or three others are the image.
     pub fn bare(count: usize) -> Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };

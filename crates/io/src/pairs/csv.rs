@@ -42,7 +42,7 @@ fn is_pair(names: &[String]) -> bool {
 #[derive(Default)]
 struct Layout {
     separator: Separator,
-    /// `None` if the file has no rows.
+    /// Columns of the table; `None` if the file has no rows.
     columns: Option<Columns>,
     label: Option<Label>,
 }
@@ -50,7 +50,7 @@ struct Layout {
 #[derive(Clone, Copy)]
 struct Label {
     column: usize,
-    /// Whether it is a time step instead of a frame number.
+    /// Whether the column has time steps instead of frame numbers.
     is_step: bool,
 }
 

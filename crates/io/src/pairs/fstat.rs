@@ -100,8 +100,8 @@ fn row(lines: &Lines<'_>, list: &mut List) -> anyhow::Result<()> {
     push(list, pair, None, String::new)
 }
 
-/// If every contact occurs in both directions, keeps one. This is tested by comparing fingerprints
-/// of the pairs and of the reversed pairs, which do not depend on order.
+/// If every contact occurs in both directions, keeps one direction. This is tested by comparing
+/// fingerprints of the pairs and of the reversed pairs, which do not depend on order.
 fn one_side(list: &mut List) {
     let mix = |i: i64, j: i64| splitmix64(splitmix64(i as u64) ^ j as u64);
     let sum = |sum: [u64; 2], &[i, j]: &[i64; 2]| {

@@ -17,7 +17,7 @@ pub struct List {
     /// Image of the second particle of each pair: how often each box vector is added to its
     /// position. `None` if the list has no images.
     pub images: Option<Vec<[i32; 3]>>,
-    /// Whether images have two numbers.
+    /// Whether images have two numbers instead of three.
     pub flat: bool,
     /// Whether unnamed columns were taken as images only because of their number.
     pub guessed: bool,

@@ -182,7 +182,7 @@ trait Rows {
 struct Table<R> {
     rows: R,
     begun: bool,
-    /// Frame or step of the current row, if that is not used yet.
+    /// Frame or step of the current row, until the row is added to a list.
     ahead: Option<i64>,
     last: Option<i64>,
 }
@@ -201,7 +201,7 @@ impl<R: Rows> Reader<List> for Table<R> {
             rows.begin(choice)?;
             *ahead = rows.advance()?;
         }
-        // Rows without a frame are one list, even if the file has no rows.
+        // A file without a column of frames is one list, even if it has no rows.
         let mut one = (is_first && !choice.sparse).then_some(0);
         while let Some(label) = ahead.or(one.take()) {
             let mut list = List { sparse: choice.sparse, ..rows.list() };

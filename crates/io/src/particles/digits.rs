@@ -2,7 +2,7 @@
 
 use super::Particles;
 
-/// At most this many significant digits count as few, because %g writes six.
+/// Largest number of significant digits that counts as few, because %g writes six.
 const FEW_DIGITS: usize = 6;
 pub(crate) const LOOKED_AT: usize = 1000;
 

@@ -249,8 +249,8 @@ impl Particles {
     }
 }
 
-/// Appends a list for further particles, now `count` in all. Without a value for every particle,
-/// the list is dropped.
+/// Appends the values of further particles, which are now `count` in all. The list is dropped if
+/// some particle has no value.
 fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> anyhow::Result<()> {
     if all.is_none() && more.is_none() {
         return Ok(());

@@ -115,7 +115,7 @@ fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
             }
             (PairFormat::Npy, _, Number::Real(real)) => out.extend(real.to_le_bytes()),
             (PairFormat::Npy, "<i8", Number::Whole(whole)) => out.extend(whole.to_le_bytes()),
-            // These low bits are the same for i32 and u32.
+            // The low 32 bits are the same for i32 and u32.
             (PairFormat::Npy, _, Number::Whole(whole)) => out.extend((whole as u32).to_le_bytes()),
             (_, _, number) => {
                 out.extend((k > 0).then_some(b','));

@@ -98,7 +98,7 @@ pub fn whole<T, E: From<io::Error>>(
         return fill(&mut File::options().write(true).open(path)?);
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    // Its error, unlike that of the file below, has no name that the user did not give.
+    // If the folder is missing, this error names it; a later error would name the temporary file.
     std::fs::metadata(folder.unwrap_or(Path::new(".")))?;
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().unwrap_or_default());

@@ -145,7 +145,7 @@ impl<'a> Style<'a> {
                 (0..3).for_each(|k| way[k] += f64::from(times) * vector[k]);
             }
         }
-        // Scaled by the largest component, so that squares neither overflow nor underflow.
+        // Dividing by the largest component prevents overflow and underflow of squares.
         let most = way.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if most == 0.0 || !most.is_finite() {
             return [0.0; 3];

@@ -18,7 +18,7 @@ pub(super) struct Table {
     pub trailing: bool,
     /// Whether unnamed columns were given their usual meaning.
     pub assumed: bool,
-    /// Whether the current line is a row, or a line between rows.
+    /// Whether the current line is a row of the table, or stands between rows.
     pub is_row: bool,
     pub format: &'static str,
     pub split: Option<Split>,
@@ -157,7 +157,7 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
         let chosen = options.columns.is_some_and(|chosen| chosen.axes());
         let assumed = !chosen && comments.edges.is_none();
-        // pandas numbers the columns of a table without names.
+        // pandas writes such numbers as the header of a table without names.
         if count > 2
             && separator.cells(line).enumerate().all(|(k, cell)| step_of(cell) == Some(k as i64))
         {
@@ -179,7 +179,7 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         Separator::Blanks => Separator::guess(text),
     };
     let cut = text.get(whole.len()..).unwrap_or_default();
-    // A name such as `Spot #` stands between separators; a comment stands behind the last.
+    // The sign in a name such as `Spot #` has separators after it, unlike a comment.
     let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
     let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
     if in_cut && (of_text == separator || !sound(header.clone())) {

@@ -47,7 +47,7 @@ impl Reader<Loaded> for Csv<'_> {
             Some(table) => table,
             None => table.insert(header::read(lines, *options)?),
         };
-        // Rows of a frame may come later, so the whole file is read to check their order.
+        // Later rows may belong to an earlier frame, so all rows are read to check this.
         choice.through = table.split.is_some();
         while choice.seen == 0 || table.is_row {
             let step = choice.begin(|| lines.place())?;
@@ -57,7 +57,7 @@ impl Reader<Loaded> for Csv<'_> {
             let is_kept = step == Step::Keep;
             let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
             let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
-            // An error in the last line, which may still be written, does not show that frames are
+            // The last line may still be written, so an error there does not mean that frames are
             // out of order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
@@ -100,7 +100,7 @@ impl Table {
                             self.is_row = false;
                             return Ok(());
                         }
-                        // The splitting cell is complete if another cell follows.
+                        // The cell that splits frames is only complete if another cell follows.
                         ensure!(
                             !lacks(split.column + 2),
                             "{}: the line is cut off, or still being written",
@@ -161,7 +161,7 @@ impl Table {
     }
 }
 
-/// Adds the particle of a row: first without a comment and separator at its end, then with them.
+/// Adds the particle of a row. At its end, a separator and a comment may be cells or not.
 fn row(
     columns: &Columns,
     particles: &mut Particles,
@@ -204,7 +204,7 @@ fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) 
     let taken: Vec<&str> = names.iter().map(String::as_str).collect();
     let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
     let meant = match (first, &particles.radii) {
-        // If the last column is constant, it is a size.
+        // If the last of four columns is constant, it is a size.
         (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
         (true, _) => [&["id"], &taken[..all - 1]].concat(),
         _ => [&taken[..all - 1], &["id"]].concat(),

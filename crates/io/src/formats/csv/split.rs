@@ -19,7 +19,7 @@ const NAMES: [(Kind, &str); 3] = [
     (Kind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
     (Kind::Time, "time t times"),
 ];
-/// Parts of other names that hint at frames.
+/// Parts of column names that hint at frames.
 const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
 /// Names of columns that are read as ids if no column is named id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
@@ -76,7 +76,7 @@ pub(super) struct Blocks {
     more: u64,
     /// Whether a blank line or a comment follows the last row.
     ended: bool,
-    /// A comment there that names a frame, and its place.
+    /// The comment after the last row, if it names a frame, and its place.
     named: Option<(String, String)>,
 }
 
@@ -138,7 +138,7 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// Also uses a column in [`IDS`] as ids, if no column is named id.
+    /// Splits by this column. If no column is named id, one in [`IDS`] is used as ids.
     pub fn new(column: usize, columns: &mut Columns, options: Options) -> anyhow::Result<Split> {
         let name = columns.names[column].clone();
         ensure!(
@@ -209,7 +209,7 @@ impl Split {
                 self.column + 1
             );
         }
-        // Only the end of the first frame shows whether each row has a value of its own.
+        // The end of the first frame shows whether each row has its own value.
         ensure!(
             !std::mem::take(&mut self.doubtful) || self.rows > 1,
             "{}: the first rows differ in '{name}'; give --columns frame={name} if each row is a \

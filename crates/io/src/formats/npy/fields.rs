@@ -57,7 +57,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
     Some((inner, rest.trim_start()))
 }
 
-/// Returns how a field of that type is read, if it is a number, and its size in bytes.
+/// Returns how a field of this type is read (`None` if it is not a number), and its size in bytes.
 fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
     let number = super::header::kind_of(kind);
     if let Some((kind, _)) = number {

@@ -1,4 +1,4 @@
-//! Frames of an array: one, or as many as its first dimension.
+//! Frames of an array: one, or one for each index of the first dimension.
 
 use anyhow::{Context, bail, ensure};
 
@@ -79,7 +79,7 @@ fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::
         source.name
     );
     let (particles, radius) = particles(source, header, options)?;
-    // If the user gives the dimension, the columns are not doubted.
+    // If the user gives the dimension, columns that count the particles are accepted.
     let which = match particles.counted().filter(|_| options.dim.is_none()) {
         Some(Counted::First) => "first column counts the particles, and is taken for x",
         Some(Counted::Last) => "last column counts the particles, and is taken for the radius",

@@ -1,4 +1,4 @@
-//! The header of an npy array, and its numbers in blocks.
+//! Reads the header of an npy array, and its numbers in blocks.
 
 use std::io::{self, Write};
 
@@ -39,10 +39,10 @@ pub(crate) struct Header {
     pub descr: String,
     pub big: bool,
     pub fortran: bool,
-    /// `None` for an array of one or two dimensions.
+    /// Number of frames; `None` for an array of one or two dimensions.
     pub frames: Option<u64>,
     pub rows: u64,
-    /// `None` for an array of one dimension.
+    /// Number of columns; `None` for an array of one dimension.
     pub columns: Option<usize>,
     pub sizes: Vec<u64>,
     pub fields: Vec<Field>,

@@ -73,8 +73,8 @@ impl Cell {
         Ok(())
     }
 
-    /// Returns the box of a frame, and what was assumed. `frame` is its index and the number of
-    /// frames.
+    /// Returns the box of a frame, and adds notices about assumptions. `frame` is the index of the
+    /// frame and the number of frames.
     pub fn declared(
         &self,
         frame: Option<[u64; 2]>,

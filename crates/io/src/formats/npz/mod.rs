@@ -26,7 +26,7 @@ pub use scenes::frames;
 struct Local {
     name: String,
     method: u16,
-    /// Bytes in the archive; `None` if they follow the data.
+    /// Size in the archive, in bytes; `None` if it follows the data.
     size: Option<u64>,
     wide: bool,
 }
@@ -105,7 +105,7 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
         let Some(field) = after.get(..length) else { break };
         if id == 1 {
             wide = true;
-            // The field starts with the uncompressed size.
+            // The field has the uncompressed size, then the compressed size.
             if let (true, Some(&bytes)) =
                 (size == u64::from(u32::MAX), field.get(8..).and_then(|field| field.first_chunk()))
             {

@@ -123,7 +123,7 @@ impl Scenes {
                     short(label),
                     header.words()
                 );
-                // Not halved yet, because the values may turn out to be coordinates.
+                // Diameters are not halved yet, because they may turn out to be coordinates.
                 let values = npy::list(source, &header, label, Column::Axis(0))?;
                 let (label, of_cells) = (label.to_string(), false);
                 self.sizes.push((Size { values, column, label, of_cells }, header.sizes.clone()));
@@ -189,7 +189,7 @@ impl Scenes {
         Ok(())
     }
 
-    /// Resolves the one array of points and the one array of sizes of all frames.
+    /// Decides which array holds the points of all frames, and which holds their sizes.
     fn settle(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         if let Some(chosen) = options.columns {
             chosen.among(&self.names, name)?;
@@ -219,7 +219,7 @@ impl Scenes {
         }
     }
 
-    /// Takes rows named r for coordinates if no other array can be.
+    /// If no other array holds points, uses an array of sizes with 2 to 4 columns as points.
     fn places(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         if self.points().is_some() || self.axes.iter().any(Option::is_some) {
             return Ok(());

@@ -119,7 +119,7 @@ pub(super) fn numbers(
         size % width == 0,
         "its blocks of {size} bytes cut through numbers; write the file again"
     );
-    // Grows with the lengths that are present, because the announced number may be false.
+    // The list grows as lengths are read, because the announced number may be false.
     let mut packed = Vec::new();
     for _ in 0..blocks {
         crate::room::room(&mut packed)?;

@@ -266,7 +266,7 @@ fn files_of_text_give_particles_lists_or_words() {
     assert!(wrong.is_empty() && count > 700, "{count} cases; wrong are\n{wrong}");
 }
 
-/// Every such format has a case in `unread.txt`.
+/// Each known format that is not supported has a case in `unread.txt`.
 #[test]
 fn formats_that_are_known_and_not_read_are_named() {
     let cases = FILES.iter().find(|(name, _)| *name == "unread").unwrap().1;
