@@ -156,7 +156,7 @@ pub unsafe extern "C" fn contactbench_new(
         let make = move |memory_limit| Searcher::new(&spec, Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
         let new = Box::new(contactbench_detector { arithmetic, handle });
-        // SAFETY: as above.
+        // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(Box::into_raw(new)) };
         Ok(())
     })
@@ -306,7 +306,7 @@ pub unsafe extern "C" fn contactbench_verify(
             )));
         }
         let images = match given.lattice {
-            // SAFETY: as above.
+            // SAFETY: promised by the caller.
             Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
             None => &[],
         };

@@ -56,7 +56,7 @@ pub unsafe extern "C" fn contactbench_tracker_new(
         let make = move |memory_limit| spec.make(Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
         let new = Box::new(contactbench_tracker { arithmetic, handle });
-        // SAFETY: as above.
+        // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(Box::into_raw(new)) };
         Ok(())
     })

@@ -34,8 +34,8 @@ use crate::{Counts, Plan, Table, What, in_batches};
 const LIMIT: u64 = 1 << 28;
 /// Distance between pairs, in reaches (largest sums of two radii).
 const PITCH: i64 = 6;
-/// Every how many scenes of a row detectors also run in the rounded arithmetics, and the library's
-/// truth is compared with the construction. The first scene is included.
+/// Interval, in scenes of a row, at which detectors also run in the rounded arithmetics, and the
+/// library's truth is compared with the construction. It includes the first scene.
 const ALSO: usize = 8;
 /// Number of box vectors between a particle and the image that represents it.
 const AWAY: [f64; 3] = [0.0, 1e3, 1e6];
@@ -278,7 +278,7 @@ fn margin(x: i64) -> i64 {
     (i128::from(x) * (1 << 18) / ((1 << 18) - 1)) as i64
 }
 
-/// Returns the detectors that must be right, in every variant of their code, without twins.
+/// Returns the detectors whose answers must be right, in every variant, without twins.
 fn all() -> Vec<(String, Box<dyn AnyDetector>)> {
     let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
     let choices = right.flat_map(DetectorSpec::choices);

@@ -42,7 +42,7 @@ struct Arguments {
     threads: usize,
 }
 
-/// Name, function, divisor of the decisions, and a count that must not be 0: errors can be found.
+/// Name, function, divisor of the decisions, and a count above 0 that proves that errors can be found.
 type Part = (&'static str, fn(Plan) -> Table, u64, fn(&Table) -> u64);
 
 const PARTS: [Part; 5] = [

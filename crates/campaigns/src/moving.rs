@@ -72,7 +72,7 @@ pub fn courses(plan: Plan) -> Table {
     })
 }
 
-/// Returns the detectors that must be right, without twins.
+/// Returns the detectors whose answers must be right, without twins.
 pub(crate) fn detectors() -> Vec<DetectorSpec> {
     let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
     right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()

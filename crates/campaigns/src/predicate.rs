@@ -21,9 +21,9 @@ pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
 /// Least magnitude of coordinates with an offset, in units; one unit is one ulp.
 pub const FAR: i64 = 1 << 52;
 const BATCH: u64 = 4096;
-/// Every how many pairs the label is compared with rational arithmetic.
+/// Interval, in pairs, at which the label is compared with rational arithmetic.
 const SAMPLE: u64 = 997;
-/// Every how many pairs the sign of the depth is compared.
+/// Interval, in pairs, at which the sign of the depth is checked.
 const DEPTHS: u64 = 16;
 /// Needles are made rarely, because one in sixteen needs the widest integers.
 const NEEDLES: usize = 9;

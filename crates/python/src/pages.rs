@@ -41,19 +41,19 @@ unsafe impl GlobalAlloc for Pages {
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: as above.
+        // SAFETY: the caller's promises are those that `Counting` requires.
         let begin = unsafe { Counting.alloc_zeroed(layout) };
         ask(begin, layout.size());
         begin
     }
 
     unsafe fn dealloc(&self, begin: *mut u8, layout: Layout) {
-        // SAFETY: as above.
+        // SAFETY: the caller's promises are those that `Counting` requires.
         unsafe { Counting.dealloc(begin, layout) }
     }
 
     unsafe fn realloc(&self, begin: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: as above.
+        // SAFETY: the caller's promises are those that `Counting` requires.
         let begin = unsafe { Counting.realloc(begin, layout, size) };
         ask(begin, size);
         begin

@@ -6,7 +6,7 @@ use std::thread;
 
 use crate::rank::Failure;
 
-/// The ranks of one scene, from the view of one of them. All must call the same functions in the
+/// The ranks of one scene, as seen by one of them. All must call the same functions in the
 /// same order, as in MPI.
 pub trait World {
     /// This rank's number, from 0.

@@ -35,8 +35,8 @@ impl Axis {
         Axis { log, low: if low == 0.0 { 0.0 } else { low - room }, high: high + room }
     }
 
-    /// Returns the place of a value, 0 at the low end and 1 at the high end; `None` if it is not
-    /// positive on a logarithmic axis.
+    /// Returns the position of a value: 0 at the low end and 1 at the high end of the axis; `None`
+    /// if it is not positive on a logarithmic axis.
     pub fn place(&self, value: f64) -> Option<f64> {
         let place = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()

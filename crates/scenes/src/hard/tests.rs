@@ -1,4 +1,4 @@
-//! The catalogue is complete, its expectations hold, and every detector passes it.
+//! Tests that the catalogue is complete, its expectations hold, and every detector passes it.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 

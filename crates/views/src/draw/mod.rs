@@ -16,8 +16,8 @@
 //! ```
 //!
 //! Open space is drawn as a box that is periodic along no vector. Lengths in the picture are
-//! relative to the scene's extent, so that offsets and scales do not matter. Particles count from
-//! 0.
+//! relative to the scene's extent, so that offsets and scales do not matter. Particles are numbered
+//! from 0.
 //!
 //! * `pairs`: pairs to be drawn; `bodies`: particles, and the images that a pair touches.
 //! * `plane`: spheres become circles in the plane of the slice; `outline`: the faces of the box.

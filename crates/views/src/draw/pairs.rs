@@ -12,7 +12,7 @@ use contactbench_scenes::touching::{contacts, nearest, nearly};
 /// A pair is nearly tangent if its overlap or gap is below this share of its mean radius.
 pub const NEAR: f64 = 1e-6;
 
-/// Pairs of particles by kind. Particles count from 0.
+/// Pairs of particles by kind. Particles are numbered from 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Highlighted {
     /// Contacts, except missed ones.
