@@ -94,9 +94,9 @@ fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) 
     (site, [columns as f64, rows as f64 * pitch])
 }
 
-/// Returns a function from a number to the 3D lattice site, and the edges of the period, for a
-/// spacing of 1. The fcc sites are the points of a cubic lattice of edge 1/√2 whose three indices
-/// have an even sum. A periodic fcc lattice has an even number of cubic points along each axis.
+/// Returns a function from number to lattice site in 3D, and the edges of the period, for spacing
+/// 1. The fcc sites are the points of a cubic lattice of edge 1/√2 whose indices have an even sum.
+/// A periodic fcc lattice has an even number of cubic points along each axis.
 fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + use<>, [f64; 3]) {
     let cubic = lattice == "cubic";
     let even = if cubic { 1 } else { 2 };

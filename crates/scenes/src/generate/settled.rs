@@ -162,7 +162,7 @@ impl<const D: usize> Placed<D> {
         Ok(())
     }
 
-    /// Finds the images of the particle and itself that may be too near to a particle in the box.
+    /// Finds the particle and those of its images that may be too near to a particle in the box.
     fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
         images.clear();
         images.push(centre);

@@ -81,7 +81,7 @@ fn a_shear_deforms_the_box() {
         let frame = frames.at(k.into()).unwrap();
         let [first, second, third] = *lattice(&frame).vectors();
         assert_eq!((first, second[1], third), ([x, 0.0, 0.0], y, z));
-        // Particles at the lower face stay; those at the upper face move by 2 · 0.05 diameters.
+        // The lower face stays; particles at the upper face move by 2 · 0.05 diameters per frame.
         let tilt = xy + 0.1 * f64::from(k);
         let whole = (second[0] - tilt) / x;
         assert!((whole - whole.round()).abs() < 1e-9, "{k}: {second:?}");

@@ -1,6 +1,5 @@
 //! Writes frames as one self-contained HTML page that plays them: discs, or a slice through
-//! spheres, with their contacts, the builds of a tracker's list, and the contacts that the tracker
-//! missed.
+//! spheres, with contacts, a tracker's builds, and the contacts that it missed.
 
 mod page;
 

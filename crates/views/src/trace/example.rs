@@ -1,9 +1,9 @@
 //! The scenes of the book's worked examples (Munjiza 2004, sections 3.6 to 3.8).
 //!
-//! The book gives the cells of its particles, not their centres. These centres are in the same
-//! cells of a 10 x 10 grid with edge 10 (or a little more, see
-//! [`contactbench_core::filter::cells`]). The radius is 5. Some particles touch; of the ten,
-//! particles 4 and 10 touch exactly.
+//! The book gives the cells of its particles, not their centres. Here, centres are chosen in the
+//! same cells of a 10 x 10 grid with edge 10 (or a little more, see
+//! [`contactbench_core::filter::cells`]) and a radius of 5. Some particles touch; particles 4 and
+//! 10 of the ten touch exactly.
 
 use nalgebra::Point;
 

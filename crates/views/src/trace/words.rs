@@ -69,8 +69,8 @@ pub fn tree(halvings: u32) -> String {
     )
 }
 
-/// Returns sentence and marks of the step that an event makes, or `None` if it makes no step.
-/// `was_empty` is true if the event resets a head that was empty.
+/// Returns sentence and marks of an event's step; `None` if the event makes no step. `was_empty` is
+/// true if it resets a head that was empty.
 pub fn sentence(recorder: &Recorder, was_empty: bool, event: &Event) -> Option<(String, Marks)> {
     let mut marks = Marks::default();
     let words = of_list(recorder, was_empty, event, &mut marks)

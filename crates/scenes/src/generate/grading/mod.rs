@@ -27,7 +27,7 @@ const MOST_BYTES: u64 = 1 << 20;
 /// Maximum ratio of two sizes; its cube is finite.
 const MOST_RATIO: f64 = 1e100;
 
-/// Sieve sizes and the percentage that passes each. Sizes ascend; percentages go from 0 to 100.
+/// Sieve sizes and the percentage that passes each. Sizes ascend; percentages rise from 0 to 100.
 #[derive(Debug)]
 pub struct Curve(Vec<[f64; 2]>);
 
