@@ -16,7 +16,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// Least coverage of an interval that decides. The five blocks of the shortest full run give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// With fewer cells at one n, chance matters, so their floor is at least that of all n.
+/// If there are fewer cells at one n, chance matters, so their floor is at least that of all n.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]
