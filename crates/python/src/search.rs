@@ -296,8 +296,8 @@ impl Search {
         })
     }
 
-    /// Returns steps, builds, dangerous builds, pairs listed in the last step, and whether it
-    /// built.
+    /// Returns steps, builds, dangerous builds, pairs in the last list, and whether the last step
+    /// built it.
     #[getter(done)]
     fn told(&self) -> (u64, u64, u64, u64, bool) {
         let Done { steps, builds, dangerous, listed, built } = *self.done();

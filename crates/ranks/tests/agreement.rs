@@ -52,7 +52,6 @@ fn ranks_find_the_contacts_of_one_process() {
     for (k, scene) in scenes.enumerate() {
         let given = Spec::parse(&scene).unwrap().given().unwrap();
         let setting = Setting { spec: &direct, memory_limit: MEMORY, steps: 1 };
-        // Scenes that one process refuses are skipped.
         let Ok(truth) = whole(&given, setting) else { continue };
         // Every second detector is tested with three ranks, and one with all other numbers.
         let turn = detectors[k % detectors.len()];

@@ -1,7 +1,6 @@
 //! Maps: a panel per scene, and a tile for each x and y. A tile names the fastest detector and the
-//! time of the runner-up over that detector's. Each detector has a colour, which is darker if its
-//! lead is larger. Undecided tiles are striped; a line separates tiles with different fastest
-//! detectors.
+//! ratio of the runner-up's time to its time. Each detector has a colour, deeper for a larger lead.
+//! Undecided tiles are striped; a line separates tiles with different fastest detectors.
 
 use std::collections::BTreeMap;
 
@@ -28,8 +27,7 @@ const VALUE: Text = Text::new(SIZE, INK);
 const NOTE: Text = Text::new(SIZE, FAINT);
 const AXIS: Text = Text::new(16.0, FAINT).centred();
 
-/// Share of white in a detector's colour, by its lead: first for a lead below all [`STEPS`], then
-/// for each step.
+/// Share of white in a detector's colour, by its lead: below all [`STEPS`], then from each step on.
 const WHITENESS: [f64; STEPS.len() + 1] = [0.72, 0.5, 0.25, 0.0];
 
 /// Returns the figure as SVG; `None` if no cell has a time.

@@ -67,7 +67,7 @@ impl<'a> Arrays<'a> {
     pub fn new(trace: &'a Trace) -> Arrays<'a> {
         let (tree, n) = (Tree::new(trace), trace.discs.len());
         let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
-        // The longest array fills one line, or several of [`PER_LINE`] values.
+        // The longest array fills one line, or several of `PER_LINE` values.
         let longest = n.max(columns).max(rows).clamp(1, PER_LINE);
         let width = (WIDTH / longest as f64).min(VALUE[0]);
         let lines = |values: usize| values.div_ceil(PER_LINE) as f64 * LINE;
