@@ -183,6 +183,7 @@ fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
         _ if !standing.times.is_empty() => None,
         outcome if outcome.is_good() => Some(format!("dropped: {}", standing.reason)),
+        Outcome::Timeout => Some(standing.reason.clone()),
         outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
     }
 }

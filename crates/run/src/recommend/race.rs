@@ -126,7 +126,7 @@ impl Ground<'_> {
             // The first probe may use all of the time, later ones what is left of half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
-                let reason = "not tried: the time was over (--seconds)".into();
+                let reason = "not tried: time was up (--seconds)".into();
                 standing.fail(Failure { outcome: Outcome::Timeout, reason });
             } else {
                 // A slow probe must not use up the time of those that follow.
