@@ -79,9 +79,12 @@ pub fn pairing(how: &Options) -> String {
         }
         (Some(Against { detector, drift: Some(drift) }), ..) => format!(
             "multiples of the time of {detector} in the same block, which hide a change of \
-             {detector} itself. Its own time differs by up to {} between the two records (nine in \
-             ten cells): smaller changes are not reported",
-            percent(drift - 1.0)
+             {detector} itself. In nine cells of ten, its own times differ by less than {} between \
+             the two records: smaller changes are not reported",
+            match *drift < 2.0 {
+                true => percent(drift - 1.0),
+                false => format!("a factor of {drift:.1}"),
+            }
         ),
         (None, _, Some(found)) => format!(
             "{}: shown, not judged; --against DETECTOR --across-machines judges multiples of its \
@@ -157,11 +160,11 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
         .into()
 }
 
-/// Formats the smallest slowdown that a comparison can detect: `by 12%`, `of 47 times`.
+/// Formats the smallest slowdown that a comparison can detect: `12%`, `47 times`.
 fn seen(least: f64) -> String {
     match least < 2.0 {
-        true => format!("by {}", percent(least - 1.0)),
-        false => format!("of {least:.0} times"),
+        true => percent(least - 1.0),
+        false => format!("{least:.0} times"),
     }
 }
 
@@ -181,7 +184,7 @@ pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
                 None => "use contactbench run --against PROGRAM",
             };
             let seen = seen(typical);
-            Some(format!("this comparison can only find slowdowns {seen}: {but}"))
+            Some(format!("this comparison can only find slowdowns above {seen}: {but}"))
         }
         _ => (!found.decides()).then(|| "every cell is undecided; give it more blocks".into()),
     }
@@ -226,8 +229,8 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
     if let Some((typical, most)) = found.least {
         judged += &format!(
-            "; a slowdown {} would be found (median of cells; at most {}); {:.1} cells of equal \
-             code are expected to be slower by chance",
+            "; only slowdowns above {} would show in a typical cell, above {} in the worst; {:.1} \
+             cells of equal code are expected to be slower by chance",
             seen(typical),
             seen(most),
             found.by_chance
