@@ -95,7 +95,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     }
     writeln!(
         out,
-        "merged:  {} rows of {} folders; {} repeated rows dropped",
+        "merged:  {} rows of {} folders; {} duplicates dropped",
         merged.rows.len(),
         parts.len(),
         merged.repeated
