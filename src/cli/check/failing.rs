@@ -19,6 +19,9 @@ use contactbench_views::draw::{self, Highlighted, Look};
 /// Maximum number of kinds of refusals printed.
 const KINDS: usize = 6;
 
+/// Maximum number of lines printed of a failing scene.
+const LINES: usize = 12;
+
 pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
         .and_then(|scene| Path::new(scene).file_stem())
@@ -174,8 +177,12 @@ pub(super) fn describe(
         let place = path.display();
         writeln!(out, "  drawn, missed pairs red and dashed, spurious ones orange: {place}")?;
     }
-    for line in text.lines().filter(|line| !line.starts_with('#')).take(12) {
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    for line in lines.iter().take(LINES) {
         writeln!(out, "    {line}")?;
+    }
+    if lines.len() > LINES {
+        writeln!(out, "    ... {}", plural(lines.len() - LINES, "more line"))?;
     }
     let place = path.to_string_lossy();
     let place = shlex::try_quote(&place).unwrap_or_default();

@@ -158,8 +158,10 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         Verdict::Wrong => "WRONG".into(),
         Verdict::Nothing => nothing_compared(&reports),
     };
-    let names = if names.is_empty() { "no detector".into() } else { names.join(", ") };
-    writeln!(out, "check: {cases} detections by {names}: {words}")?;
+    match names.join(", ") {
+        none if none.is_empty() => writeln!(out, "check: {words}: the runner did not start")?,
+        names => writeln!(out, "check: {cases} detections by {names}: {words}")?,
+    }
     if options.json {
         let value = as_json(&reports, &broken, verdict == Verdict::Right, options);
         terminal::json(&value)?;
