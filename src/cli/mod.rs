@@ -101,7 +101,7 @@ verbs! {
         Track(track::Track) => track::track,
             ["track packed:dim=3,n=10000 --motion drift:speed=0.01",
              "track packing.csv --motion vortex --tracker 'verlet(nbs)'"],
-            "docs/MOTION.md\nExit code 1: a tracker missed a contact that it promises to find";
+            "docs/MOTION.md\nExit code 1: a tracker that promises to miss no contact missed one";
         /// Draws a scene with its contacts, or a page that plays its frames
         Draw(draw::Draw) => draw::draw,
             ["draw packing.csv", "draw packing.csv --pairs theirs.csv",
@@ -137,11 +137,11 @@ verbs! {
             "docs/EXPERIMENTS.md";
     }
     "Your detector" {
-        /// Adds a working detector to a checkout, for you to change
+        /// Adds a working detector to this checkout, for you to change
         NewDetector(new_detector::NewDetector) => new_detector::new_detector,
             ["new-detector quad-tree"],
             "docs/DETECTORS.md";
-        /// Checks detectors against the exact truth on many small scenes
+        /// Compares detectors with testing all pairs, also in CI
         Check(check::Check) => check::check,
             ["check --detector nbs", "check --runner 'python3 my_detector.py'"],
             "docs/DETECTORS.md\nExit code 1: a detector is wrong; 2: nothing was compared";
