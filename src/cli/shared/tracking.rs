@@ -82,7 +82,7 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let mut blocks = vec![Block::paragraph(said)];
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
-            "All use {detector}. The number after a rule is the skin, in diameters."
+            "Detector: {detector}. The number after a rule is the skin, in diameters."
         )));
     }
     blocks.extend([
@@ -96,13 +96,11 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
         ),
     ]);
     for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {
+        let (dangerous, built) = (it.builds.dangerous, it.builds.built);
         blocks.push(Block::paragraph(format!(
-            "{}: {} reported as dangerous, {} of them after frames with missed contacts; {} in all \
-             came after such frames.",
-            it.spec,
-            plural(it.builds.dangerous as usize, "build"),
-            it.builds.rightly,
-            plural(it.builds.missing as usize, "build"),
+            "{}: dangerous builds: {dangerous} of {built}; builds after missed contacts: {} of \
+             these {dangerous}, {} of all {built}.",
+            it.spec, it.builds.rightly, it.builds.missing,
         )));
     }
     for it in followed.trackers.iter().filter(|it| it.late.never > 0) {
