@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
+use serde_json::Value;
 
 use crate::plan::specs;
 use crate::run::contender::contenders;
@@ -53,7 +54,20 @@ pub(crate) fn place((experiment, spec): &Planned<'_>) -> String {
     format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
 }
 
+/// Describes a scene with all parameters that differ from their defaults.
 pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
+    let generator = generate::table::find(&spec.name);
+    let defaults = generator.map(|found| found.defaults(spec.dim)).unwrap_or_default();
+    described(experiment, spec, |name, value| defaults.get(name) != Some(value))
+}
+
+/// Text that seeds the order within blocks. A changed text would change the order of old runs.
+pub(crate) fn seeding(experiment: &Experiment, spec: &Spec) -> String {
+    let named = |name: &str| matches!(name, "s" | "path" | "case" | "offset" | "diameter");
+    described(experiment, spec, |name, _| named(name))
+}
+
+fn described(experiment: &Experiment, spec: &Spec, shown: impl Fn(&str, &Value) -> bool) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
     // The dimension of a file is not known before the file is read.
     let is_file = spec.params.contains_key("path");
@@ -61,7 +75,7 @@ pub fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let swept = spec
         .params
         .iter()
-        .filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter"))
+        .filter(|(name, value)| shown(name, value))
         .map(|(name, value)| format!(" {name}={value}"));
     let course = spec.course.iter().map(|course| format!(" {}", course.motion));
     let swept: String = swept.chain(course).collect();

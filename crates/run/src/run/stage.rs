@@ -181,7 +181,7 @@ impl Stage<'_, '_> {
                 break;
             }
             // A different order in each block and scene, but the same in every run.
-            let of_scene = describe(self.experiment, self.spec)
+            let of_scene = plan::seeding(self.experiment, self.spec)
                 .bytes()
                 .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
             let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
