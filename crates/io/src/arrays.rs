@@ -125,7 +125,7 @@ impl Arrays {
             );
             return Ok(Target::Nothing);
         }
-        // Bytes named r are red, not radii.
+        // Bytes named r are colours (red), not radii.
         let red = label.eq_ignore_ascii_case("r") && kind == Kind::U8 && !sure;
         if let (true, Some(given)) = (is_size && !red && of == Of::Points, options.radius) {
             self.unused.push(unused_sizes(label, given));

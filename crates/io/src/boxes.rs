@@ -16,7 +16,7 @@ use contactbench_core::scene::Lattice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declared {
-    /// Vectors, one per row; `None` if the file only states that the particles are periodic.
+    /// Vectors of the box, one per row; `None` if the file only states that particles are periodic.
     pub vectors: Option<[[f64; 3]; 3]>,
     pub origin: [f64; 3],
     /// Vectors along which the file declares the box periodic; `None` if it leaves that open.

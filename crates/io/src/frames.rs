@@ -42,7 +42,7 @@ pub enum Step {
 #[derive(Default)]
 pub struct Choice {
     frame: Frame,
-    /// Whether to read to the end of the file in any case.
+    /// Whether to read to the end of the file even if the chosen frame is found before.
     survey: bool,
     pub seen: u64,
     /// Whether a frame that is missing in the file has no particles or pairs.

@@ -12,7 +12,7 @@ use contactbench_terms::number;
 pub struct Options {
     /// The radius of all particles; it replaces sizes in the file.
     pub radius: Option<f64>,
-    /// 2 or 3, if the file allows both; `None` takes the dimension of the file.
+    /// Dimension, 2 or 3, if the file allows both; `None` takes the dimension of the file.
     pub dim: Option<u32>,
     pub frame: Frame,
     /// The format; `None` detects it.

@@ -27,7 +27,7 @@ pub struct Series {
     path: PathBuf,
     members: Vec<Member>,
     next: usize,
-    /// Whether the files are frames; otherwise they are pieces of one scene.
+    /// Whether the files are frames; otherwise they are parts of one scene.
     framed: bool,
     notice: Option<Notice>,
     options: Options,

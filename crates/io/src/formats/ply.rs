@@ -37,7 +37,7 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut columns = named(vertex).chosen(&place, options)?;
     for ((meaning, kind), label) in columns.meaning.iter_mut().zip(&vertex.kinds).zip(&vertex.names)
     {
-        // Bytes named r are red, not radii.
+        // Bytes named r are colours (red), not radii.
         if *kind == Kind::U8 && label.eq_ignore_ascii_case("r") && !columns.sizes_chosen {
             *meaning = Column::Other;
         }

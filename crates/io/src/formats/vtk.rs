@@ -56,7 +56,7 @@ struct Vtk<'a> {
     arrays: Arrays,
     binary: bool,
     points: u64,
-    /// Whether the arrays that follow belong to points or cells; `tuples` is their length.
+    /// Whether the next arrays belong to points or cells; `tuples` is the length of these arrays.
     of: Of,
     tuples: u64,
 }

@@ -26,7 +26,7 @@ pub struct Other {
     pub name: String,
     /// Whether the name of the column shows that it is not an image.
     pub named: bool,
-    /// Whether it could be an image: all numbers are whole, and its name does not exclude it.
+    /// Whether the column could be an image by its name, and because all its numbers are whole.
     pub whole: bool,
 }
 

@@ -160,7 +160,7 @@ pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::
     with_scene!(&given.scene, scene => match format {
         SceneFormat::Csv => scene_csv(out, scene),
         SceneFormat::Xyz => scene_xyz(out, scene, lattice),
-        // Three columns without names would be read as x, y and z.
+        // Three columns without names would be read as x, y and z, so these have names.
         SceneFormat::Npy if given.scene.dim() == 2 => {
             npy::write_fields(out, &["x", "y", "r"], scene.len())?;
             npy_rows(out, scene, 3)

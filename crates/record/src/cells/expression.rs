@@ -49,7 +49,7 @@ impl Expression {
         self.at(cell, None).map_or(Reading::Missing, Reading::Value)
     }
 
-    /// The value for a cell, whatever its outcome. `time_ns` replaces the median time.
+    /// Returns the value for a cell, whatever its outcome. `time_ns` replaces the median, if given.
     pub fn at(&self, cell: &Cell, time_ns: Option<f64>) -> Option<f64> {
         self.evaluate(|name| cell.variable(name, time_ns)).filter(|value| value.is_finite())
     }

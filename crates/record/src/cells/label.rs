@@ -8,7 +8,7 @@ use crate::record::id::{CellId, FIELDS, MACHINE, OVER, Projection, split_contend
 use crate::record::value::AxisValue;
 use contactbench_terms::number;
 
-/// Like [`CellId::axis`], but the detector includes its parameters.
+/// Returns the value of an axis; unlike [`CellId::axis`], a detector includes its parameters.
 fn shown(id: &CellId, name: &str) -> Option<AxisValue> {
     if name == "detector" { Some(id.contender().as_str().into()) } else { id.axis(name) }
 }

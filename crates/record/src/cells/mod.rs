@@ -28,9 +28,9 @@ pub struct Cell {
     pub id: CellId,
     pub role: Role,
     pub passes: BTreeMap<Pass, (Outcome, String)>,
-    /// Whether a sample reached a limit or crashed; later samples are then missing.
+    /// Whether a sample reached a limit or crashed, so that later samples are missing.
     pub ended: bool,
-    /// Nanoseconds per detection, by block.
+    /// Time per detection in nanoseconds, by block.
     pub times: Blocks,
     /// Whether the machine was slow in each block; empty if its speed was not measured.
     pub slow: BTreeMap<Block, bool>,

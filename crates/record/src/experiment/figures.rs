@@ -53,7 +53,7 @@ impl FigureKind {
 pub struct Lines {
     pub x: String,
     pub x_label: String,
-    /// `time_ns` is the median over blocks, drawn with its interval.
+    /// The values drawn: `time_ns` is the median over blocks, with its interval.
     pub y: Expression,
     pub y_label: String,
     #[serde(default = "logarithmic")]

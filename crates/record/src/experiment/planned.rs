@@ -11,7 +11,7 @@ use crate::record::value::AxisValue;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Planned {
-    /// The axes of every scene of a full run, in order; n is 0 if the scene determines it.
+    /// Axes of every scene of a full run, in order; n is 0 if the scene determines it.
     pub scenes: Vec<CellId>,
     pub quick: Vec<CellId>,
     pub entrants: Vec<Entrant>,

@@ -16,7 +16,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// Least coverage of an interval that decides. The five blocks of the shortest full run give 0.94.
 pub const SURE: f64 = 0.9;
 
-/// If there are fewer cells at one n, chance matters, so their floor is at least that of all n.
+/// If fewer cells than this have the same n, their floor is at least that of all n.
 const FEW: usize = 5;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,7 +79,7 @@ impl Noise {
         Noise { twins, floor, floors }
     }
 
-    /// Uses a single twin. The floor is the end of its interval farther from 1.
+    /// Returns the noise of a single twin. Its floor is the end of the interval farther from 1.
     pub fn of_twin(ratio: Option<Interval>) -> Noise {
         let floor = ratio.map_or(1.0, |ratio| ratio.high.max(1.0 / ratio.low));
         Noise { floor, ..Noise::default() }

@@ -43,7 +43,7 @@ pub struct Contest {
 pub struct Contender {
     pub line: Line,
     pub name: String,
-    /// Nanoseconds per particle.
+    /// Median time in nanoseconds per particle.
     pub per_particle: f64,
     /// Time over the time of the fastest; `None` for the fastest, and without a common block.
     pub ratio: Option<Interval>,

@@ -14,9 +14,9 @@ use contactbench_terms::op::Op;
 
 pub struct Column {
     pub name: Cow<'static, str>,
-    /// The pass that measures it; `None` if every pass records it.
+    /// The pass that measures the column; `None` if every pass records it.
     pub pass: Option<Pass>,
-    /// The unit; empty for a ratio or a count.
+    /// Unit of the column; empty for a ratio or a count.
     pub unit: &'static str,
     read: Read,
 }

@@ -16,7 +16,7 @@ pub struct Hardware {
     pub cpu_stepping: Option<u64>,
     pub cpu_features: Option<Vec<String>>,
     pub cores: Option<u64>,
-    /// Level and kind (`L1d`, `L1i`, `L2`, `L3`) to size (`32K`).
+    /// Size (`32K`) of each cache, by level and kind (`L1d`, `L1i`, `L2`, `L3`).
     pub caches: BTreeMap<String, String>,
     pub memory_bytes: Option<u64>,
 }

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Pass {
-    /// Wall time, without counting.
+    /// Measures wall time, without counting operations.
     Time,
     #[default]
     Count,
-    /// Heap bytes and allocations, without the output.
+    /// Measures heap bytes and allocations, except those of the output.
     Memory,
     /// Wall time of one of k single-threaded copies that run at once, for a row with k threads. It
     /// shows how much k threads can gain on this machine if they share nothing.

@@ -14,7 +14,7 @@ pub enum Flaw {
     Wrong,
 }
 
-/// FNV-1a in 64 bits.
+/// Computes the 64-bit FNV-1a hash.
 fn fingerprint(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)

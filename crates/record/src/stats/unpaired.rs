@@ -11,7 +11,7 @@
 
 use crate::stats::interval::{COVERAGE, Interval, median, widest};
 
-/// For more quotients than this, the normal approximation is used.
+/// Largest number of quotients whose exact distribution is used, not a normal one.
 const EXACT: usize = 10_000;
 
 /// The ratio of a value of `b` to one of `a`, with its interval; values that are not positive are

@@ -11,7 +11,7 @@ use crate::scalars::Kind;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {
     pub name: String,
-    /// Type and byte order; `None` if the field is not a single number of a supported type.
+    /// Number type, and whether it is big-endian; `None` if the field is not a supported number.
     number: Option<(Kind, bool)>,
     width: usize,
 }

@@ -282,7 +282,7 @@ fn of_rows(
     Ok((particles, radius))
 }
 
-/// Whether the array is a size. Bytes named r are red, unless they are chosen.
+/// Whether the array has sizes. Bytes named r are colours (red), unless they are chosen.
 fn is_size(header: &Header, label: &str, options: Options) -> bool {
     let chosen = options.columns.is_some_and(|chosen| chosen.sizes());
     chosen || header.kind != Kind::U8 || !label.eq_ignore_ascii_case("r")

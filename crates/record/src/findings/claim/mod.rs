@@ -20,13 +20,13 @@ use contactbench_terms::number::plural;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// True in every planned cell.
+    /// The claim is true in every planned cell.
     Holds,
-    /// False in some cell, or impossible to check as written.
+    /// The claim is false in some cell, or impossible to check as written.
     Fails,
-    /// True in all measured cells, but some planned cells are missing.
+    /// The claim is true in all measured cells, but some planned cells are missing.
     NotCovered,
-    /// No data, or too few to decide.
+    /// There are no data, or too few to decide.
     NotShown,
 }
 
@@ -67,7 +67,7 @@ pub struct Evidence {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Without {
-    /// Number by outcome; the key is `None` for cells that ended well but have no value.
+    /// Number of cells by outcome; the key is `None` for cells that ended well but have no value.
     pub outcomes: BTreeMap<Option<Outcome>, usize>,
     pub of: usize,
 }

@@ -27,7 +27,7 @@ use contactbench_terms::arithmetic::Arithmetic;
 pub struct Options {
     /// Largest relative difference of times that counts as none.
     pub band: f64,
-    /// Noise of equal code, by experiment, if both builds were timed in the same blocks.
+    /// Noise of equal code for each experiment, if both builds were timed in the same blocks.
     pub side_by_side: Option<BTreeMap<String, Noise>>,
     pub against: Option<Against>,
     /// The machines of the records, if they differ; times are then not judged.

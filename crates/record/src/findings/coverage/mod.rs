@@ -121,7 +121,7 @@ pub struct Summary {
     pub outside: usize,
     /// Number of cells of twins, which every run adds to measure the noise.
     pub twins: usize,
-    /// Subjects that could not be started, with the reason.
+    /// Subjects that could not be started: name and reason.
     pub unavailable: BTreeMap<String, String>,
 }
 
@@ -145,7 +145,7 @@ pub struct Uncovered {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     pub name: String,
-    /// Values that some cell lacks, ascending.
+    /// Values of this axis for which a cell is missing, ascending.
     pub missing: Vec<AxisValue>,
     pub planned: Vec<AxisValue>,
 }

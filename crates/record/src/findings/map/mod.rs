@@ -42,7 +42,7 @@ pub struct Map {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub name: String,
-    /// Values as shown, ascending; numbers before words.
+    /// Values of the variable as shown, ascending; numbers before words.
     pub values: Vec<String>,
 }
 

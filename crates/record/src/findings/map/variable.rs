@@ -61,7 +61,7 @@ impl Variable {
             let has = |name: &&str| cells.iter().any(|cell| of_scene(cell, name).is_some());
             let measured = OF_SCENES.iter().copied().filter(has).map(String::from);
             let known: BTreeSet<String> = named.chain(measured).collect();
-            // The name that --x and --y accept.
+            // The name that the options `--x` and `--y` accept.
             let plain = |name| if name == "packing_fraction" { "density" } else { name };
             let known: Vec<&str> = known.iter().map(|name| plain(name.as_str())).collect();
             bail!(

@@ -26,7 +26,7 @@ pub struct Library {
     pub scenes: usize,
     pub name: String,
     pub ratio: Interval,
-    /// The ratio for first detections, where a library that allocates in each call loses less.
+    /// Ratio of first detections, where a library that allocates in each call loses less.
     pub cold: Option<Interval>,
     /// Libraries that may be as fast as the reference; empty if it is decided which is faster.
     pub open: Vec<String>,

@@ -103,7 +103,7 @@ impl Choice {
     }
 }
 
-/// (ln N, ln y) for each N; several y at one N are averaged. Values without a logarithm are
+/// Returns (ln N, ln y) for each N. Several y at one N are averaged; values without a logarithm are
 /// dropped.
 fn logs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = points
