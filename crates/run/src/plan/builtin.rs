@@ -1,5 +1,5 @@
-//! The experiments that are part of the program; names on the command line that are not files refer
-//! to them.
+//! The experiments that are part of the program. On the command line, a name that is not a file
+//! refers to one of them.
 
 use std::path::Path;
 

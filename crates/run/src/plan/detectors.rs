@@ -1,4 +1,4 @@
-//! Names of detectors in experiments: resolves groups, and normalises parameters.
+//! Names of detectors in experiments: expands groups, and normalises parameters.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,16 +10,16 @@ use contactbench_record::experiment::twice;
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
 
-/// The group `@all`: its name, and the [`Group`]s of the table that it stands for.
+/// The group `@all`: its name, and the [`Group`]s of detectors that it contains.
 const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
 
 pub fn groups() -> impl Iterator<Item = &'static str> {
     Group::ALL.iter().map(|group| group.name()).chain([ALL.0])
 }
 
-/// The detectors that these names and groups stand for, in order. One that is also in a group
-/// appears once; naming it twice is an error. The copy of an experiment in a record may name
-/// detectors and trackers of other versions of this program.
+/// Returns the detectors that `names` stand for, with groups expanded, in order. A detector that is
+/// also in a group appears once; naming it twice is an error. If `is_copy` (the copy in a record),
+/// names that only other versions of this program have are kept.
 pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
     let (mut all, mut named) = (Vec::new(), Vec::new());
     for name in names {
@@ -45,8 +45,8 @@ pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
     Ok(all)
 }
 
-/// The text of an experiment with its groups written out, as records keep it, because groups may
-/// grow later. A text that cannot be read is left unchanged.
+/// Returns the text of an experiment with its groups expanded. Records keep this text, because
+/// groups may grow later. A text that cannot be read is left unchanged.
 pub fn in_full(text: &str) -> String {
     #[derive(serde::Deserialize)]
     struct Named {
@@ -105,14 +105,14 @@ pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> 
     Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
 }
 
-/// The normal form of a detector or tracker; other names stay unchanged.
+/// Returns the normal form of the name of a detector or tracker; other names stay unchanged.
 pub fn normal(name: &str) -> String {
     written(name).unwrap_or_else(|_| name.to_string())
 }
 
 fn written(name: &str) -> Result<String, TrackerError> {
     let spec = track::parse(name)?;
-    // A plain detector keeps its name, although `every-step` does the same.
+    // A detector without a tracker is not renamed to `every-step(...)`, which does the same.
     Ok(if is_tracker(name) { spec.to_string() } else { spec.detector().to_string() })
 }
 

@@ -17,7 +17,7 @@ fn section(heading: &str) -> &'static str {
     rest.find("\n#").map_or(rest, |end| &rest[..end])
 }
 
-/// First and second cell of each row of a section's table: the key, and its default.
+/// Returns the first two cells of each row of a section's table: the key and its default.
 fn rows(section: &str) -> Vec<(&str, &str)> {
     let rows = section.lines().filter(|line| line.starts_with("| "));
     rows.skip(1)
@@ -121,7 +121,7 @@ fn defaults_are_the_defaults_and_required_keys_are_required() {
             } else {
                 without(example, key)
             };
-            // `ceiling` requires `threads`.
+            // `ceiling` without `threads` is an error, so both keys are removed.
             let bare = if key == "threads" { without(&bare, "ceiling") } else { bare };
             let head =
                 if key == "detectors" || key == "scene" { bare.clone() } else { completed(&bare) };

@@ -1,5 +1,5 @@
-//! Plans experiments: resolves names of detectors and scenes to subjects and cells, and fills in
-//! what [`Experiment`] leaves open.
+//! Plans experiments: resolves names of detectors and scenes, and fills in defaults that
+//! [`Experiment`] leaves open.
 
 pub mod builtin;
 pub mod detectors;
@@ -18,7 +18,7 @@ use contactbench_record::experiment::{
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
 
-/// Maximum size of an experiment file, in bytes; the largest of ours has 15 kB.
+/// Maximum size of an experiment file in bytes; the largest one of this project has 15 kB.
 const MOST_BYTES: u64 = 1 << 20;
 pub const THREADS: &str = "{threads}";
 
@@ -43,7 +43,7 @@ fn short_enough(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads an experiment file for a new run; claims and figures may only name rows that the run will
+/// Reads an experiment file for a new run. Claims and figures may name only rows that the run will
 /// have.
 pub fn read(path: &Path) -> anyhow::Result<Experiment> {
     let text = text_of(path)?;
@@ -56,7 +56,7 @@ pub fn read(path: &Path) -> anyhow::Result<Experiment> {
     named().with_context(|| format!("in {}", path.display()))
 }
 
-/// Parses and checks; relative file names of scenes start from `folder`.
+/// Parses and checks the text of an experiment; file names of scenes are relative to `folder`.
 pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
     checked(text, folder, false).map(|read| read.0)
 }
@@ -119,7 +119,7 @@ fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow
     Ok(())
 }
 
-/// Normalises the name of a detector; fails unless it is `known`.
+/// Normalises the name of a detector; fails unless the result is in `known`.
 fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String> {
     *name = detectors::normal(name);
     if known.contains(name) {
@@ -157,7 +157,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
             // Sequential detectors, and peers that were not compiled, run with one thread. A
-            // tracker counts like its detector.
+            // tracker runs with as many threads as its detector.
             let spec = contactbench_core::track::parse(name);
             let entry = spec.as_ref().map(|spec| spec.detector().entry);
             let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));
@@ -172,7 +172,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
         }
     }
     for runner in &experiment.runners {
-        // A command without `{threads}` is run once.
+        // A command without `{threads}` is measured once, with the first number of threads.
         let counts = if says_threads(runner) { &threads[..] } else { &threads[..1] };
         all.extend(counts.iter().map(|&threads| Entrant {
             name: runner.name.clone(),

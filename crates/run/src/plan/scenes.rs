@@ -1,4 +1,4 @@
-//! The scenes of an experiment: the product of the lists in its sweeps.
+//! The scenes of an experiment: all combinations of the values in its lists.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
@@ -13,10 +13,10 @@ use contactbench_scenes::{generate, hard};
 
 /// Maximum number of scenes, because a plan keeps all of them in memory.
 const MOST_SCENES: u64 = 100_000;
-/// Maximum number of scenes times detectors, arithmetics and numbers of threads.
+/// Maximum of the number of scenes times detectors, arithmetics and numbers of threads.
 const MOST_CELLS: u64 = 1_000_000;
 
-/// All scenes in the order in which they run. If there are too many, none is made.
+/// Returns all scenes in the order in which they run, or an error if there are too many.
 pub fn specs(experiment: &Experiment, quick: bool) -> anyhow::Result<Vec<Spec>> {
     let of_run = |sweep: &SceneSweep| if quick { sweep.quickened() } else { sweep.clone() };
     let sweeps: Vec<SceneSweep> = experiment.scenes.iter().map(of_run).collect();

@@ -1,4 +1,4 @@
-//! Experiment files that must be refused, with the place of the error.
+//! Tests of experiment files, most of which must be refused with the place of the error.
 
 use std::path::Path;
 
@@ -193,7 +193,7 @@ fn whole_numbers_may_have_an_exponent_and_lists_may_lack_brackets() {
     assert!(error.contains("1.5 stands where a whole number of at least 0 is expected"), "{error}");
 }
 
-/// The product is checked before a scene is made; otherwise this test would not end.
+/// The number of scenes is checked before any is made; otherwise this test would not end.
 #[test]
 fn plans_are_bounded_before_they_are_made() {
     let list = |unit: &str| (1..=2000).map(|k| format!("{k}{unit}")).collect::<Vec<_>>().join(", ");
@@ -235,7 +235,7 @@ fn a_runner_is_no_control_whatever_its_name() {
     assert_eq!(roles, [("nbs", &Role::Detector), ("x-twin", &Role::Runner)]);
 }
 
-/// A grading curve is a file, unless its points are written out.
+/// The value of `grading` is a file name, unless it lists the points of the curve.
 #[test]
 fn files_are_taken_from_the_folder_of_the_experiment() {
     let text = format!(
@@ -248,7 +248,7 @@ fn files_are_taken_from_the_folder_of_the_experiment() {
     assert_eq!(curves, ["/home/a/sand.csv", "1 0, 2 100"]);
 }
 
-/// Committed records are complete, except for software that was not installed.
+/// Committed records are complete, except for rows of software that was not installed.
 #[test]
 fn the_committed_records_are_whole() {
     let mut seen = 0;

@@ -1,5 +1,5 @@
-//! The race: detectors that are much slower drop out early, the others run blocks until the time is
-//! over.
+//! The race: detectors that are much slower drop out early, and the others are timed in blocks
+//! until the time is over.
 //!
 //! * Probes take up to half of the time. Each detector is started, loads the scene, takes one
 //!   sample, and its answer is judged. A probe may take `PATIENCE` times as long as the fastest,
@@ -35,28 +35,28 @@ use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::{Interval, ratio};
 
-/// A probe may take this many times as long as the fastest one.
+/// A probe may take this multiple of the fastest probe's time.
 const PATIENCE: u32 = 20;
-/// Blocks needed to drop a slow detector, because one block may be disturbed.
+/// Number of blocks before a slow detector is dropped, because one block may be disturbed.
 const FIRST_BLOCKS: u32 = 2;
-/// Fewer blocks do not give an interval of 95%.
+/// Number of blocks that an interval of 95% needs.
 const FEWEST: u32 = 6;
-/// More blocks hardly narrow the interval.
+/// Maximum number of blocks; more would hardly narrow the interval.
 const MOST: u32 = 51;
-/// To reach [`FEWEST`] blocks, the race may take this multiple of its time.
+/// Multiple of its time that the race may take to reach [`FEWEST`] blocks.
 const BEYOND: f64 = 1.5;
-/// Minimum time of a probe, because a process must start.
+/// Minimum time limit of a probe, because starting a process takes time.
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
 pub struct Question<'a> {
     pub given: &'a Given,
-    /// Scenes that detectors process first, as in some hard cases.
+    /// Scenes that every detector processes first, as in some hard cases.
     pub history: &'a [Given],
     pub arithmetic: Arithmetic,
     pub threads: usize,
-    /// Maximum bytes of a detector's arrays.
+    /// Maximum size of a detector's arrays, in bytes.
     pub memory_limit: u64,
     pub time: Duration,
-    /// This program and its first arguments, used to start runners.
+    /// This program with the first arguments of the command that starts a runner.
     pub program: Vec<String>,
 }
 
@@ -81,7 +81,7 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let loads = Trajectory::write_all(folder.path(), scenes)?;
     let mut entries: Vec<_> =
         TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
-    // Fast detectors come first, so that probes of slow ones can be cut short.
+    // Detectors that are usually fast come first, so that probes of slow ones can be cut short.
     entries.sort_by_key(|entry| entry.speed);
     let mut ground = Ground {
         question,
@@ -103,7 +103,7 @@ struct Ground<'a> {
     judge: Judge<'a>,
     loads: Vec<Trajectory>,
     folder: &'a Path,
-    /// Bytes for the scene and its pairs.
+    /// Memory for the scene and its pairs, in bytes.
     room: u64,
     started: Instant,
 }
@@ -123,7 +123,7 @@ impl Ground<'_> {
         for entry in entries {
             note(&format!("probing {}", entry.name));
             let mut standing = self.entered(entry);
-            // The first probe may use all of the time, later ones what is left of half.
+            // The first probe may use the whole time, later probes what is left of its first half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
                 let reason = "not tried: time was up (--seconds)".into();
@@ -150,8 +150,8 @@ impl Ground<'_> {
         Standing::new(entry, threads, Start::of(&command, time.max(SHORTEST_PROBE), room))
     }
 
-    /// Starts a detector, takes a first sample, and measures its memory unless others are much
-    /// faster. Returns the time that this took, or `None` if the detector is out.
+    /// Starts a detector, takes a first sample and, unless another detector is much faster,
+    /// measures memory. Returns the time that this took, or `None` if the detector is out.
     fn probe(
         &mut self,
         standing: &mut Standing,
@@ -171,7 +171,7 @@ impl Ground<'_> {
             return Ok(None);
         };
         let took = started.elapsed();
-        // Later requests have a limit that follows the probe.
+        // The time limit of later requests is derived from the time of the probe.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.time_limit = standing.start.time_limit;
         standing.probe_ns = Some(time);
@@ -189,7 +189,7 @@ impl Ground<'_> {
         Ok(Some(took).filter(|_| standing.racing))
     }
 
-    /// Takes one judged sample in a new process; returns nanoseconds per detection and the process,
+    /// Takes one judged sample in a new process. Returns nanoseconds per detection and the process,
     /// or `None` if the detector is out.
     fn sample(
         &mut self,
@@ -228,7 +228,7 @@ impl Ground<'_> {
     ) -> anyhow::Result<(u32, Option<Interval>)> {
         let racing = standings.iter().filter(|standing| standing.racing);
         let original = racing.min_by_key(|standing| standing.probe_ns);
-        // The twin has the limits that its original got after the probe.
+        // The twin has the limits that its original was given after the probe.
         let mut twin = original.map(|it| Standing::new(it.entry, it.threads, it.start.clone()));
         let mut done = 0;
         for block in 1..=MOST {

@@ -1,4 +1,4 @@
-//! Subjects of a race: their times so far, and the rules by which slow subjects leave.
+//! Subjects of a race: their times so far, and the rules by which slow subjects drop out.
 
 use contactbench_core::detect::table::Entry;
 use contactbench_core::oracle::Errors;
@@ -11,16 +11,16 @@ use crate::run::client::{Failure, Start};
 pub struct Standing {
     pub entry: &'static Entry,
     pub threads: usize,
-    /// `ok` or `lossy` if it finished or was only slow; otherwise its failure.
+    /// `ok` or `lossy` if the subject finished or was only slow; otherwise the kind of its failure.
     pub outcome: Outcome,
-    /// Why it is out; empty if it was measured to the end.
+    /// Why the subject dropped out; empty if it was measured to the end.
     pub reason: String,
     pub probe_ns: Option<u64>,
     pub times: Blocks,
-    /// Peak of bytes, without scene and pairs.
+    /// Peak memory in bytes, without the scene and its pairs.
     pub peak_bytes: Option<u64>,
     pub formula_bytes: Option<u64>,
-    /// Errors compared with exact decisions on the given scene.
+    /// Errors of the answer, compared with exact decisions on the given scene.
     pub errors: Option<Errors>,
     pub(super) racing: bool,
     pub(super) start: Start,
@@ -52,7 +52,7 @@ impl Standing {
         self.outcome.is_good() && !self.times.is_empty()
     }
 
-    /// The median of the times, or the probe; in nanoseconds.
+    /// Returns the median of the times in nanoseconds or, without times, the time of the probe.
     fn typical(&self) -> f64 {
         let times: Vec<f64> = self.times.values().map(|&time| time as f64).collect();
         median(&times).or(self.probe_ns.map(|probe| probe as f64)).unwrap_or(f64::INFINITY)
@@ -63,8 +63,8 @@ pub struct Race {
     pub standings: Vec<Standing>,
     pub contacts: u64,
     pub blocks: u32,
-    /// The twin's time over its original's, which shows the noise of equal code. `None` with fewer
-    /// than two blocks.
+    /// Ratio of the twin's time to its original's, which shows the noise of equal code. `None` with
+    /// fewer than two blocks.
     pub twin: Option<Interval>,
 }
 
@@ -75,20 +75,20 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
 
 pub(super) struct Rule {
     pub limit: f64,
-    /// Returns how many times as long the first subject takes as the second, the fastest.
+    /// Returns the time of the first subject as a multiple of that of the second, the fastest.
     over: fn(&Standing, &Standing) -> Option<f64>,
-    /// Place where a subject was slower, for the reason; its few times are dropped. `None` keeps
-    /// them.
+    /// Words for the reason that state where the subject was slower; its few times are dropped. If
+    /// `None`, the times are kept.
     place: Option<&'static str>,
 }
 
-/// A larger factor than a single disturbed sample can cause.
+/// Compares the probes. The limit is larger than what a single disturbed sample can cause.
 pub(super) const HOPELESS: Rule = Rule {
     limit: 12.0,
     over: |one, best| Some(one.probe_ns? as f64 / best.probe_ns?.max(1) as f64),
     place: Some("a first probe"),
 };
-/// Compares all blocks so far.
+/// Compares the times in each block so far, and takes the smallest ratio.
 pub(super) const FAR: Rule = Rule {
     limit: 3.0,
     over: |one, best| {
@@ -98,7 +98,7 @@ pub(super) const FAR: Rule = Rule {
     },
     place: Some("each of the first blocks"),
 };
-/// Drops a subject whose ratio to the fastest exceeds the limit with its whole interval.
+/// Drops a subject if the whole interval of its ratio to the fastest exceeds the limit.
 pub(super) const BEHIND: Rule =
     Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
 

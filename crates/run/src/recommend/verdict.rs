@@ -5,23 +5,23 @@ use crate::recommend::standing::{Race, Standing, fastest};
 use contactbench_record::findings::noise::Noise;
 use contactbench_record::stats::interval::{Interval, interval, ratio};
 
-/// A detector may be undecided only because the machine is noisy. So less memory counts only up to
-/// this multiple of the shortest median.
+/// Largest median of a detector chosen for its memory, as a multiple of the shortest. On a noisy
+/// machine, much slower detectors may be undecided, too.
 const LEANER: f64 = 1.2;
 
 pub struct Verdict {
     pub choice: usize,
     pub next: Option<(usize, Interval)>,
-    /// Other detectors that are undecided against the fastest, and their times over that of the
-    /// choice.
+    /// Other detectors that are undecided against the fastest, and the ratios of their times to
+    /// that of the choice.
     pub tied: Vec<(usize, Option<Interval>)>,
     pub is_fastest: bool,
-    /// The factor by which times of equal code differ; `None` without a twin.
+    /// Factor by which times of equal code differ; `None` without a twin.
     pub floor: Option<f64>,
 }
 
 impl Verdict {
-    /// Returns `None` if no detector has a time.
+    /// Chooses a detector; returns `None` if none has a time.
     pub fn new(race: &Race) -> Option<Verdict> {
         let standings = &race.standings;
         let best = fastest(standings)?;

@@ -19,7 +19,7 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let name = |k: usize| standings[k].entry.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
-    // Ratios come first, because they vary less between runs than times.
+    // Ratios come before times, because they vary less between runs.
     if let Some((k, ratio)) = &verdict.next {
         let next = if verdict.tied.is_empty() { "the runner-up" } else { "the next slower one" };
         let takes = with_interval(ratio);

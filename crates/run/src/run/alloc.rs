@@ -1,13 +1,12 @@
 //! A counting global allocator, which measures the heap bytes of a detector.
 //!
 //! The program installs [`Counting`]. It uses the system's allocator and counts only inside
-//! [`measure`], so a timed pass pays one relaxed load per allocation, and warm detectors do not
-//! allocate. It counts requested bytes, not the allocator's own overhead, and only memory on the
-//! heap.
+//! [`measure`]. So during timing, an allocation costs one more relaxed load, and warm detectors do
+//! not allocate. It counts requested heap bytes, without the allocator's own overhead.
 //!
 //! If several threads work, rayon's job queue is counted too. A job may be freed shortly after the
-//! work is done, and a block of 63 jobs (about 1.5 KB) in a later measurement. So bytes of several
-//! threads are accurate to about 2 KB, and never negative.
+//! work is done, and a block of 63 jobs (about 1.5 KB) even in a later measurement. So bytes of
+//! several threads are accurate to about 2 KB, and never negative.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -45,7 +44,7 @@ unsafe impl GlobalAlloc for Counting {
             ALLOCATIONS.fetch_add(1, Relaxed);
             grow(layout.size() as i64);
         }
-        // SAFETY: as above.
+        // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.alloc_zeroed(layout) }
     }
 
@@ -53,7 +52,7 @@ unsafe impl GlobalAlloc for Counting {
         if ON.load(Relaxed) {
             grow(-(layout.size() as i64));
         }
-        // SAFETY: as above.
+        // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.dealloc(pointer, layout) }
     }
 
@@ -62,28 +61,28 @@ unsafe impl GlobalAlloc for Counting {
             ALLOCATIONS.fetch_add(1, Relaxed);
             grow(size as i64 - layout.size() as i64);
         }
-        // SAFETY: as above.
+        // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
-    /// Peak of bytes, beyond those held before.
+    /// Peak of heap bytes, without those held at the start.
     pub peak_bytes: u64,
     pub live_bytes: u64,
     pub allocations: u64,
 }
 
-/// Runs `work` and counts its heap use, in all threads. `None` if [`Counting`] is not the global
-/// allocator.
+/// Runs `work` and counts its heap use in all threads. The usage is `None` if [`Counting`] is not
+/// the global allocator.
 pub fn measure<R>(work: impl FnOnce() -> R) -> (R, Option<Usage>) {
     let meter = Meter::start();
     let result = meter.during(work);
     (result, meter.end())
 }
 
-/// Counts the heap use of several pieces of work together. Memory held between them stays counted;
+/// Counts the heap use of several pieces of work together. Memory that they keep stays counted;
 /// allocations between them are not counted. Only one meter exists at a time; others wait.
 pub struct Meter {
     _guard: std::sync::MutexGuard<'static, ()>,
@@ -95,7 +94,7 @@ impl Meter {
         let guard = MEASURING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         ALLOCATIONS.store(0, Relaxed);
         ON.store(true, Relaxed);
-        // An allocation of our own shows whether the counting allocator is installed.
+        // Makes an allocation to find out whether the counting allocator is installed.
         drop(std::hint::black_box(Box::new(0u8)));
         ON.store(false, Relaxed);
         let listening = ALLOCATIONS.swap(0, Relaxed) > 0;

@@ -1,9 +1,9 @@
 //! A block: one timed sample of each subject, each in a new process.
 //!
 //! Builds of one detector are timed in turns: this build, the other one, and this one again as a
-//! twin. In each block, all are started on the same processor and alternate, round after round. So
-//! they see the same state of the machine from millisecond to millisecond. The ratio of a block is
-//! the median over its rounds; several blocks average over the positions of processes in memory.
+//! twin. In each block, all three are started on the same processor and alternate, round after
+//! round. So changes of the machine's speed affect them alike. The ratio of a block is the median
+//! over its rounds. Several blocks average over the positions of processes in memory.
 
 use std::time::{Duration, Instant, SystemTime};
 
@@ -16,12 +16,12 @@ use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
 const TURN_NS: u64 = 500_000;
-/// Minimum and maximum number of rounds in a block; between them, time decides.
+/// Minimum and maximum number of rounds in a block; between them, `LONGEST` ends the block.
 const FEWEST_ROUNDS: usize = 4;
 const MOST_ROUNDS: usize = 30;
 const LONGEST: Duration = Duration::from_millis(200);
 
-/// Groups subjects that are timed in turns; all others are alone.
+/// Groups subjects that are timed in turns; each other subject is a group of its own.
 pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
     let mut entries: Vec<Vec<Running>> = Vec::new();
     for one in running {
@@ -43,7 +43,7 @@ struct Player {
 }
 
 impl Stage<'_, '_> {
-    /// Times one block of these subjects together; returns the subjects that are still in the race.
+    /// Times one block of a group of subjects; returns the subjects that did not fail.
     pub fn block(
         &mut self,
         entry: Vec<Running>,
@@ -51,7 +51,7 @@ impl Stage<'_, '_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
         let blank = |one: &Running| Row { pass: Pass::Time, block, ..one.blank.clone() };
-        // An incomplete block of a killed run is measured again.
+        // If a killed run left the block incomplete, it is measured again.
         if entry.iter().all(|one| self.index.has(&blank(one))) {
             return Ok(entry);
         }
@@ -59,7 +59,7 @@ impl Stage<'_, '_> {
         for running in entry {
             let (mut row, processor) = (blank(&running), running.processor(block));
             if running.is_alone() {
-                // Measured before the process starts, because it would disturb the caches.
+                // The pulse would disturb the caches, so it is measured before the process starts.
                 row.pulse_ns = pulse(processor);
             }
             match running.fresh(processor) {
@@ -67,7 +67,7 @@ impl Stage<'_, '_> {
                 Err(failure) => self.fail(&blank(&running), failure, Pass::Time.rest())?,
             }
         }
-        // Rotates the order with each block; every second round is reversed.
+        // The first subject rotates from block to block; every second round is in reverse order.
         let all = players.len().max(1);
         players.rotate_left(block as usize % all);
         let started = Instant::now();
@@ -95,7 +95,7 @@ impl Stage<'_, '_> {
                 row.outcome = Outcome::Wrong;
                 row.reason =
                     format!("{others} of {} turns gave another answer than the last", turns.len());
-                // The errors of the last turn do not apply to the others.
+                // The errors are those of the last turn, so they are removed.
                 (row.errors, row.causes, row.course) = (None, None, None);
                 self.note_wrong(&row);
             }

@@ -16,10 +16,10 @@ use contactbench_record::record::row::Row;
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats::Stats;
 
-/// Address space of a runner beyond its arrays and the scene: program, stacks, libraries.
+/// Address space of a runner's program, stacks and libraries, in bytes.
 const PROGRAM_BYTES: u64 = 1 << 30;
-/// Address space for each further thread: its stack, and what the system's allocator reserves for
-/// it.
+/// Address space of each further thread in bytes: its stack, and what the system's allocator
+/// reserves for it.
 const THREAD_BYTES: u64 = 128 << 20;
 
 #[derive(Clone)]
@@ -27,21 +27,21 @@ pub struct Contender {
     pub name: String,
     pub arithmetic: Option<Arithmetic>,
     pub role: Role,
-    /// Whether it is a tracker whose rule may miss contacts.
+    /// Whether the subject is a tracker whose rule may miss contacts.
     pub may_miss: bool,
     pub threads: usize,
     pub start: Start,
     pub copy: Option<Start>,
     pub missing: Option<String>,
-    /// Number of the detector, if builds of it are timed in turns.
+    /// Number of the group of builds that are timed in turns; `None` if the subject is timed alone.
     pub duet: Option<usize>,
 }
 
 pub(crate) const BASE: &str = "@base";
 const TWIN: &str = "-twin";
 
-/// The command that starts one of this program's detectors as a runner. `program` may include
-/// arguments; `limit` is in bytes.
+/// Returns the command that starts one of this program's detectors as a runner. `program` may
+/// include arguments; `limit` is in bytes.
 pub fn own(
     program: &[String],
     detector: &str,
@@ -61,7 +61,7 @@ pub fn own(
     command
 }
 
-/// Fails unless the program answers like a build of this program.
+/// Fails unless `program` starts a runner as builds of this program do.
 pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     let limit = 1 << 28;
     let program = [program.display().to_string()];
@@ -70,18 +70,18 @@ pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     Client::start(&start).map(drop)
 }
 
-/// Address space of a runner whose detector may use `limit` bytes, without scene and pairs.
+/// Returns the address space of a runner, without its scene, if its detector may use `limit` bytes.
 pub(crate) fn address_space(limit: u64, threads: usize) -> u64 {
     limit.saturating_add(PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES)
 }
 
-/// Bytes for a scene (twice, while it is read) and its list of pairs (up to twice its size, and
-/// twice while it grows), with a reserve.
+/// Returns the bytes for a scene and its list of pairs, with a reserve. While the scene is read, it
+/// is held twice; so is the list while it grows, and its capacity may be twice its length.
 pub fn room(n: u64, contacts: u64) -> u64 {
     n * (2 * 32 + 128) + contacts * 4 * 8
 }
 
-/// The subjects of an experiment, by arithmetic.
+/// Returns the subjects of an experiment, by arithmetic.
 ///
 /// If there is another build, each detector takes part three times: in this build, in the other,
 /// and as its own twin, which shows the noise of equal code. Otherwise there is at least one twin
@@ -102,14 +102,14 @@ pub fn contenders(
     }
     let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
     let originals = asked.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
-    // The first subject with the fewest threads; with one thread, it stays on one processor.
+    // A subject with few threads is preferred: with one thread, it stays on one processor.
     let original = originals.min_by_key(|one| one.threads);
     let twin = original.filter(|_| timed && !named).map(Contender::twin);
     asked.into_iter().chain(twin).collect()
 }
 
-/// The subjects that the experiment names. If there is another build, only those that can differ in
-/// it.
+/// Returns the subjects that the experiment names; if there is another build, only those that can
+/// differ in it.
 fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let limit = memory_limit(experiment);
     let start = |command: &[String], install: &str, threads: usize| Start {
@@ -122,8 +122,8 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     };
     let path = [path.display().to_string()];
     let of_detector = |entrant: &Entrant, arithmetic| {
-        // Names were checked when the experiment was read. So a name that cannot be parsed is a
-        // peer that was not compiled.
+        // Names were checked when the experiment was read. So a name that does not parse is a peer
+        // that was not compiled.
         let Entrant { name, threads, .. } = entrant;
         let spec = track::parse(name);
         let with = |threads| {

@@ -1,11 +1,11 @@
 //! Measures how much k threads can gain: k copies of a detector with one thread each, on the same
 //! scene at the same time.
 //!
-//! Copies share only the machine: caches, memory, clock, and cores. Each has its own process and
-//! processor. A loss of the copies is one that no parallel form of the algorithm can avoid. Each
-//! block has one row. Its time is the harmonic mean of the copies' times, so that k copies at this
-//! time have the measured throughput. It also has the time of each copy alone on its processor, in
-//! samples of the same length. (One copy timed elsewhere gave ceilings above k.)
+//! Copies share only the machine: caches, memory, clock, and cores. Each copy has its own process
+//! and processor. So no parallel form of the algorithm can avoid what the copies lose. Each block
+//! has one row. Its time is the harmonic mean of the copies' times, so that k copies with this time
+//! have the measured throughput. The row also has the time of each copy alone on its processor, in
+//! samples of the same length. (A copy timed on another processor gave ceilings above k.)
 
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,17 +18,17 @@ use crate::run::protocol::Sample;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
-/// Longer than other samples, because a copy is idle for some tens of microseconds between two
-/// samples, and its neighbours are then undisturbed.
+/// Length of a sample of a copy. It is longer than other samples, because a copy is idle for some
+/// tens of microseconds between two samples, while the other copies run undisturbed.
 const SAMPLE_NS: u64 = 10_000_000;
 
 impl Stage<'_, '_> {
-    /// Whether the record states that copies of this detector failed on this scene.
+    /// Returns whether the record states that copies of this detector failed on this scene.
     pub fn no_ceiling(&self, blank: &Row) -> bool {
         self.index.ended(&Row { pass: Pass::Ceiling, ..blank.clone() }).is_some()
     }
 
-    /// The command of the copies, if they are requested. If they are not tried, a row is written.
+    /// Returns the command of the copies, if requested. If they are too slow to try, writes a row.
     pub fn copy(&mut self, running: &Running) -> anyhow::Result<Option<Start>> {
         let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
         let Some(start) = running.contender.copy.clone().filter(|_| !self.no_ceiling(&blank))
@@ -44,8 +44,8 @@ impl Stage<'_, '_> {
         Ok(Some(start))
     }
 
-    /// Takes one sample of all copies at once. After a failure, the copies are given up but not the
-    /// detector.
+    /// Takes one sample of all copies at once. After a failure, the copies are given up, but the
+    /// detector is still timed.
     pub fn ceiling(
         &mut self,
         running: &mut Running,
@@ -114,13 +114,13 @@ fn copies_failed(failure: Failure) -> Failure {
 }
 
 /// Takes one sample of all copies, started together. A copy that is done continues detecting until
-/// all are, so that no sample runs beside an idle neighbour.
+/// all are done, so that no sample runs beside an idle processor.
 fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     let (start, answered, all) = (Barrier::new(copies.len()), AtomicUsize::new(0), copies.len());
     let work = |copy: &mut Client| {
         start.wait();
         let first = sample(copy, SAMPLE_NS);
-        // A failed copy counts as done; otherwise the others would wait for it.
+        // A failed copy counts as done; otherwise the other copies would wait for it.
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
             if sample(copy, SAMPLE_NS).is_err() {

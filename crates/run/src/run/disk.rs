@@ -11,7 +11,7 @@ pub fn temporary() -> anyhow::Result<TempDir> {
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")
 }
 
-/// Fails, with this remedy, unless a file can be written to `folder` and `needed` bytes are free
+/// Fails, and states `remedy`, unless a file can be written to `folder` and `needed` bytes are free
 /// there for `what`.
 pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::Result<()> {
     let probe = || -> std::io::Result<()> {
@@ -32,7 +32,7 @@ pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::R
     Ok(())
 }
 
-/// Free bytes for this user; `None` if the system does not report them.
+/// Returns the free bytes for this user; `None` if the system does not report them.
 fn free(folder: &Path) -> Option<u64> {
     #[cfg(unix)]
     {

@@ -1,19 +1,19 @@
 //! Tracks runners and the processes that they start, so that none is left behind.
 //!
 //! A runner is the head of a process group, which is ended with it. On Linux, processes that leave
-//! the group (`setsid`, and a parent that ends at once) are found too. This process adopts orphans
-//! below it, and all processes of a runner have a mark in their environment. An orphan without a
-//! mark is ended only if it must be a runner's: this process had no children before the first
-//! runner, is not the one that adopts all orphans, and no other runner is active.
+//! the group (by `setsid`, with a parent that ends at once) are found, too. This process adopts
+//! orphans below it, and a runner's processes have a mark in their environment. An orphan without a
+//! mark is ended only if this process had no children before the first runner, is not process 1,
+//! and no other runner is active.
 
 use std::collections::BTreeMap;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The environment variable with the mark: number of this process, and of the runner in it.
+/// The environment variable with the mark: the number of this process, and that of the runner.
 const MARK: &str = "CONTACTBENCH_RUNNER";
 
-/// The active runners: process (and group) number, and number in this program.
+/// The active runners: the number of the process (and group), and of the runner in this program.
 static RUNNERS: Mutex<Runners> = Mutex::new(Runners { at_work: BTreeMap::new(), started: 0 });
 
 struct Runners {
@@ -29,8 +29,8 @@ pub fn start(command: &mut Command) -> std::io::Result<Child> {
     // The lock prevents the new process from being taken for an orphan.
     let mut runners = runners();
     runners.started += 1;
-    // The size of the environment moves the stack. It differs between processes, so that an unlucky
-    // position is not measured every time.
+    // The size of the environment moves the stack. The padding differs between processes, so that
+    // an unlucky position is not measured every time.
     let padding = runners.started.wrapping_mul(271) % 4096;
     command.env("CONTACTBENCH_PADDING", "x".repeat(padding as usize));
     command.env(MARK, format!("{}.{}", std::process::id(), runners.started));
@@ -44,21 +44,21 @@ pub fn start(command: &mut Command) -> std::io::Result<Child> {
     Ok(child)
 }
 
-/// Limits the address space of a new process (Linux only; elsewhere detectors refuse by their own
-/// formula).
+/// Limits the address space of a new process on Linux. Elsewhere, detectors only refuse by their
+/// own formula.
 pub(crate) fn limit_memory(child: &Child, bytes: u64) {
     #[cfg(target_os = "linux")]
     {
         use rustix::process::{Pid, Resource, Rlimit, prlimit};
         let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
-        // If the process has ended already, the first request fails.
+        // If the process has ended already, this call fails, and so does the first request.
         let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
     }
     #[cfg(not(target_os = "linux"))]
     let _ = (child, bytes);
 }
 
-/// Returns how a runner ended, if it has. Its number may then be reused.
+/// Returns how a runner ended, or `None` if it still runs. An ended runner's number may be reused.
 pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
     let mut runners = runners();
     let ended = runner.try_wait().ok().flatten()?;
@@ -106,22 +106,22 @@ mod orphans {
 
     use super::{MARK, Runners, runners};
 
-    /// Maximum number of searches for orphans, because some start others while they are ended.
+    /// Maximum number of searches for orphans, because some start others before they end.
     const ROUNDS: u32 = 200;
     const PAUSE: Duration = Duration::from_millis(5);
 
     static ALONE: OnceLock<bool> = OnceLock::new();
-    /// Orphans that survive SIGKILL; they are not waited for again.
+    /// Orphans that survive SIGKILL; their end is not waited for again.
     static STUCK: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
 
-    /// Makes orphans below this process its children.
+    /// Makes this process the parent of orphans that its descendants leave.
     pub fn adopt() {
         ALONE.get_or_init(|| {
             // If the system lacks this feature, only process groups are ended.
             let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
-            // Orphans are ended only if all of them come from runners. A shell that became this
-            // program by `exec` may have left other children, and process 1 of a container adopts
-            // all orphans.
+            // Orphans without a mark are ended only if all orphans come from runners. A shell that
+            // became this program by `exec` may have left other children, and process 1 of a
+            // container adopts all orphans.
             own() != 1 && children().iter().all(|child| child.ended)
         });
     }
@@ -148,7 +148,7 @@ mod orphans {
             for &pid in &found {
                 if let Some(pid) = Pid::from_raw(pid) {
                     let _ = rustix::process::kill_process(pid, Signal::KILL);
-                    // Processes that are not children are waited for by their parents.
+                    // Fails for processes that are not children; their parents wait for them.
                     let _ = rustix::process::waitpid(Some(pid), WaitOptions::NOHANG);
                 }
             }
@@ -164,7 +164,7 @@ mod orphans {
         }
     }
 
-    /// Orphans that do not belong to an active runner, and all processes below them.
+    /// Returns orphans that do not belong to an active runner, and all processes below them.
     fn found(runners: &Runners) -> BTreeSet<i32> {
         let group = rustix::process::getpgrp().as_raw_nonzero().get();
         // Processes in this program's own group are not runners.
@@ -182,7 +182,7 @@ mod orphans {
             .filter(|it| orphan(it) && (it.ended || nobodys(it)))
             .map(|it| it.pid)
             .collect();
-        // Usually there are none, and the other processes need not be listed.
+        // Usually there are no orphans, and the other processes need not be listed.
         let all = if found.is_empty() { Vec::new() } else { processes() };
         loop {
             let below = all.iter().filter(|it| found.contains(&it.parent)).map(|it| it.pid);
@@ -201,7 +201,7 @@ mod orphans {
         )
     }
 
-    /// Reads the children from `/proc` by thread; `None` if the system does not list them.
+    /// Reads the children of each thread from `/proc`; `None` if the system does not list them.
     fn listed() -> Option<Vec<i32>> {
         let mut pids = Vec::new();
         for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {

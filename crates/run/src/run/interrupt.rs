@@ -1,4 +1,4 @@
-//! Signals: the first Ctrl-C or SIGTERM ends a run after the current rows, the second ends it at
+//! Signals: the first Ctrl-C or SIGTERM ends a run after the current rows; the second ends it at
 //! once.
 
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 #[cfg(unix)]
 use crate::run::family;
 
-/// The first signal; 0 if none.
+/// Number of the first signal; 0 before it arrives.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 /// Whether the first signal ends the program at once.
 static AT_ONCE: AtomicBool = AtomicBool::new(false);
@@ -15,20 +15,20 @@ static AT_ONCE: AtomicBool = AtomicBool::new(false);
 #[error("interrupted")]
 pub struct Interrupted;
 
-/// Lets a signal end the runners and the program, for commands with nothing to finish.
+/// Makes the first signal end runners and program, for commands with nothing to finish.
 pub fn end_runners_too() -> std::io::Result<()> {
     AT_ONCE.store(true, Ordering::Relaxed);
     install()
 }
 
-/// Lets the first signal end the run in order instead of at once.
+/// Handles signals, so that the first one ends the run in order instead of at once.
 pub fn install() -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
         let mut wanted = vec![SIGINT, SIGTERM, SIGQUIT];
-        // A closed terminal ends its programs but not the runners, which are separate groups. Under
-        // nohup, SIGHUP is ignored and standard error is not a terminal.
+        // A closed terminal ends its programs but not the runners, which are separate groups.
+        // `nohup` makes the program ignore SIGHUP, which must stay so.
         if !ignored(SIGHUP) {
             wanted.push(SIGHUP);
         }
@@ -58,8 +58,8 @@ fn clear_line() {
     }
 }
 
-/// Whether the signal was ignored when this process started. If the system does not report that:
-/// whether standard error is not a terminal.
+/// Returns whether the signal was ignored when this process started. If the system does not report
+/// this, returns whether standard error is not a terminal.
 #[cfg(unix)]
 fn ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -80,7 +80,7 @@ pub fn check() -> Result<(), Interrupted> {
     if requested() { Err(Interrupted) } else { Ok(()) }
 }
 
-/// The exit code that a shell gives for the signal: 130 after Ctrl-C.
+/// Returns the exit code that shells use for the signal: 130 after Ctrl-C.
 pub fn exit_code() -> u8 {
     u8::try_from(128 + SIGNAL.load(Ordering::Relaxed)).unwrap_or(u8::MAX)
 }

@@ -1,10 +1,10 @@
-//! Measures other load on the machine: processor time of other processes, and time that the host
-//! took away.
+//! Measures other load on the machine: processor time of other processes, and time that the host of
+//! a virtual machine took away.
 //!
-//! The load average includes the run's own processes and the minute before, so times are used
-//! instead. The time of all cores, minus idle time, stolen time, and time of harness and runners,
-//! is that of other processes. It is measured over the blocks of a scene, which last seconds. The
-//! system's clocks have 100 ticks per second, too coarse for a sample of two milliseconds.
+//! The load average includes the run's own processes and the minute before, so it is not used. The
+//! time of other processes is the time of all cores, minus idle time, stolen time, and time of
+//! harness and runners. It is measured over the blocks of a scene, which last seconds. The system's
+//! clocks have 100 ticks per second, too coarse for a sample of two milliseconds.
 
 use std::time::{Instant, SystemTime};
 
@@ -18,7 +18,7 @@ pub(crate) struct Watch {
     load: Option<f64>,
 }
 
-/// Seconds since the start of the machine and of the harness, over all cores.
+/// Times in seconds over all cores, since the start of the machine (`own`: of the harness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Times {
     cores: u64,
@@ -28,7 +28,7 @@ struct Times {
 }
 
 impl Watch {
-    /// `None` if the system does not report this (anywhere but on Linux).
+    /// Starts measuring; `None` if the system does not report these times (only Linux does).
     pub fn start() -> Option<Watch> {
         let before = now()?;
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -120,13 +120,13 @@ mod tests {
         let after = Times { cores: 2, idle: 11.0, stolen: 1.5, own: 13.0 };
         let span = between(before, after, 10.0);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (8.0, 0.5, 10.5));
-        // Differences that are negative, because clocks disagree or restart, count as 0.
+        // Negative differences, from clocks that disagree or restart, count as 0.
         let span = between(after, before, 0.1);
         assert_eq!((span.own_s, span.stolen_s, span.others_s), (0.0, 0.0, 0.2));
         assert_eq!(between(before, after, 1.0).others_s, 0.0);
     }
 
-    /// Other processes may be active, so only certain values are tested.
+    /// Other processes may be active, so only bounds are tested.
     #[test]
     #[cfg(target_os = "linux")]
     fn own_work_is_own() {

@@ -1,4 +1,4 @@
-//! Runs experiments: subjects in processes of their own, judged answers, rows in the record.
+//! Runs experiments: a process for each subject, judged answers, and rows in the record.
 
 pub mod alloc;
 mod block;

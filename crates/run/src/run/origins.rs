@@ -1,4 +1,4 @@
-//! Records the origin of rows: the program behind each process, by the SHA-256 of its file, and the
+//! Records the origin of rows: the program of each process, by the SHA-256 of its file, and the
 //! load of the machine.
 
 use std::collections::HashMap;
@@ -17,7 +17,7 @@ use contactbench_record::record::role::Role;
 
 pub struct Origins {
     ledger: Writer,
-    /// SHA-256 of files; a file is read again only if its stamp changes.
+    /// SHA-256 of files. A file is read again only if its path, size, time or inode changes.
     known: HashMap<Stamp, Option<String>>,
 }
 
@@ -79,8 +79,8 @@ impl Origins {
     }
 }
 
-/// Name and path of a process's program. On Linux, this is the program that it has become by
-/// `exec`, even if the file was replaced since.
+/// Returns name and path of a process's program. On Linux, this is the program that it has become
+/// by `exec`, even if the file was replaced since.
 fn running(process: u32, program: &str) -> (String, PathBuf) {
     let link = PathBuf::from(format!("/proc/{process}/exe"));
     if let Ok(target) = std::fs::read_link(&link) {

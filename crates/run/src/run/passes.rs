@@ -1,5 +1,5 @@
-//! The measurements of one subject on one scene: its runner loads the scene, counts, measures
-//! memory, and takes timed samples. Every answer is judged before its row is written.
+//! The measurements of one subject on one scene. Its runner loads the scene, counts operations,
+//! measures memory, and takes timed samples. Every answer is judged before its row is written.
 //!
 //! Each timed sample has a new process. In one case of ten, the position of a process in memory
 //! changes its time by up to a fifth, for as long as the process lives. Blocks within one process
@@ -20,7 +20,7 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};
 
-/// Minimum length of a sample; shorter ones would measure the clock.
+/// Minimum length of a sample; in a shorter one, the clock's overhead and resolution would matter.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
 
 pub(crate) struct Running {
@@ -29,12 +29,12 @@ pub(crate) struct Running {
     pub hello: Hello,
     pub blank: Row,
     pub loads: Rc<[Trajectory]>,
-    /// The command of its copies with one thread; `None` without a ceiling.
+    /// The command that starts a copy with one thread; `None` if copies are not measured.
     pub copy: Option<Start>,
 }
 
 impl Running {
-    /// The processor of its process in this block; `None` with several threads.
+    /// Returns the processor for the process in this block; `None` with several threads.
     pub fn processor(&self, block: u32) -> Option<usize> {
         processors::in_block(block).filter(|_| self.contender.threads == 1)
     }
@@ -49,7 +49,7 @@ impl Running {
 
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
-        // If the scene has a history, this is not the first detection of the process.
+        // If the scene has a history, `first_ns` is not the process's first detection.
         row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);
@@ -65,8 +65,8 @@ impl Running {
     }
 }
 
-/// Loads several scenes one after the other, for hard cases with a history. Answers before the last
-/// scene are not judged; they only leave traces in buffers.
+/// Loads several scenes one after the other, for hard cases with a history. Answers to scenes
+/// before the last are not judged; these scenes only leave traces in buffers.
 pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), Failure> {
     let Some((last, history)) = loads.split_last() else { return Ok(()) };
     for trajectory in history {
@@ -79,8 +79,8 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// Starts a runner in a new process and loads the scene; on `processor`, if given. Its hello must
-/// be `hello`.
+/// Starts a runner in a new process, on `processor` if given, and loads the scene. Fails if the
+/// runner's hello is not `hello`.
 pub fn fresh(
     start: &Start,
     hello: Option<&Hello>,
@@ -88,7 +88,7 @@ pub fn fresh(
     processor: Option<usize>,
 ) -> Result<Client, Failure> {
     let start = &Start { processor, ..start.clone() };
-    // A second attempt, because the system may lack a resource for a moment.
+    // A failed start is repeated once, because the system may lack a resource for a moment.
     let mut client = Client::start(start).or_else(|_| Client::start(start))?;
     if hello.is_some_and(|hello| client.hello != *hello) {
         let reason = "the runner's hello differs from that of its first start".into();
@@ -115,7 +115,7 @@ fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
 }
 
 pub fn astray(request: &Request, reply: &Reply) -> Failure {
-    // Only the variant's name, because the rest contains paths that differ between runs.
+    // The message has only the variant's name, because paths differ between runs.
     let word = |text: String| text.split([' ', '(']).next().unwrap_or_default().to_string();
     let reason = format!(
         "the runner answered {} with {}",
@@ -127,7 +127,7 @@ pub fn astray(request: &Request, reply: &Reply) -> Failure {
 
 impl Stage<'_, '_> {
     /// Starts a subject, loads the scene, counts, and measures memory. Returns `None` if the
-    /// subject is out; its rows state why.
+    /// subject fails; its rows state why.
     pub fn enter(
         &mut self,
         contender: Contender,
@@ -178,8 +178,8 @@ impl Stage<'_, '_> {
         Ok(Some(running))
     }
 
-    /// Judges a row's answer before the row is written; for several frames, the answers to all of
-    /// them.
+    /// Judges the answer of a row, for several frames all answers. Must be called before the row is
+    /// written.
     pub fn judge(
         &mut self,
         row: &mut Row,
@@ -206,7 +206,7 @@ impl Stage<'_, '_> {
         row.errors = judged.errors;
         row.causes = judged.causes;
         if row.outcome == Outcome::Refused {
-            // Without a known truth, times are not recorded.
+            // The outcome means that the truth is unknown, so times are not recorded.
             (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
         }
         if row.outcome == Outcome::Wrong {
@@ -230,8 +230,8 @@ impl Stage<'_, '_> {
     }
 }
 
-/// Starts the runner of a subject. Returns its arithmetic: the subject's, or the one that the
-/// runner reports.
+/// Starts the runner of a subject. Also returns the subject's arithmetic or, if it has none, the
+/// one that the runner reports.
 fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
     let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
     if let Some(reason) = &contender.missing {
@@ -274,8 +274,8 @@ pub fn say(row: &mut Row, found: &Found) {
     (row.contacts, row.digest) = (Some(contacts), Some(digest));
 }
 
-/// Counts operations or measures memory, depending on the row's pass. Returns `None` if the runner
-/// does not support this pass.
+/// Counts operations or measures memory, as the row's pass requires. Returns `None` if the runner
+/// does not support this.
 fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
     let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
     let found = match (client.ask(&request)?, row.pass) {

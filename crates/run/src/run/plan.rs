@@ -13,9 +13,9 @@ use contactbench_record::experiment::shard::Shard;
 use contactbench_scenes::generate;
 use contactbench_scenes::spec::Spec;
 
-/// Scenes are tested with at most this many particles, which takes some milliseconds.
+/// Maximum number of particles of scenes that are tried before a run, in some milliseconds.
 const TRIED: u64 = 1000;
-/// Rows have 1.0 to 1.7 kB in the reference runs.
+/// Assumed size of a row in bytes; the reference runs have 1.0 to 1.7 kB.
 const ROW_BYTES: u64 = 2000;
 const REPORT_BYTES: u64 = 8 << 20;
 
@@ -94,8 +94,8 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     few.frames(&few.given()?).map(drop)
 }
 
-/// Checks that files can be written to `folder` and `temporary`, and that both have space for the
-/// rows (`done` exist) and for the scenes.
+/// Checks that files can be written to `folder` and `temporary`, and that there is space for the
+/// rows in one (`done` exist already) and for the largest scene in the other.
 pub(crate) fn room(
     job: &Job,
     scenes: &[Planned<'_>],
@@ -120,7 +120,7 @@ pub(crate) fn room(
         "the record and the report",
         "free some space, or choose another folder with --out",
     )?;
-    // Coordinates and radii in f64, for each frame; and six pairs per particle, for a wrong answer.
+    // Coordinates and radii of each frame in f64, and six pairs per particle of a wrong answer.
     let bytes = |(_, spec): &Planned<'_>| {
         let frames = spec.course.map_or(1, |course| course.frames);
         let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
@@ -135,7 +135,7 @@ pub(crate) fn room(
     )
 }
 
-/// Fails if the scene differs from the record's, because its file or generator has changed.
+/// Fails if the scene is not the one in the record, because its file or generator has changed.
 pub(crate) fn same_scene(now: &str, before: Option<&str>) -> anyhow::Result<()> {
     let before = before.unwrap_or(now);
     ensure!(

@@ -1,14 +1,14 @@
-//! Detects impossible numbers in replies, for `run`, `recommend` and `check`. They break the
-//! protocol.
+//! Detects impossible numbers in replies, which break the protocol, for `run`, `recommend` and
+//! `check`.
 
 use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 use contactbench_core::probe::Op;
 
-/// A sample with this many detections may be shorter than requested, because one detection may be
-/// shorter than the clock's resolution.
+/// Minimum number of detections of a sample that may be shorter than requested, because a detection
+/// may be shorter than the clock's resolution.
 pub const MOST_CALLS: u64 = 1 << 20;
 
-/// No machine can test more pairs than this per nanosecond.
+/// Number of pairs per nanosecond that no machine can exceed in testing.
 const MOST_LISTED_PER_NS: u64 = 1000;
 
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ pub struct Asked {
     pub most_listed: Option<u64>,
 }
 
-/// Returns what is impossible in a reply, as a sentence without a full stop.
+/// Checks a reply; the error states what is impossible, as a sentence without a full stop.
 pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
     match reply {
         Reply::Sample(of) => answers(&of.found, asked).and_then(|()| sample(of, asked)),
@@ -86,7 +86,7 @@ fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), 
     })
 }
 
-/// There must be at least as many contact tests as contacts, over all frames; 0 means not counted.
+/// Checks that all frames together have at least as many tests, if counted, as contacts.
 fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
     let tests = counts.get(Op::ContactTest.name()).copied();
     let each = found.steps.contacts.iter();
@@ -160,7 +160,7 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
             "it reports elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
              ns: are these nanoseconds?"
         )
-    // Passes over several frames are few, because each reads all files.
+    // A sample of several frames may be shorter, because each pass reads all files.
     } else if elapsed_ns < min_ns / 10 && calls < MOST_CALLS && asked.frames == 1 {
         format!(
             "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
@@ -171,7 +171,7 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
     })
 }
 
-/// Whether some frame was answered from an earlier list, or tested more pairs than its contacts.
+/// Returns whether some frame was answered from an earlier list, or its list has other pairs.
 fn keeps_a_list(steps: &Steps) -> bool {
     let longer = steps.listed.iter().zip(&steps.contacts).any(|(listed, found)| listed > found);
     longer || steps.built.contains(&false)
@@ -199,7 +199,7 @@ fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
     {
         return Err(format!("it reports {name} {bytes}, and has {limit} bytes of address space"));
     }
-    // No allocator makes more than one allocation per nanosecond.
+    // No allocator can make more than one allocation per nanosecond.
     let pieces = allocations.max(warm_allocations.unwrap_or(0));
     if pieces > asked.waited_ns {
         return Err(format!("it reports {pieces} allocations within {} ns", asked.waited_ns));
@@ -219,7 +219,7 @@ mod tests {
         most_listed: Some(100 * 100),
     };
 
-    /// Checks that a reply is refused with these words, or accepted if they are empty.
+    /// Checks that a reply is refused with these words, or accepted if `words` is empty.
     fn says(reply: &Reply, asked: &Asked, words: &str) {
         match check(reply, asked) {
             Ok(()) => assert_eq!(words, "", "{reply:?}"),
@@ -238,7 +238,7 @@ mod tests {
         for (time_ns, calls, elapsed_ns, words) in [
             (2_000_000, 1, 2_000_000, ""),
             (2, 1_000_000, 2_300_000, ""),
-            // An empty detection, repeated as often as allowed.
+            // A detection without particles may take 1 ns, and is repeated as often as allowed.
             (1, MOST_CALLS, MOST_CALLS, ""),
             // The number of detections is fixed by the first sample, so later ones may be shorter.
             (400_000, 1, 400_000, ""),
@@ -282,7 +282,7 @@ mod tests {
     fn every_frame_has_a_time_and_an_answer() {
         let asked = Asked { frames: 3, ..ASKED };
         let right = [1_000_000, 4_000_000, 1_000_001];
-        // Three frames, two passes.
+        // Returns a sample of two passes over three frames.
         let passes = |step_ns: &[u64], answered: usize| {
             let mut sample = sampled(2_000_000, 6, 12_000_000);
             sample.step_ns = step_ns.to_vec();
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Steps of three frames with 5 contacts each.
+    /// Returns steps of three frames with 5 contacts each.
     fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Found {
         let steps = Steps {
             contacts: vec![5; 3],

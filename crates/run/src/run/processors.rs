@@ -8,14 +8,14 @@
 
 use std::sync::LazyLock;
 
-/// Processors that this program may use, in order; empty if unknown.
+/// Processors that this program may use, in ascending order; empty if they are unknown.
 static ALLOWED: LazyLock<Vec<usize>> = LazyLock::new(allowed);
 
 pub fn in_block(block: u32) -> Option<usize> {
     nth(block as usize)
 }
 
-/// A processor for each of `k` processes that run at the same time; `None` if there are too few.
+/// Returns a processor for each of `k` processes at the same time, or `None` if too few exist.
 pub fn apart(k: usize) -> Vec<Option<usize>> {
     (0..k).map(|i| nth(i).filter(|_| k <= ALLOWED.len())).collect()
 }

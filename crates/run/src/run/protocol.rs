@@ -12,15 +12,15 @@ use contactbench_core::sink::{Digest, splitmix64};
 use contactbench_core::track::Step;
 use contactbench_terms::text::line;
 
-/// The only version of the protocol that harness and runners speak.
+/// The version of the protocol, which harness and runner must share.
 pub const VERSION: u32 = 4;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "request", rename_all = "lowercase")]
 pub enum Request {
     Load(Trajectory),
-    /// Times passes that last at least `min_ns` nanoseconds together. A pass is a reset and a
-    /// detection in each frame.
+    /// Repeats passes until they last at least `min_ns` nanoseconds together, and times them. A
+    /// pass is a reset and a detection in each frame.
     Sample {
         min_ns: u64,
     },
@@ -48,7 +48,7 @@ impl Request {
 #[serde(tag = "reply", rename_all = "lowercase")]
 pub enum Reply {
     Hello(Box<Hello>),
-    /// The trajectory is accepted; a scene at rest is in memory.
+    /// The trajectory is accepted; if it has one frame, the scene is in memory.
     Loaded,
     Sample(Box<Sample>),
     Count(Box<Counted>),
@@ -56,9 +56,9 @@ pub enum Reply {
     Pairs {
         contacts: u64,
     },
-    /// The runner does not support this request (count, memory or pairs).
+    /// The runner does not support this request, which may only be count, memory or pairs.
     Unsupported,
-    /// The detector does not work on this trajectory.
+    /// The detector cannot process this trajectory.
     Refused {
         reason: String,
     },
@@ -94,17 +94,17 @@ impl Reply {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
-    /// Must be [`VERSION`].
+    /// Version of the protocol, which must be [`VERSION`].
     pub protocol: u32,
     pub detector: String,
     #[serde(default = "exact")]
     pub arithmetic: String,
-    /// Version of the runner or the library behind it; may be empty.
+    /// Version of the runner, or of the library behind it; may be empty.
     #[serde(default)]
     pub version: String,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub build: BTreeMap<String, String>,
-    /// Whether it takes only trajectories of one frame.
+    /// Whether the runner accepts only trajectories of one frame.
     #[serde(default, skip_serializing_if = "is_false")]
     pub at_rest: bool,
 }
@@ -113,15 +113,15 @@ pub struct Hello {
 pub struct Sample {
     pub time_ns: u64,
     pub calls: u64,
-    /// Nanoseconds of all detections together.
+    /// Time of all detections together, in nanoseconds.
     pub elapsed_ns: u64,
-    /// Nanoseconds per detection, by frame; optional for one frame.
+    /// Mean time of a detection in each frame, in nanoseconds; optional for one frame.
     #[serde(default)]
     pub step_ns: Vec<u64>,
-    /// The part of `time_ns` that builds lists; optional.
+    /// The part of `time_ns` that is spent on building neighbour lists; optional.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub building_ns: Option<u64>,
-    /// Nanoseconds of the detection before the timed ones; optional.
+    /// Time of the detection before the timed ones, in nanoseconds; optional.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_ns: Option<u64>,
     #[serde(flatten)]
@@ -137,9 +137,9 @@ pub struct Counted {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Peak of bytes, without the trajectory and the list of pairs.
+    /// Peak memory in bytes, without the trajectory and the list of pairs.
     pub peak_bytes: u64,
-    /// Bytes held after the pass.
+    /// Memory held after the pass, in bytes.
     pub live_bytes: u64,
     pub allocations: u64,
     #[serde(default)]
@@ -152,7 +152,7 @@ pub struct Memory {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
-    /// Pairs of the last frame.
+    /// Number of contacts in the last frame.
     pub contacts: u64,
     pub digest: String,
     #[serde(flatten)]
@@ -183,9 +183,9 @@ impl Found {
         }
     }
 
-    /// Contacts of all frames, and a chained hash of the frames' digests, like
-    /// [`scene_hash`](contactbench_scenes::stats::scene_hash). For one frame, its own contacts and
-    /// digest.
+    /// Returns the number of contacts in all frames, and a chained hash of the frames' digests,
+    /// like [`scene_hash`](contactbench_scenes::stats::scene_hash). For one frame, returns its
+    /// digest instead.
     pub fn whole(&self) -> (u64, String) {
         let Found { contacts, digest: text, steps } = self;
         if steps.digests.len() < 2 {
@@ -199,20 +199,20 @@ impl Found {
     }
 }
 
-/// Results by frame, in lists of equal length. All are empty for one frame without a tracker.
+/// Results by frame, in lists of equal length; empty for a detector on a single frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Steps {
     #[serde(default, rename = "step_contacts", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<u64>,
     #[serde(default, rename = "step_digests", skip_serializing_if = "Vec::is_empty")]
     pub digests: Vec<String>,
-    /// Whether a list was built; optional.
+    /// Whether a neighbour list was built, by frame; optional.
     #[serde(default, rename = "step_built", skip_serializing_if = "Vec::is_empty")]
     pub built: Vec<bool>,
-    /// Whether the list may have been built too late; optional.
+    /// Whether the neighbour list may have been built too late, by frame; optional.
     #[serde(default, rename = "step_dangerous", skip_serializing_if = "Vec::is_empty")]
     pub dangerous: Vec<bool>,
-    /// Number of tested pairs; optional.
+    /// Number of pairs that were tested, by frame; optional.
     #[serde(default, rename = "step_listed", skip_serializing_if = "Vec::is_empty")]
     pub listed: Vec<u64>,
 }
@@ -233,7 +233,7 @@ impl Steps {
         )
     }
 
-    /// Returns the name and length of a list that does not have one value per frame; optional lists
+    /// Returns the name and length of the first list whose length is not `frames`; optional lists
     /// may be empty.
     pub fn unlike(&self, frames: usize) -> Option<(&'static str, usize)> {
         let needed = [("step_contacts", self.contacts.len()), ("step_digests", self.digests.len())];

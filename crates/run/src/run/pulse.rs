@@ -1,9 +1,9 @@
-//! Measures the current speed of the machine: a fixed loop bound by caches and memory, timed beside
-//! each sample on its processor.
+//! Measures the current speed of the machine with a fixed loop that is bound by caches and memory.
+//! The loop is timed before and after each sample, on the sample's processor.
 //!
-//! The speed of a machine changes for seconds at a time: a lower clock, a neighbour on the same
-//! memory, a busy host. If the loop takes long, the sample probably did too; see
-//! [`States`](contactbench_record::cells::state::States).
+//! The speed of a machine changes for seconds at a time, because of a lower clock, another program
+//! that uses the same memory, or a busy host. If the loop takes long, the sample probably did too;
+//! see [`States`](contactbench_record::cells::state::States).
 
 use std::hint::black_box;
 use std::sync::LazyLock;
@@ -12,25 +12,24 @@ use std::time::Instant;
 use crate::run::processors;
 use contactbench_core::sink::splitmix64;
 
-/// Memory that the loop reads, in bytes: more than the caches of one core hold on most machines.
-/// Less in a debug build, whose times are not used, because the loop would take longer than the
-/// sample.
+/// Memory that the loop reads, in bytes: more than the caches of one core on most machines. In a
+/// debug build, whose times are not used, less memory keeps the loop shorter than the sample.
 const BYTES: usize = if cfg!(debug_assertions) { 64 << 10 } else { 8 << 20 };
 const WORDS: usize = BYTES / size_of::<u32>();
-/// Number of dependent reads, which take about as long as reading everything once.
+/// Number of dependent reads. They take about as long as reading all of the memory in order.
 const HOPS: usize = 8192;
 
 static PLACES: LazyLock<Vec<u32>> =
     LazyLock::new(|| (0..WORDS as u64).map(|k| (splitmix64(k) % WORDS as u64) as u32).collect());
 
-/// Nanoseconds of the loop, on this processor if one is given; `None` if a thread cannot be
-/// started.
+/// Returns the time of the loop in nanoseconds, on `processor` if given; `None` if a thread cannot
+/// be started.
 pub fn pulse(processor: Option<usize>) -> Option<u64> {
     let places = &**PLACES;
     let beat = move || {
         processors::keep_this_thread(processor);
         let sum = || black_box(places).iter().fold(0u32, |sum, &place| sum.wrapping_add(place));
-        // Untimed, so that the caches do not depend on the last sample.
+        // This first sum is untimed; after it, the caches do not depend on the last sample.
         black_box(sum());
         let start = Instant::now();
         let all = sum();
@@ -50,7 +49,7 @@ pub fn pulse(processor: Option<usize>) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// No machine reads 8 MiB in ten microseconds, so the compiler did not remove the loop.
+    /// No machine reads 8 MiB in ten microseconds, so a longer time shows that the loop was run.
     #[test]
     fn the_loop_is_done() {
         let fastest = (0..5).filter_map(|_| pulse(processors::in_block(1))).min().unwrap();

@@ -21,13 +21,13 @@ use contactbench_record::record::{copies, folder, ledger, machines, provenance, 
 pub struct Asked {
     pub experiments: Vec<(Experiment, String)>,
     pub quick: bool,
-    /// Whether the folder may contain rows of the same run.
+    /// Whether to continue if the folder has rows of the same run.
     pub resume: bool,
     pub against: Option<PathBuf>,
     pub shard: Option<Shard>,
 }
 
-/// The error of a run that can be resumed after the cause is removed.
+/// The error of a run that can be resumed after its cause is removed.
 #[derive(Debug, thiserror::Error)]
 #[error("{0:#}")]
 pub struct Stopped(pub anyhow::Error);
@@ -44,8 +44,8 @@ pub fn find(names: &[String]) -> anyhow::Result<Vec<(Experiment, String)>> {
     Ok(found)
 }
 
-/// The result folder. It never overwrites earlier results, even if jobs of an array start in the
-/// same second. To resume, the last folder with the same name and shard.
+/// Returns the result folder: a new one, named after date, machine and shard, so that jobs of an
+/// array do not share it; with `resume`, the last one with this name and shard.
 pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<PathBuf> {
     let results = Path::new("results").join(name);
     let suffix = shard.map_or(String::new(), |shard| format!("-shard-{}", shard.file_name()));
@@ -68,7 +68,7 @@ pub fn folder(name: &str, shard: Option<Shard>, resume: bool) -> anyhow::Result<
 }
 
 /// Runs the experiments into `folder`. `note` receives sentences about existing rows. Returns the
-/// number of scenes; a shard may have none.
+/// number of scenes, which may be 0 for a shard.
 ///
 /// # Errors
 /// Errors that can be foreseen are returned before anything is measured.
@@ -211,7 +211,7 @@ fn same_experiment(
     Ok(())
 }
 
-/// Checks that a quick run does not continue a full one, or the reverse.
+/// Checks that a quick run does not continue a full run, nor a full run a quick one.
 fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
     let begun = provenance::of_folder(folder).and_then(|all| all["quick"].as_bool());
     let (begun, other) = match begun.filter(|&begun| begun != quick && !rows.is_empty()) {
@@ -227,7 +227,7 @@ fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
 
 const BASE: &str = "against_sha256";
 
-/// Checks that a record has rows of this build alone, or beside one other build.
+/// Checks that the run has the same other build as the record, or none if the record has none.
 fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
     if rows.is_empty() {
         return Ok(());

@@ -1,10 +1,9 @@
-//! One scene of one experiment: the scene is made, its truth found, subjects are started, and rows
-//! are written.
+//! One scene of an experiment: makes the scene, finds its truth, starts subjects, and writes rows.
 //!
-//! Each runner loads the scene, counts, and measures memory. Then come blocks of timed samples:
-//! every subject once per block, in random order and in a new process. A subject with several
-//! threads is followed by its copies, if the experiment asks for them. Rows already in the record
-//! are not measured again.
+//! Each runner loads the scene, counts operations, and measures memory. Then come blocks of timed
+//! samples: every subject once per block, in random order and in a new process. If the experiment
+//! requests it, copies of a subject with several threads follow. Rows already in the record are not
+//! measured again.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -56,7 +55,7 @@ pub(crate) struct Stage<'a, 'l> {
     pub log: &'a mut Log<'l>,
 }
 
-/// The outputs of a run, and what it remembers from scene to scene.
+/// The outputs of a run, and what it keeps from scene to scene.
 pub(crate) struct Log<'a> {
     pub record: Writer,
     pub origins: Origins,
@@ -180,7 +179,7 @@ impl Stage<'_, '_> {
             {
                 break;
             }
-            // A different order in each block and scene, but the same in every run.
+            // The order differs between blocks and scenes, but is the same in every run.
             let of_scene = plan::seeding(self.experiment, self.spec)
                 .bytes()
                 .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
@@ -201,15 +200,15 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Whether the record has everything of the subjects on this scene; fails if the record is of
-    /// another scene.
+    /// Returns whether the record has all rows of the subjects on this scene. Fails if the record
+    /// has rows of a different scene.
     fn is_complete(&self, contenders: &[Contender], given: &Given) -> anyhow::Result<bool> {
         let blank = |contender: &Contender| {
             contender.blank(self.experiment, self.spec, Some(&given.scene), &Stats::default())
         };
         if let Some(one) = contenders.first() {
             let before = self.index.scene_hash(&blank(one));
-            // Hashing a large scene is slow, so it is done only if the record has rows of it.
+            // Hashing is slow, so it is done only if the record has rows of the scene.
             if before.is_some() {
                 plan::same_scene(&stats::hash(given), before)?;
             }
@@ -219,8 +218,8 @@ impl Stage<'_, '_> {
 
     fn complete(&self, contender: &Contender, blank: &Row) -> bool {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
-        // A budget may have ended the blocks early. The arithmetic of a runner is unknown before it
-        // is started.
+        // A time budget may have ended the blocks early. The arithmetic of a runner is unknown
+        // before it is started, so its rows cannot be found.
         let enough = self.experiment.enough_blocks(self.job.quick);
         let ceiling =
             |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
@@ -235,8 +234,8 @@ impl Stage<'_, '_> {
                     && (1..=enough).all(|block| has(Pass::Time, block) && ceiling(block)))
     }
 
-    /// Writes rows for a hard case whose scene is expected to be invalid. Any other invalid scene
-    /// is an error.
+    /// Writes rows for a hard case that is invalid by design. For any other invalid scene, returns
+    /// the error.
     fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
         let Some(invalid) = error
             .chain()
@@ -256,12 +255,12 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Whether the record states that this cell ended badly. Rows that a killed run did not write
-    /// are written now.
+    /// Returns whether the record states that this cell failed. If so, writes the rows that a
+    /// killed run has left out.
     pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
         for &pass in last.pass.owed() {
-            // The failed process is the origin of these rows, too.
+            // The failed process is recorded as the origin of these rows, too.
             let Row { outcome, ref reason, ref process, .. } = *last;
             let (reason, process) = (reason.clone(), process.clone());
             let row = Row { pass, outcome, reason, process, ..blank.clone() };
@@ -272,7 +271,7 @@ impl Stage<'_, '_> {
         Ok(true)
     }
 
-    /// Whether the detector was too slow with fewer particles; then rows state that.
+    /// Whether the detector was too slow with fewer particles; if so, writes rows that state it.
     pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(n) = self.log.too_slow.at(blank) else { return Ok(false) };
         let reason = format!("not tried: over the time limit at N = {n} already");
@@ -280,7 +279,7 @@ impl Stage<'_, '_> {
         Ok(true)
     }
 
-    /// Writes a row, with the name of this machine. After a signal nothing is written, because a
+    /// Writes a row, with the name of this machine. After a signal, no row is written, because a
     /// runner may have been interrupted.
     pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
         interrupt::check()?;

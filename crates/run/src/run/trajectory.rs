@@ -1,5 +1,5 @@
-//! Trajectories for runners: the same particles in frame after frame, one file per frame, with a
-//! common box or one per frame. A scene at rest is a trajectory of one frame.
+//! Trajectories for runners: the same particles in all frames, one file per frame, with one box for
+//! all frames or one for each. A scene at rest is a trajectory of one frame.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_scenes::motion::Frames;
 
-/// The files of a trajectory. A runner reads them one at a time.
+/// The files of a trajectory. A runner keeps only one frame in memory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
     /// One npy file per frame, in order; a file may occur several times. Little-endian f64, C
@@ -21,7 +21,7 @@ pub struct Trajectory {
     pub dim: u32,
     pub n: u64,
     pub radius: Option<f64>,
-    /// The periodic box of all frames; absent in open space, or if boxes differ.
+    /// The box of all frames; absent in open space, or if frames have different boxes.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub in_box: Option<BoxMessage>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -31,7 +31,7 @@ pub struct Trajectory {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxMessage {
     pub vectors: Vec<Vec<f64>>,
-    /// Vectors along which the box is periodic.
+    /// Whether the box is periodic along each vector.
     pub periodic: Vec<bool>,
     pub origin: Vec<f64>,
 }
@@ -99,7 +99,7 @@ impl Trajectory {
         all.context("a trajectory has at least one frame")
     }
 
-    /// Appends a frame of the same particles. Fails if only one of the two has a box.
+    /// Appends a frame of the same particles. Fails if only one of `all` and `next` has a box.
     pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) -> anyhow::Result<()> {
         let Some(all) = all else {
             *all = Some(next);
@@ -133,12 +133,12 @@ impl Trajectory {
         self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
     }
 
-    /// The dimension of its box, if it has one; contacts then have images.
+    /// Returns the dimension of the box, if there is one; contacts then have images.
     pub fn box_dim(&self) -> Option<usize> {
         (self.in_box.is_some() || !self.boxes.is_empty()).then_some(self.dim as usize)
     }
 
-    /// Reads the file of a frame; fails if the number of boxes is not that of frames.
+    /// Reads a frame from its file. Fails if the number of boxes differs from that of frames.
     pub fn read_frame(&self, k: usize) -> anyhow::Result<Given> {
         let path = self.frames.get(k).with_context(|| {
             format!("there is no frame {k}; the trajectory has {}", self.frames.len())

@@ -9,7 +9,7 @@ use crate::run::trajectory::Trajectory;
 use contactbench_record::record::row::Outcome;
 
 /// Requests every frame, and combines the replies to one. Each frame is loaded on its own, so the
-/// runner keeps nothing from the frame before.
+/// runner cannot reuse what it computed for earlier frames.
 pub(super) fn ask(
     client: &mut Client,
     trajectory: &Trajectory,
@@ -66,7 +66,7 @@ struct Whole {
 }
 
 impl Whole {
-    /// Adds the reply for one frame; returns a reply of another kind.
+    /// Adds the reply for one frame, or returns it if it is of another kind.
     fn take(&mut self, reply: Reply) -> Result<(), Reply> {
         let found = match reply {
             Reply::Sample(sample) => {
@@ -103,8 +103,8 @@ impl Whole {
             Request::Count => Reply::Count(Counted { counts, found }.into()),
             Request::Memory => Reply::Memory(Memory { found, ..memory }.into()),
             _ => {
-                // Combined, this is one pass: each frame's mean counts as one detection, whatever
-                // its number of calls.
+                // The combined reply is one pass: each frame counts as one detection with its mean
+                // time.
                 let elapsed_ns = step_ns.iter().fold(0u64, |all, ns| all.saturating_add(*ns));
                 let calls = step_ns.len().max(1) as u64;
                 let time_ns = (elapsed_ns + calls / 2) / calls;

@@ -25,13 +25,13 @@ pub struct Start {
     pub command: Vec<String>,
     pub install: String,
     pub time_limit: Duration,
-    /// Address space in bytes.
+    /// Maximum address space of the runner, in bytes.
     pub memory_limit: u64,
     pub processor: Option<usize>,
 }
 
 impl Start {
-    /// A command without a remedy, on any processor.
+    /// Starts `command` on any processor, without a hint how to install it.
     pub fn of(command: &[String], time_limit: Duration, memory_limit: u64) -> Start {
         let (command, install) = (command.to_vec(), String::new());
         Start { command, install, time_limit, memory_limit, processor: None }
@@ -58,9 +58,9 @@ pub struct Client {
     memory_limit: u64,
     samples: u32,
     frames: usize,
-    /// Number of ordered pairs of particles, if the scene is open.
+    /// Number of ordered pairs of particles; `None` in a box, where images are pairs, too.
     most_listed: Option<u64>,
-    /// The loaded trajectory, if the runner takes one frame at a time.
+    /// The loaded trajectory, if the runner accepts only trajectories of one frame.
     by_frame: Option<Trajectory>,
     waited: Duration,
     pub hello: Hello,
@@ -70,8 +70,8 @@ pub const NO_REPLY: &str = "the runner's answer is not a reply";
 
 /// Interval at which a waiting client checks for signals.
 const LOOK: Duration = Duration::from_millis(100);
-/// Time for a runner to leave after `quit`, and after SIGTERM. Runners that started other processes
-/// need it to end them.
+/// Times that a runner gets to end after `quit`, and after SIGTERM. It may have to end processes
+/// that it started.
 const TO_LEAVE: Duration = Duration::from_millis(100);
 #[cfg(unix)]
 const TO_CLEAN_UP: Duration = Duration::from_millis(500);
@@ -126,7 +126,7 @@ impl Client {
         })
     }
 
-    /// Reads the first line. Its failure is `wrong` unless it is a hello with the right version.
+    /// Reads the first line. Fails with the outcome `wrong` unless it is a valid hello.
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         let line = self.receive(limit).map_err(|failure| match failure.outcome {
@@ -151,7 +151,7 @@ impl Client {
         }
     }
 
-    /// Why the first line did not arrive in time.
+    /// Returns why the first line did not arrive in time.
     fn no_hello(&self, limit: Duration) -> String {
         let begun = self.begun().unwrap_or_else(|| "it printed nothing on standard output".into());
         let errors = self.errors();
@@ -167,7 +167,7 @@ impl Client {
         )
     }
 
-    /// The beginning of a line that has not ended, as a clause.
+    /// Returns the beginning of a line whose end has not arrived, as a clause.
     fn begun(&self) -> Option<String> {
         let begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         let shown = output::shown(&begun);
@@ -184,7 +184,7 @@ impl Client {
     }
 
     /// Sends a request and reads the reply. After a failure other than a refusal, the runner is
-    /// unusable. A runner that takes one frame at a time gets a trajectory frame by frame.
+    /// unusable. If a runner accepts only one frame, the trajectory is sent frame by frame.
     pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
         if let Request::Load(trajectory) = request {
             let several = self.hello.at_rest && trajectory.frames.len() > 1;
@@ -213,7 +213,7 @@ impl Client {
             return Err(Failure { outcome: Outcome::Crashed, reason });
         }
         match reply {
-            // The limit is checked here, too, because some systems do not enforce it.
+            // The memory limit is checked here, too, because some systems do not enforce it.
             Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
                 let (taken, limit) = (memory.peak_bytes, self.memory_limit);
                 let reason = format!("it used {taken} bytes; the limit is {limit}");
@@ -264,15 +264,15 @@ impl Client {
         reply
     }
 
-    /// The contacts of a frame (by default the last), exchanged by a file. `box_dim` is the
-    /// dimension of the box, if there is one.
+    /// Returns the contacts of a frame (by default the last), which the runner writes to `path`.
+    /// `box_dim` is the dimension of the box, if there is one.
     pub fn pairs(
         &mut self,
         path: &Path,
         box_dim: Option<usize>,
         frame: Option<u64>,
     ) -> Result<Contacts, String> {
-        // A file of another runner must not be taken for the answer.
+        // Removes the file of an earlier answer, which must not be taken for this one.
         let _ = std::fs::remove_file(path);
         self.ask(&Request::Pairs { path: path.to_path_buf(), frame })
             .map_err(|failure| failure.reason)?;
@@ -343,8 +343,8 @@ impl Client {
         let status = ended.map_or_else(silent, |status| status.to_string());
         self.kill();
         let errors = self.errors();
-        // Messages of failed allocations in Rust, this program, C++ and Python. A backtrace may
-        // follow them.
+        // These messages state failed allocations in Rust, this program, C++ and Python. A
+        // backtrace may follow them.
         let starved = |line: &&str| {
             ["memory allocation of", "could not be allocated", "bad_alloc", "MemoryError"]
                 .iter()

@@ -11,13 +11,13 @@ pub(super) type Line = Result<String, String>;
 /// Maximum length of a line, in bytes.
 const LONGEST_LINE: usize = 1 << 20;
 const SHOWN: usize = 320;
-/// Bytes of standard error that are kept: the end, which has the reason for a crash.
+/// Maximum size of the kept end of standard error, in bytes; it has the reason for a crash.
 const KEPT: usize = 1 << 16;
 
 /// The beginning of a line whose end has not arrived.
 pub(super) type Begun = Arc<Mutex<Vec<u8>>>;
 
-/// The lines of a runner. One line is read ahead; a runner that writes more must wait.
+/// Returns the lines of a runner. One line is read ahead; a runner that writes more must wait.
 pub(super) fn lines(output: Option<ChildStdout>) -> (Receiver<Line>, Begun) {
     let (sender, lines) = sync_channel(1);
     let begun = Begun::default();
@@ -41,7 +41,7 @@ pub(super) fn lines(output: Option<ChildStdout>) -> (Receiver<Line>, Begun) {
     (lines, begun)
 }
 
-/// Reads up to the end of a line, at most [`LONGEST_LINE`] bytes; nothing at the end of the output.
+/// Reads up to the end of a line, at most [`LONGEST_LINE`] bytes; nothing at the output's end.
 fn next(output: &mut impl BufRead, begun: &Mutex<Vec<u8>>) -> Vec<u8> {
     let mut bytes = Vec::new();
     while bytes.len() < LONGEST_LINE && !bytes.ends_with(b"\n") {

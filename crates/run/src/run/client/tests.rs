@@ -1,4 +1,4 @@
-//! Runners in shell: how they end, and runners that take one frame at a time.
+//! Tests with runners in shell: how they end, and how they get one frame at a time.
 
 use super::*;
 use crate::run::trajectory::Trajectory;
@@ -19,7 +19,7 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
     let trap = format!("trap 'echo cleaned > \"{}\"; exit' TERM; {DEAF}", mark.display());
     drop(shell(&trap));
     assert_eq!(std::fs::read_to_string(&mark).unwrap(), "cleaned\n");
-    // SIGKILL follows if SIGTERM has no effect.
+    // SIGKILL follows if the runner ignores SIGTERM.
     let stubborn = shell(&format!("trap '' TERM; {DEAF}"));
     let id = stubborn.child.id() as i32;
     let started = Instant::now();
@@ -55,7 +55,7 @@ fn an_answer_without_a_line_break_is_shown() {
     assert_eq!((failure.outcome, &*failure.reason), (Outcome::Timeout, expected));
 }
 
-/// Finds N contacts in the file `tmp-N.npy`.
+/// A runner that reports N contacts for the scene file `tmp-N.npy`.
 const AT_REST: &str = r#"echo 'HELLO'; while read -r line; do
     case "$line" in
     *load*) n=${line##*/tmp-}; n=${n%%.npy*}; said='"reply":"loaded"' ;;

@@ -20,14 +20,14 @@ pub(super) struct Frame<'a> {
     known: HashMap<Arithmetic, Result<Truths, Nothing>>,
 }
 
-/// The truth in one arithmetic. Arithmetics that store the scene alike share it.
+/// The truth in one arithmetic. Arithmetics that store the scene in the same way share the scene.
 #[derive(Clone)]
 pub(super) struct Truths {
     /// The scene as the arithmetic stores it; in a box, the given scene.
     pub stored: Rc<Loaded<'static>>,
     pub own: Rc<Truth>,
-    /// Contacts by exact decisions on the stored particles and images; `None` if they cannot be
-    /// found in a box.
+    /// Contacts by exact decisions on the stored particles and images. `None` if they cannot be
+    /// found, which only happens in a box.
     exact: Option<Rc<Truth>>,
 }
 
@@ -52,7 +52,7 @@ impl From<periodic::Truth> for Truth {
 #[derive(Clone, Default)]
 pub(super) struct Differs {
     pub own: Errors,
-    /// Errors compared with exact decisions on the given scene; `None` if these are unknown.
+    /// Errors compared with exact decisions on the given scene; `None` if the truth is unknown.
     pub errors: Option<Errors>,
     pub causes: Option<Causes>,
 }
@@ -72,14 +72,14 @@ impl Differs {
 }
 
 impl<'a> Frame<'a> {
-    /// A list of contacts may use `memory_limit` bytes. Fails if the box does not fit the scene.
+    /// A list of contacts may use `memory_limit` bytes. Fails if the box does not fit `given`.
     pub fn new(given: Cow<'a, Given>, memory_limit: u64) -> anyhow::Result<Frame<'a>> {
         let boxed = given.periodic()?.map(|periodic| Rc::new(Loaded::InBox(periodic)));
         Ok(Frame { given, boxed, memory_limit, known: HashMap::new() })
     }
 
-    /// Compares the sorted contacts of an answer with the truth; `None` stands for the right
-    /// answer.
+    /// Compares the sorted contacts of an answer with the truth. `None` stands for an answer that
+    /// is right.
     pub fn compare(
         &mut self,
         arithmetic: Arithmetic,
@@ -114,7 +114,7 @@ impl<'a> Frame<'a> {
         let stored = match (&self.boxed, arithmetic) {
             (Some(boxed), _) => boxed.clone(),
             (None, Arithmetic::Textbook) => return self.known(Arithmetic::F64),
-            // f64 stores the scene like exact arithmetic.
+            // f64 stores the scene as it is given, like exact arithmetic.
             (None, Arithmetic::F64) => self.known(Arithmetic::Exact)?.stored,
             (None, _) => {
                 let stored = self.given.scene.stored(arithmetic).map_err(NoTruth::from)?;
@@ -141,7 +141,7 @@ impl<'a> Frame<'a> {
             Loaded::InBox(periodic) => {
                 let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
                 let exact = match arithmetic {
-                    // Exact arithmetic does not store images.
+                    // Exact arithmetic does not store images, so both truths are equal.
                     Arithmetic::Exact => Some(own.clone()),
                     _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
@@ -165,7 +165,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Most answers have the right digest, and need no comparison.
+/// Finds the errors of an answer. Most answers have the right digest, and need no comparison.
 fn compare(reported: &Contacts, truth: &Truth, scene: &Loaded<'_>) -> Errors {
     if reported.digest() == truth.digest {
         return Errors::default();

@@ -1,5 +1,5 @@
 //! The judge: decides whether an answer is right, lossy or wrong, and why. No other code decides
-//! this. A scene at rest is a trajectory of one frame.
+//! this. A scene at rest counts as a trajectory of one frame.
 
 mod frame;
 
@@ -31,7 +31,7 @@ pub struct Judge<'a> {
     memory_limit: u64,
     frame: Option<(usize, Frame<'a>)>,
     right: Known<Rc<[Right]>>,
-    /// Verdicts on earlier answers, because timed samples repeat the same answer.
+    /// Verdicts on earlier answers, which timed samples often repeat.
     seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Tracked)>,
 }
 
@@ -61,13 +61,13 @@ struct Right {
 #[derive(Clone)]
 pub struct Nothing {
     pub reason: String,
-    /// Whether no detector can answer: too many contacts, or an invalid box.
+    /// Whether no detector can answer either: there are too many contacts, or the box is invalid.
     pub hopeless: bool,
 }
 
 enum Unjudged {
     Nothing(Nothing),
-    /// A defect of this program, or an unreadable file.
+    /// A defect of this program, or a file that cannot be read.
     Defect(anyhow::Error),
 }
 
@@ -110,7 +110,7 @@ pub(crate) struct Said<'a> {
     pub found: &'a Found,
 }
 
-/// Builds and late contacts of a tracker, taken from its answer to several frames.
+/// Rebuilds and late contacts of a tracker, from its answers to several frames.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracked {
     pub builds: Builds,
@@ -124,7 +124,7 @@ pub(crate) struct Judged {
     pub reason: String,
     /// Errors compared with exact decisions on the given scene; `None` if the pairs are unknown.
     pub errors: Option<Errors>,
-    /// Errors by cause. In a box, the stored scene consists of particles and images.
+    /// Errors by cause. In a box, storing the scene means storing particles and images.
     pub causes: Option<Causes>,
 }
 
@@ -153,8 +153,8 @@ impl Judged {
     }
 }
 
-/// The outcome for these errors: `ok`; `lossy`, if contacts are missing, nothing else is wrong and
-/// the arithmetic allows it; or `wrong`.
+/// Returns the outcome for these errors: `ok`; `lossy`, if contacts are missing, nothing else is
+/// wrong and the arithmetic allows it; or `wrong`.
 pub fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
     if errors.wrong() == 0 {
         Outcome::Ok
@@ -212,7 +212,7 @@ impl<'a> Judge<'a> {
             Ok(answers) => answers,
             Err(why) => return Ok(Judged::without_pairs(Outcome::Wrong, why)),
         };
-        // Two answers are equal only if their lists were built in the same frames.
+        // Two answers are equal only if neighbour lists were rebuilt in the same frames.
         let steps = &said.found.steps;
         let flags = steps.built.iter().chain(&steps.dangerous).map(|&flag| u64::from(flag));
         let sums = answers.iter().flat_map(|answer| [answer.contacts, answer.sum]);
@@ -289,7 +289,7 @@ impl<'a> Judge<'a> {
         Ok((Judged::new(all, said), tracked))
     }
 
-    /// Returns the right answers to all frames. If they are computed now, `each` receives every
+    /// Returns the right answers to all frames. If they are not yet known, `each` receives every
     /// frame with its truth.
     fn right(
         &mut self,
@@ -345,12 +345,12 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Returns the contacts in ascending order; the list may use `limit` bytes.
+/// Returns the contacts in ascending order; the list of them may use `limit` bytes.
 fn sorted(contacts: &Contacts, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
     Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
 }
 
-/// Records the late contacts of a frame; `None` stands for the right answer.
+/// Records the late contacts of a frame. If `reported` is `None`, the answer was right.
 fn late(
     late: &mut Late,
     k: usize,
@@ -359,7 +359,7 @@ fn late(
     reported: Option<Vec<ImagePair>>,
 ) -> Result<(), Unjudged> {
     if let Loaded::InBox(periodic) = &*known.stored {
-        // Skipped frames have no missed contacts, so no name must be tracked through them.
+        // Names need not be tracked through skipped frames, in which no contact was missed.
         names.next(periodic);
     }
     let truth = sorted(&known.own.contacts, known, u64::MAX)?;

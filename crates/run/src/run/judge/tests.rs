@@ -12,7 +12,7 @@ fn boxed(scene: Scene<'static, f64, 2>) -> Given {
     Given::in_box(scene.into(), edges).unwrap()
 }
 
-/// Pairs, and the contact of the first with the last disc through the face.
+/// Returns these pairs and a contact of disc 0 with the image `through` of disc 3.
 fn contacts(plain: &[[u32; 2]], through: Option<i32>) -> Contacts {
     let shifted = through.map(|image| ImagePair::new(0, 3, [image, 0, 0])).into_iter().collect();
     Contacts { plain: plain.to_vec(), shifted }
@@ -85,8 +85,8 @@ fn what_nobody_knows_cannot_be_checked() {
 
 #[test]
 fn errors_in_a_box_have_their_causes() {
-    // A gap of 2^-30 through a face. Along x, storing coordinates in f32 loses it; along y,
-    // rounding squares in f64 does.
+    // Two discs have a gap of 2^-30 through a face. Along x, the gap is lost by storing coordinates
+    // in f32; along y, by rounding squares in f64.
     let causes = |x: f64, y: f64, arithmetic| {
         let centres = [[x, y], [7.5, 4.0]].map(nalgebra::Point::from).to_vec();
         let given = boxed(Scene::new(centres, Radii::Uniform(0.5)).unwrap());

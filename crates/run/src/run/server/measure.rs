@@ -1,4 +1,4 @@
-//! The measurements of a runner: times, operations, memory.
+//! The measurements of a runner: times, counts of operations, and memory.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -25,7 +25,7 @@ struct Times {
 }
 
 impl Server {
-    /// Returns the result of a pass, without steps for a detector on a scene at rest.
+    /// Returns the result of a pass. For a detector on a scene at rest, steps are left out.
     fn found(&self, steps: Steps) -> Found {
         let found = Found::from(steps);
         if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
@@ -33,7 +33,7 @@ impl Server {
 
     pub(super) fn sample(&mut self, min_ns: u64) -> Answer<Sample> {
         let count = self.frames.frames.len() as u64;
-        // The first pass warms caches and buffers.
+        // The first pass is not timed; it warms caches and buffers.
         let mut first = 0;
         self.pass(None, |_, seen, _| first += seen.ns)?;
         let times = match &self.tracker {
@@ -54,8 +54,8 @@ impl Server {
         })
     }
 
-    /// Passes of at least `min_ns` nanoseconds together; over several frames at most
-    /// [`MOST_PASSES`].
+    /// Repeats passes until they last `min_ns` nanoseconds together; with several frames, at most
+    /// [`MOST_PASSES`] passes.
     fn passes(&mut self, min_ns: u64) -> Answer<Times> {
         let count = self.frames.frames.len();
         let most = if count == 1 { MOST_CALLS } else { MOST_PASSES };
@@ -81,7 +81,7 @@ impl Server {
             None => loop {
                 let calls = self.calibrate(min_ns)?;
                 let elapsed_ns = self.repeat(calls)?;
-                // If another program disturbed the calibration, the number may be too small.
+                // A disturbance of the calibration may have made the number of calls too small.
                 if elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS {
                     self.calls = Some(calls);
                     break (calls, elapsed_ns);
@@ -100,15 +100,15 @@ impl Server {
             if elapsed >= min_ns || calls >= MOST_CALLS {
                 return Ok(calls);
             }
-            // At most a factor of ten per step, because the first times are mostly overhead of the
-            // clock.
+            // The number grows at most tenfold at a time, because the first times are mostly
+            // overhead of the clock.
             let wanted = u128::from(min_ns) * u128::from(calls) * 9 / 8;
             let wanted = wanted.div_ceil(u128::from(elapsed.max(1))) as u64;
             calls = wanted.clamp(calls + 1, (calls * 10).min(MOST_CALLS));
         }
     }
 
-    /// Times `calls` detections into the same lists, in nanoseconds: the timed loop.
+    /// The timed loop: runs `calls` detections into the same lists, and returns the nanoseconds.
     fn repeat(&mut self, calls: u64) -> Answer<u64> {
         let Server { searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else { return Ok(0) };
@@ -129,12 +129,12 @@ impl Server {
         Ok(Reply::Count(Counted { counts, found: self.found(steps) }.into()))
     }
 
-    /// Measures two passes with fresh buffers, and as many threads as are timed. The list of pairs
-    /// has its memory already, which is not counted.
+    /// Measures two passes, the first with fresh buffers, with as many threads as are timed. The
+    /// list of pairs has its memory before, so it is not counted.
     pub(super) fn memory(&mut self) -> Answer {
-        // This pass gives the list of pairs its memory.
+        // Before the measurement, a pass grows the list of pairs to its final size.
         self.pass(None, |_, _, _| ())?;
-        // Frees old buffers, because they would count against the limit.
+        // Buffers of that pass are freed, because they would count against the memory limit.
         self.searcher = Searcher::new(self.spec.detector(), self.options);
         self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
         let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
@@ -155,7 +155,7 @@ impl Server {
             usage.push(meter.end());
         }
         let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
-        // Libraries have no formula.
+        // The memory of a library is not computed by a formula.
         let ours = self.spec.detector().entry.is_ours();
         let memory = Memory {
             peak_bytes: cold.peak_bytes,

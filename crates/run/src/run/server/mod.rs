@@ -1,10 +1,10 @@
 //! The runner's side of the protocol: one detector in a process of its own, which answers requests
-//! on standard input. A detector that crashes, hangs or uses too much memory only loses its own
-//! rows.
+//! on standard input. If a detector crashes, hangs or uses too much memory, only its own rows are
+//! lost.
 //!
 //! A pass of a trajectory searches each frame in turn; reading a frame from its file is not timed.
-//! A scene at rest stays in memory. A pass of a detector is then one detection, and a reset does
-//! nothing, because detectors keep only buffers.
+//! A scene at rest stays in memory; a pass is then one detection. A reset does nothing for a
+//! detector, which keeps only buffers between detections.
 
 mod measure;
 
@@ -34,14 +34,14 @@ pub struct Server {
     arithmetic: Arithmetic,
     options: Options,
     searcher: Searcher,
-    /// Used instead of `searcher`, if this is a tracker or the trajectory has several frames.
+    /// Searches instead of `searcher` if the subject is a tracker or there are several frames.
     tracker: Option<Box<dyn Tracker>>,
     frames: Trajectory,
     frame: Option<(usize, Loaded<'static>)>,
     contacts: Contacts,
-    /// Number of detections per sample of a scene at rest, once fixed.
+    /// Number of detections per sample of a scene at rest; `None` before the first sample.
     calls: Option<u64>,
-    /// The frame after the last one whose pairs were written; the next pairs continue from there.
+    /// The frame at which the next request for pairs continues, unless it is for an earlier one.
     next: Option<usize>,
 }
 
@@ -53,7 +53,7 @@ struct Seen {
 }
 
 impl Server {
-    /// A server without a scene. Fails if the text is not a detector or tracker.
+    /// Returns a server without a scene. Fails if `text` is not a detector or tracker.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
         let spec = track::parse(text)?;
         Ok(Server {
@@ -96,7 +96,7 @@ impl Server {
         Ok(())
     }
 
-    /// Properties of this build, and the instruction set that the detector uses.
+    /// Returns properties of this build, and the instruction set that the detector uses.
     fn build(&self) -> BTreeMap<String, String> {
         let sources = match provenance::dirty() {
             Some(true) => "changed",
@@ -138,7 +138,7 @@ impl Server {
         }
         let tracked = trajectory.frames.len() > 1 || detectors::is_tracker(&self.name);
         self.tracker = tracked.then(|| self.spec.make(self.options));
-        // Missing files are reported before the first pass.
+        // Reading the first frame reports missing files before the first pass.
         let frame = self.read(&trajectory, 0)?;
         for path in &trajectory.frames {
             std::fs::metadata(path)
