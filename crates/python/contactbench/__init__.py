@@ -11,8 +11,9 @@ Two particles touch if |xi - xj| <= ri + rj, decided exactly for the given numbe
 have the unit of the coordinates. Calls raise `ValueError` for invalid input, `Refused` (a
 `ValueError`) if a detector cannot answer, and `MemoryError` if an answer needs too much memory.
 
-Contiguous arrays of float64 are read without a copy. The interpreter's lock is released meanwhile,
-so no other thread may write to them until a call returns.
+Contiguous arrays of float64 are read in place, except by long calls in the main thread, which read
+a copy. The interpreter's lock is released meanwhile, so no other thread may write to the arrays
+until a call returns.
 """
 
 from ._boxes import Box

@@ -111,7 +111,7 @@ pub(super) fn report(
             out.warnings.push(format!(
                 "overlaps, near tangent pairs and the errors of f32 were not examined: {count} \
                  contacts of {IMAGE_PAIR_BYTES} bytes exceed the {} MiB that inspect keeps for {}; \
-                 contactbench detect --with overlap lists overlaps",
+                 contactbench detect --with overlap --memory-limit SIZE lists overlaps",
                 limit_for(n) >> 20,
                 plural(n, "particle")
             ));

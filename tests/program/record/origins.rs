@@ -247,8 +247,8 @@ fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
         assert_eq!(row.reason.contains("1 of "), wrong, "{row:?}");
     }
     let resume = "run t.toml --out result --resume";
-    at.ends(2, resume, &["--against"]);
-    at.ends(2, &format!("{resume} --against {PROGRAM}"), &["--against"]);
+    at.ends(2, resume, &["with --against"]);
+    at.ends(2, &format!("{resume} --against {PROGRAM}"), &["SHA-256"]);
     let said = at.run(&format!("{resume} --against base.sh")).stderr;
     assert!(said.contains("resuming") && !said.contains("--against"), "{said}");
 }

@@ -163,7 +163,7 @@ fn a_resumed_run_notices_that_a_file_has_changed() {
     at.file("discs.csv", discs);
     at.good(RESUME);
     at.file("t.toml", text.replace("blocks = 2", "blocks = 3"));
-    at.ends(2, RESUME, &["t "]);
+    at.ends(2, RESUME, &["t differs"]);
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     for verb in ["recommend", "draw -o out.svg", "scene -o out.csv"] {
         at.ends(2, &format!("{verb} other.dump --frame all"), &["frame"]);
     }
-    at.ends(0, "inspect one.csv --frame all", &["motion"]);
+    at.ends(0, "inspect one.csv --frame all", &["one frame"]);
 }
 
 /// `verify` pairs frames with lists by time step, and finds the missing contacts.
