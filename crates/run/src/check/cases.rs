@@ -65,7 +65,7 @@ pub(super) fn generated(seed: u64) -> impl Iterator<Item = anyhow::Result<Scene>
     })
 }
 
-/// Every hard case with a valid scene, after its history.
+/// Returns every hard case with a valid scene, each after the scenes of its history.
 pub(super) fn hard_cases() -> impl Iterator<Item = anyhow::Result<Scene>> {
     let valid = hard::cases().filter(|case| case.expect != hard::Expect::Invalid);
     let each = valid.flat_map(|case| case.dims.iter().map(move |&dim| (case, dim)));

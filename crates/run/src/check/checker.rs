@@ -170,8 +170,8 @@ fn simplest(
         }))
     };
     if contender.is_slow_to_make() {
-        // Most runners keep nothing from earlier scenes, and not restarting them is a hundred times
-        // faster.
+        // Most runners keep nothing from earlier scenes. So they are not restarted, which is a
+        // hundred times faster.
         let smallest = smaller(false);
         if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
             .filter(|wrong| discriminant(wrong) == discriminant(&first))

@@ -3,7 +3,7 @@
 //! Simplifications are tried in passes, until none helps or the effort is spent. Particles are
 //! removed in ever smaller groups (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without
 //! complements). All particles get one radius, lose an axis, move towards the origin, are scaled by
-//! a power of two, are rounded. Each number becomes 0, 1, or is rounded to ever more bits.
+//! a power of two, or are rounded. Each number becomes 0 or 1, or is rounded to ever more bits.
 //!
 //! A simplification is kept if the scene still fails and its cost falls. The cost compares, in this
 //! order: particles, more than one radius, significant bits, distance from 1 in powers of two,

@@ -34,7 +34,7 @@ pub struct Differences {
     pub missed: Vec<ImagePair>,
     pub spurious: Vec<ImagePair>,
     pub selves: Vec<ImagePair>,
-    /// Repeated pairs, once per repetition.
+    /// Pairs that are reported more than once, with an entry for each repetition.
     pub duplicate: Vec<ImagePair>,
 }
 

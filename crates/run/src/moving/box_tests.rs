@@ -37,7 +37,7 @@ fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
     follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
 }
 
-/// Tests a detector in every frame, lists that must miss nothing, and a list that may.
+/// Tests detection in every frame, lists that must not miss contacts, and a list that may.
 #[test]
 fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     let trackers = [
@@ -184,7 +184,7 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
     }
 }
 
-/// Compares with a test of all images of all pairs, in boxes that move and are flipped.
+/// Compares the count with a test of all images of all pairs, in boxes that move and flip.
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {
     let mut all = 0;
@@ -263,7 +263,7 @@ fn boxes_that_change_too_much_are_not_counted() {
     assert_eq!((moved.frames, moved.tunnelled, moved.born), (3, 0, 0));
 }
 
-/// Compares with the images that can be the nearest, also in boxes with large tilts.
+/// Compares displacements with all images that can be the nearest, also in very tilted boxes.
 #[test]
 fn ways_are_those_to_the_nearest_image() {
     for (vectors, repeats) in [

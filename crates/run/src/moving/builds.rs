@@ -5,9 +5,9 @@ pub struct Builds {
     pub built: u64,
     /// Number of builds that LAMMPS would call dangerous.
     pub dangerous: u64,
-    /// Number of dangerous builds before which a contact was missed, since the build before.
+    /// Number of dangerous builds with a missed contact between them and the build before.
     pub rightly: u64,
-    /// Number of builds before which a contact was missed since the build before, dangerous or not.
+    /// Number of builds, dangerous or not, with a missed contact between them and the build before.
     /// Misses after the last build are not counted.
     pub missing: u64,
     missed_before: u64,

@@ -74,7 +74,7 @@ struct Follower {
 /// a number, and `None` after the last. Making frames and finding the truth is not timed.
 ///
 /// # Errors
-/// A frame cannot be made or stored, or has no truth. Refusals of trackers are part of the result.
+/// Fails if a frame cannot be made or stored, or has no truth. Refusals of trackers are results.
 pub fn follow(
     mut frame: impl FnMut(u64) -> anyhow::Result<Option<Given>>,
     question: &Question<'_>,

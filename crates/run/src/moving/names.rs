@@ -36,7 +36,7 @@ pub struct Names {
 
 impl Names {
     /// Adds a frame. Returns the frame before it and the step between them; `None` for the first
-    /// frame, for other particles, or for other periodic axes.
+    /// frame, or if the number of particles or the periodic axes changed.
     pub(crate) fn next(
         &mut self,
         frame: &Periodic<'static>,
@@ -96,7 +96,7 @@ impl Onward {
         add(times(image, &self.back), add(of_j, of_i.map(i32::wrapping_neg)))
     }
 
-    /// Returns the vectors to which the earlier box vectors have moved, from those of the later box
+    /// Returns the earlier box vectors after their motion, as sums of vectors of the later box
     /// `to`; 0 along open axes.
     pub fn vectors(&self, to: &Lattice) -> [[f64; 3]; 3] {
         let vectors = repeating(to);

@@ -29,7 +29,7 @@ pub(crate) struct Through<'a> {
     last: &'a Periodic<'a>,
     frame: &'a Periodic<'a>,
     onward: &'a Onward,
-    /// Positions x, y, and those of the next frame as given in its file.
+    /// Positions x before and y after the step, and those of the next frame as given.
     from: Vec<[f64; 3]>,
     to: Vec<[f64; 3]>,
     given: Vec<[f64; 3]>,
@@ -56,7 +56,7 @@ impl<'a> Through<'a> {
         self.onward.vectors(self.frame.lattice()) != now
     }
 
-    /// Returns the number of contacts between the frames that no frame has, or an error.
+    /// Returns the number of contacts that exist only between the frames, or why it is unknown.
     pub fn tunnelled(&self, ways: &[f64], memory_limit: u64) -> Result<u64, String> {
         let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
         let onward = self.onward.vectors(self.frame.lattice());
@@ -82,8 +82,8 @@ impl<'a> Through<'a> {
         Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
     }
 
-    /// Returns the bound on how much farther apart, before the step, a pair that meets in it may be
-    /// because the box moves the image of j.
+    /// Returns an upper bound for the part of d, in the module's proof, that the motion of the box
+    /// adds.
     fn more(
         &self,
         ways: &[f64],

@@ -1,16 +1,15 @@
 //! The race: detectors that are much slower drop out early, and the others are timed in blocks
 //! until the time is over.
 //!
-//! * Probes take up to half of the time. Each detector is started, loads the scene, takes one
-//!   sample, and its answer is judged. A probe may take `PATIENCE` times as long as the fastest,
-//!   and a third of the time left for probes.
-//!   A detector that takes over 12 times the fastest's time drops out (`HOPELESS`); for the
-//!   others, memory is measured.
-//! * In each block, each detector takes a sample in random order, and the fastest a second one as
-//!   its own twin. Each sample has a new process; all of a block run on one processor. A detector
-//!   that takes over 3 times the fastest's time in each of the first two blocks drops out
-//!   (`FAR`). After `FEWEST` blocks, so does one whose interval lies above 1.5 (`BEHIND`).
-//!   Two always remain, so that their ratio is measured.
+//! * Probes take up to half of the time. Each detector is started, loads the scene, and takes one
+//!   sample, whose answer is judged. A probe may take `PATIENCE` times as long as the fastest, but
+//!   at most a third of the time left for probes. A detector that takes over 12 times the fastest's
+//!   time drops out (`HOPELESS`); for the others, memory is measured.
+//! * In each block, each detector takes one sample, in random order; the fastest takes another one
+//!   as its own twin. Each sample has a new process; a block's processes run on one processor. A
+//!   detector that takes over 3 times the fastest's time in each of the first two blocks drops out
+//!   (`FAR`). After `FEWEST` blocks, so does one whose interval lies above 1.5 (`BEHIND`). Two
+//!   detectors always remain, so that their ratio is measured.
 
 use std::path::Path;
 use std::time::{Duration, Instant};

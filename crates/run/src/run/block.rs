@@ -95,7 +95,7 @@ impl Stage<'_, '_> {
                 row.outcome = Outcome::Wrong;
                 row.reason =
                     format!("{others} of {} turns gave another answer than the last", turns.len());
-                // The errors are those of the last turn, so they are removed.
+                // The row's errors are removed, because they describe only the last turn.
                 (row.errors, row.causes, row.course) = (None, None, None);
                 self.note_wrong(&row);
             }

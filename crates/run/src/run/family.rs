@@ -148,7 +148,7 @@ mod orphans {
             for &pid in &found {
                 if let Some(pid) = Pid::from_raw(pid) {
                     let _ = rustix::process::kill_process(pid, Signal::KILL);
-                    // Fails for processes that are not children; their parents wait for them.
+                    // This call fails for a process that is not a child; its parent waits for it.
                     let _ = rustix::process::waitpid(Some(pid), WaitOptions::NOHANG);
                 }
             }

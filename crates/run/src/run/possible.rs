@@ -8,7 +8,7 @@ use contactbench_core::probe::Op;
 /// may be shorter than the clock's resolution.
 pub const MOST_CALLS: u64 = 1 << 20;
 
-/// Number of pairs per nanosecond that no machine can exceed in testing.
+/// Maximum number of pairs that any machine can test per nanosecond.
 const MOST_LISTED_PER_NS: u64 = 1000;
 
 #[derive(Clone, Copy, Debug)]
@@ -171,7 +171,7 @@ fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
     })
 }
 
-/// Returns whether some frame was answered from an earlier list, or its list has other pairs.
+/// Returns whether some frame used an earlier list, or a list with pairs that do not touch.
 fn keeps_a_list(steps: &Steps) -> bool {
     let longer = steps.listed.iter().zip(&steps.contacts).any(|(listed, found)| listed > found);
     longer || steps.built.contains(&false)

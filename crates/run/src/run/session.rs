@@ -227,7 +227,7 @@ fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
 
 const BASE: &str = "against_sha256";
 
-/// Checks that the run has the same other build as the record, or none if the record has none.
+/// Checks that run and record are compared with the same other build, or both with none.
 fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
     if rows.is_empty() {
         return Ok(());

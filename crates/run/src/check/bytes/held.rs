@@ -24,7 +24,7 @@ pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
     let keep = data[0] & 4 != 0;
-    // Detectors that keep buffers get half of the particles, all, two thirds reversed, and all.
+    // Scenes for detectors that keep buffers: half of the particles, all, two thirds reversed, all.
     let n = scene.len() as u32;
     let mut scenes = vec![scene];
     if keep {

@@ -108,7 +108,7 @@ fn along_a_hypotenuse(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
     let code = usize::from(maker.bytes.next()?);
     let (legs, hypotenuse) = PYTHAGOREAN[code % if next.dim == 2 { 4 } else { 8 }];
     maker.each(next.dim, |_, axis| {
-        // In 2D the two legs may be swapped; in 3D they rotate.
+        // In 2D, the two legs may be swapped; in 3D, the three legs rotate among the axes.
         let step = legs[(axis + code / 64) % next.dim] * (next.contact / hypotenuse);
         Some(next.beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step })
     })
@@ -165,7 +165,7 @@ impl<'a> Maker<'a> {
         let offset = unit * libm::scalbn(f64::from(offset & 15), i32::from(offset >> 4) * 4);
         let radius = match radius {
             255 => 0.0,
-            // Lengths with a full mantissa, so that sums are rounded.
+            // These radii have a full mantissa, so that sums are rounded.
             192.. => unit * f64::from(radius) / 300.0,
             _ => unit * f64::from(radius % 32 + 1) * 0.5,
         };
@@ -225,8 +225,8 @@ impl<'a> Maker<'a> {
     }
 
     fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
-        // A radius per particle runs separate code even if all are equal, so equal radii are not
-        // merged.
+        // Equal radii are not merged, because detectors have separate code for a radius per
+        // particle.
         let radii = if self.mixed {
             Radii::Each(self.numbers.radii().collect::<Vec<_>>().into())
         } else {

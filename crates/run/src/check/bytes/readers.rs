@@ -5,7 +5,7 @@ use contactbench_core::scene::Lattice;
 use contactbench_io as io;
 use contactbench_io::Given;
 
-/// The number that selects a reader in [`fuzz_reader`].
+/// Returns the number that selects the reader `name` in [`fuzz_reader`].
 pub fn reader(name: &str) -> Option<u8> {
     BESIDE
         .iter()

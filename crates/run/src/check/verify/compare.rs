@@ -204,7 +204,7 @@ pub(super) struct Worst {
     largest: f64,
     /// Number of pairs with a gap above [`FAR`].
     pub far: u64,
-    /// Widest gap that is at most [`FAR`], in mean radii. `gap` is the same as a length.
+    /// Widest gap that is at most [`FAR`], in mean radii; `gap` is its length.
     pub widest: f64,
     pub gap: f64,
 }

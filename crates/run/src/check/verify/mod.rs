@@ -171,8 +171,8 @@ fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
     Ok(reading.map(|reading| reading.declared(job.space.lattice().periodic())))
 }
 
-/// Returns the errors by cause of a list decided in `arithmetic`; `None` if there is no truth. A
-/// contact list may use `memory_limit` bytes. Fails if the box does not fit the scene.
+/// Returns errors by cause of a list whose contacts were decided in `arithmetic`; `None` without a
+/// truth. A contact list may use `memory_limit` bytes. Fails if the box does not fit the scene.
 pub fn causes(
     given: &Given,
     contacts: &Contacts,

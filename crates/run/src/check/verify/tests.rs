@@ -159,7 +159,7 @@ fn usual_mistakes_are_recognised_alone_and_together() {
 
 #[test]
 fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
-    // In a box of 2 by 9, discs 0 and 1 touch on both sides, exactly; 1 and 2 touch once.
+    // In a box of 2 by 9, discs 0 and 1 are tangent on both sides, discs 1 and 2 on one side.
     let row = discs(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], 0.5, [2.0, 9.0]);
     let each = [[0, 1], [1, 2], [1, 0]];
     for (list, taken, expected) in [
@@ -191,7 +191,7 @@ fn pairs_without_images_are_counted_once_or_as_often_as_they_touch() {
 
 #[test]
 fn particles_touch_their_own_images() {
-    // A disc in a square of its diameter touches itself twice, or four times by direction.
+    // A disc in a square of its diameter touches itself twice, or four times in both directions.
     let one = discs(&[[0.3, 7.0]], 0.5, [1.0, 1.0]);
     for (rows, allowed, taken, expected) in [
         (1, GIVEN, Taken::Once, [0; 4]),
@@ -271,8 +271,8 @@ fn the_nearest_image_is_found() {
     let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
     let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
     let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
-    // After -3 second and 27 first vectors, (1.25, 0) is left. After -4 and 28, (0.25, 1) is left,
-    // which is shorter, although the fractions of the difference are 27.3125 and -3.
+    // After subtracting -3 second and 27 first vectors, (1.25, 0) is left. With -4 and 28, (0.25,
+    // 1) is left, which is shorter, although the fractions of the difference are 27.3125 and -3.
     let pair = nearest(&periodic, [0, 1]);
     assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
     let distance = (0.0625f64 + 1.0 + 0.25).sqrt();

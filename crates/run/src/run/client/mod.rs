@@ -31,7 +31,7 @@ pub struct Start {
 }
 
 impl Start {
-    /// Starts `command` on any processor, without a hint how to install it.
+    /// Describes a start of `command` on any processor, without a hint how to install it.
     pub fn of(command: &[String], time_limit: Duration, memory_limit: u64) -> Start {
         let (command, install) = (command.to_vec(), String::new());
         Start { command, install, time_limit, memory_limit, processor: None }
@@ -126,7 +126,7 @@ impl Client {
         })
     }
 
-    /// Reads the first line. Fails with the outcome `wrong` unless it is a valid hello.
+    /// Reads the first line. The failure has the outcome `wrong` if the line is not a valid hello.
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         let line = self.receive(limit).map_err(|failure| match failure.outcome {

@@ -141,7 +141,7 @@ impl<'a> Frame<'a> {
             Loaded::InBox(periodic) => {
                 let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
                 let exact = match arithmetic {
-                    // Exact arithmetic does not store images, so both truths are equal.
+                    // Exact arithmetic does not round images, so the contacts are the same.
                     Arithmetic::Exact => Some(own.clone()),
                     _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
