@@ -19,9 +19,9 @@ pub struct Figure {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FigureKind {
-    /// y against x: one panel per scene and dimension, one line per detector.
+    /// Draws y against x: one panel per scene and dimension, one line per detector.
     Lines(Lines),
-    /// Times divided by those of one detector: one panel per scene and N, one bar per detector.
+    /// Draws times over those of one detector: one panel per scene and N, one bar per detector.
     Bars(Bars),
     SpeedError(SpeedError),
     Map(MapAxes),

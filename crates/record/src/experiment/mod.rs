@@ -42,7 +42,7 @@ pub struct Experiment {
     pub detectors: Vec<String>,
     #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
-    /// Numbers of threads. Detectors without threads run once, with one.
+    /// Numbers of threads. A detector that cannot use several runs once, with one thread.
     pub threads: List<usize>,
     /// Whether to also time k single-threaded copies at once, for each number k of threads.
     pub ceiling: bool,

@@ -21,7 +21,7 @@ impl FromStr for Part {
     }
 }
 
-/// Part `k` of `n`, counted from 1.
+/// Shard `k` of `n`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     k: usize,

@@ -34,7 +34,7 @@ pub struct Twin {
     pub cells: usize,
     /// The twin's time over the original's: the median over all cells in each block.
     pub overall: Interval,
-    /// Like `overall`, for the blocks in which the machine was quiet (slow) for both.
+    /// Like `overall`, for blocks in which the machine was quiet for both, and slow for both.
     pub states: [Option<Interval>; 2],
     /// Median over the cells of the relative difference; 0.01 means 1%.
     pub typical: f64,

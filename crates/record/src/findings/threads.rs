@@ -1,6 +1,6 @@
 //! Speed-up by threads, compared with what the machine allows.
 //!
-//! All are ratios within a block. The speed-up is the time with one thread over that with k
+//! All values are ratios within a block. The speed-up is the time with one thread over that with k
 //! threads. The ceiling is k times the time of one copy alone over the time of k single-threaded
 //! copies at once. The fraction of the ceiling is the time of the copies over k times the time with
 //! k threads. It can exceed 1, because k threads share their caches on one scene, and k copies
@@ -65,7 +65,7 @@ impl Threads {
     }
 }
 
-/// Returns `None` unless all cells ended well.
+/// Returns the gain by threads; `None` unless all cells ended well.
 fn gain(
     scene: &str,
     n: u64,

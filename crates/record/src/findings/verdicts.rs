@@ -76,7 +76,7 @@ fn said(errors: &Errors) -> String {
     some.collect::<Vec<_>>().join(" ")
 }
 
-/// Numbered reasons. Reasons that differ only in numbers, axes and the detector's name are one.
+/// Numbered reasons. Reasons that differ only in numbers, axes and detector share one number.
 #[derive(Default)]
 struct Reasons(Vec<(String, String)>);
 
@@ -212,8 +212,8 @@ pub fn case(key: &CellId, swept: &[String]) -> Case {
     (format!("{}, N = {}{text}", key.scene, key.n), params)
 }
 
-/// `right`, or detectors with their errors, such as `nbs, sorting: -3 +1` and `all but direct:
-/// refused (1)`. Without names, all detectors are meant.
+/// Returns `right`, or detectors with their errors, such as `nbs, sorting: -3 +1` and `all but
+/// direct: refused (1)`. An entry without names means all detectors.
 fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
     let all: Vec<&str> = answers.keys().copied().collect();
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();

@@ -117,7 +117,7 @@ fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String
 }
 
 /// Chooses the form that represents a detector: the default one, unless another is decidedly
-/// faster. Without a default form (as for trackers), the fastest.
+/// faster; without a default form (as for trackers), the fastest.
 fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
     let default = forms.iter().copied().find(|cell| cell.id.detector_params.is_empty());
     let ahead =
@@ -287,15 +287,15 @@ mod tests {
         assert_eq!(wins.collect::<Vec<_>>(), [("nbs", 1), ("sorting", 1)]);
     }
 
-    /// Each case: times by detector, the first of the order, and the others with whether each is
-    /// decidedly slower.
+    /// Each case has times by detector, the first detector in the order, and for each other
+    /// detector whether it is decidedly slower.
     #[test]
     fn ratios_within_blocks_give_the_order_and_decide() {
         let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 300 } else { 90 }).collect();
         let slow = [300; 15];
         type Case<'a> = (&'a [(&'a str, &'a [u64])], &'a str, &'a [(&'a str, bool)]);
         let cases: [Case; 7] = [
-            // Too few blocks, or an interval that contains 1.
+            // Undecided: too few blocks, or an interval that contains 1.
             (&[("nbs", &[100; 4]), ("sorting", &[300; 4])], "nbs", &[("sorting", false)]),
             (
                 &[("nbs", &[100; 9]), ("sorting", &[90, 90, 300, 300, 300, 300, 300, 300, 300])],

@@ -34,7 +34,7 @@ pub const WORST_STEP: &str = "worst_step_ns";
 type Whose = fn(&Causes) -> &Errors;
 type Which = fn(&Errors) -> f64;
 
-/// For each cause of error, the prefix of its columns, and their prefix in older records.
+/// For each cause of error: prefix of its columns, prefix in older records, and its errors.
 const CAUSES: [(&str, &str, Whose); 3] = [
     ("representation_", "input_", |causes| &causes.representation),
     ("predicate_", "arithmetic_", |causes| &causes.predicate),
@@ -69,7 +69,7 @@ fn columns() -> Vec<Column> {
     };
     let mut columns: Vec<Column> = of_row(Some(Pass::Time)).chain(of_row(None)).collect();
     columns.extend(Op::ALL.iter().map(|op| {
-        // Unknown operations count as 0.
+        // An operation that the row lacks counts as 0.
         Column::new(op.name(), Some(Pass::Count), "", |row| {
             let counted = row.outcome.is_good() && !row.counts.is_empty();
             counted.then(|| row.counts.get(op.name()).copied().unwrap_or(0) as f64)
@@ -130,7 +130,7 @@ impl Column {
     }
 
     pub fn is_whole(&self) -> bool {
-        // Columns of every pass without a unit are ratios.
+        // Columns that every pass records are ratios if they have one of these units.
         self.pass.is_some() || !matches!(self.unit, "" | "mean radii" | "diameters")
     }
 

@@ -20,7 +20,7 @@ const SHOWN: usize = 20;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// The file, with its line if it has lines: `result/samples.jsonl:7`.
+    /// The file and, if it has lines, the line: `result/samples.jsonl:7`.
     pub place: String,
     /// The fault, as a sentence without a full stop.
     pub what: String,

@@ -1,5 +1,5 @@
 //! The hardware of a machine, as its operating system reports it. Machines with one name may differ
-//! in it. Fields that the system does not report are unknown.
+//! in hardware. Fields that the system does not report are unknown.
 
 use std::collections::BTreeMap;
 

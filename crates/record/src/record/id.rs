@@ -17,7 +17,7 @@ pub struct CellId {
     pub experiment: String,
     pub scene: String,
     pub dim: u32,
-    /// The machine; `None` in records of one machine.
+    /// Name of the machine; `None` in records of one machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub machine: Option<String>,
     pub params: BTreeMap<String, AxisValue>,
@@ -58,8 +58,8 @@ pub fn variable(name: &str) -> String {
 pub const OVER: &str = "over";
 
 /// Splits `streamed-nbs:level=avx2` into name and parameters. Parameters of a tracker such as
-/// `verlet(nbs:levels=auto,skin=0.1)` include its detector, as [`OVER`]. Other texts are a name as
-/// a whole.
+/// `verlet(nbs:levels=auto,skin=0.1)` include its detector, named [`OVER`]. Any other text is a
+/// name.
 pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
     let given = Spec::parse_tracker(spec);
     if given.form("").is_err() {
@@ -98,7 +98,7 @@ impl CellId {
         self.contender_without(&[])
     }
 
-    /// Like [`CellId::contender`], without the parameters on these axes.
+    /// Like [`CellId::contender`], without the parameters that are these axes.
     pub fn contender_without(&self, axes: &[&str]) -> String {
         let is_kept = |name: &str| {
             let plain = variable(name);

@@ -31,7 +31,7 @@ pub struct Process {
     /// Version of the program or of the library behind it; may be empty.
     #[serde(default)]
     pub version: String,
-    /// Further properties: features, level of instructions, compiler, libraries.
+    /// Further properties: features, instruction set level, compiler, libraries.
     #[serde(default)]
     pub build: BTreeMap<String, String>,
 }

@@ -109,8 +109,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     // The fingerprint of each scene, and the first folder with it.
     let mut scenes: HashMap<Projection, (String, usize)> = HashMap::new();
     let (mut seen, mut repeated, mut renumbered) = (HashSet::new(), 0, 0);
-    // Samples of earlier folders, without block numbers, because a merged folder has renumbered
-    // blocks.
+    // Samples of earlier folders. Their block numbers are left out, because merging changes them.
     let mut samples: HashSet<String> = HashSet::new();
     let mut begun: HashMap<Began, (Row, usize)> = HashMap::new();
     for (k, part) in parts.iter().enumerate() {
@@ -164,7 +163,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             }
             here.push(row);
         }
-        // Extended after the folder is read, because rows of one folder do not repeat each other.
+        // The maps grow after the folder is read, because its rows do not repeat each other.
         for row in &here {
             let block = last.entry(done::scene(&row.id)).or_default();
             *block = row.block.max(*block);

@@ -25,7 +25,7 @@ use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Largest relative difference of times that counts as none.
+    /// Times that differ by at most this fraction count as equal.
     pub band: f64,
     /// Noise of equal code for each experiment, if both builds were timed in the same blocks.
     pub side_by_side: Option<BTreeMap<String, Noise>>,

@@ -60,7 +60,7 @@ fn times_are_judged_by_the_whole_interval() {
         (600_000, against("nbs", 1.6), Undecided),
         (400_000, two.clone(), NotJudged),
         (400_000, Options { across: true, ..two }, WithinBand),
-        // No control, another machine, another kind of build, or a control without times.
+        // Not judged: no control, another machine or kind of build, or a control without times.
         (400_000, options(), NotJudged),
         (400_000, Options { machines, ..options() }, NotJudged),
         (400_000, Options { builds, ..nbs }, NotJudged),

@@ -15,7 +15,7 @@ pub enum Judgement {
     /// The whole interval lies within the band; it may exclude 1.
     #[serde(rename = "within-the-band")]
     WithinBand,
-    /// Different machines or kinds of builds, or a reference without times.
+    /// Times of different machines or kinds of builds, or a reference without times.
     NotJudged,
 }
 

@@ -54,7 +54,7 @@ pub struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// `experiments` must be in the order in which they were run.
+    /// The `experiments` must be in the order in which they were run.
     pub fn new(provenance: Option<&Value>, experiments: &'a [Experiment]) -> Scope<'a> {
         let field = |name: &str| provenance.and_then(|fields| fields.get(name));
         let quick = field("quick").and_then(Value::as_bool).unwrap_or(false);

@@ -5,7 +5,7 @@
 //! different subjects. A variable is an axis of the cells or a measured property of the scene, such
 //! as its density; near measured values share a place.
 //!
-//! A subject without that axis takes part at every value: a detector without a list beside lists
+//! A subject without an axis takes part at all its values: a detector without a list beside lists
 //! with every skin, or one without threads beside those with several. Other axes that vary within a
 //! place make panels.
 

@@ -68,7 +68,7 @@ pub struct Missing {
 }
 
 impl Ratios {
-    /// Compares all subjects with the reference; `None` if the reference has no time. It has its
+    /// Compares all subjects with the reference; `None` if it has no time. The reference has its
     /// fewest threads, and preferably the arithmetic of the other subject, otherwise exact
     /// arithmetic.
     pub fn new(cells: &[&Cell], reference: &str) -> Option<Ratios> {

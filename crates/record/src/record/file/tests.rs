@@ -126,7 +126,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
     assert!(refusal(&path).contains("samples.jsonl.gz:1: its check does not match"));
     pack(&text, 9);
     assert!(refusal(&path).contains("samples.jsonl.gz: it cannot be unpacked: "));
-    // Some kilobytes that unpack to an endless line, or to very many.
+    // Files of some kilobytes that unpack to an endless line, or to very many lines.
     for (text, words) in
         [("0".repeat(20 << 20), "longer than a row"), ("0\n".repeat(20_000), "many")]
     {
