@@ -80,9 +80,9 @@ pub struct Arrays {
     pub cells: Cells,
     sizes: Vec<Size>,
     others: Vec<String>,
-    /// Whether the cells are not the points, each alone and in order.
+    /// Whether some cell is not exactly the point with the same number.
     out_of_order: bool,
-    /// Number of cells that are one point, as long as cell k is point k.
+    /// Number of cells of one point, if all are in the order of the points.
     vertices: u64,
     ghosts: u64,
     ids: Vec<Ids>,

@@ -19,9 +19,9 @@ pub struct Declared {
     /// Vectors of the box, one per row; `None` if the file only states that particles are periodic.
     pub vectors: Option<[[f64; 3]; 3]>,
     pub origin: [f64; 3],
-    /// Vectors along which the file declares the box periodic; `None` if it leaves that open.
+    /// Vectors along which the file declares the box periodic; `None` if it does not state them.
     pub periodic: Option<[bool; 3]>,
-    /// Whether computing the vectors from the file's numbers rounded them.
+    /// Whether the vectors were rounded when they were computed from the numbers in the file.
     pub rounded: bool,
     /// Least and largest coordinate along each axis, if the edges of the box are parallel to the
     /// axes and the file states these coordinates.

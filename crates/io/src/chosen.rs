@@ -1,8 +1,8 @@
 //! The option `--columns x=3,y=4,z=5,r=rad`, which assigns columns or arrays of a file.
 //!
 //! * Coordinates are chosen together: if x and y are given without z, no z is read.
-//! * If coordinates or a size are given, no other size is read. A size alone (`r=rad`) leaves the
-//!   coordinates to their names.
+//! * If coordinates or a size are given, no other size is read. If a size alone is given (`r=rad`),
+//!   coordinates are found by their names.
 //! * `frame=NAME` chooses the column that splits a table into frames; `frame=none` turns splitting
 //!   off.
 
@@ -233,8 +233,8 @@ impl Chosen {
 }
 
 impl Which {
-    /// Returns the index of the chosen column. If lines may have more columns than names, it may
-    /// lie beyond the named ones.
+    /// Returns the index of the chosen column, which may have no name if lines may have more
+    /// columns than there are names.
     fn find(&self, key: &str, columns: &mut Columns, place: &str) -> anyhow::Result<usize> {
         let name = self.text();
         let found: Vec<usize> = match *self {

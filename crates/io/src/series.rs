@@ -99,7 +99,7 @@ fn pattern(path: &Path) -> Option<Vec<PathBuf>> {
 
 /// Whether a name matches a pattern: `*` is any text, `?` is one byte.
 fn matches(pattern: &[u8], name: &[u8]) -> bool {
-    // The last `*` and the end of its text: the only point where matching resumes after a mismatch.
+    // The last `*` and the end of the text that it matches: matching resumes only there.
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {
         match pattern.get(p) {

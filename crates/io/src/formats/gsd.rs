@@ -103,7 +103,7 @@ impl File {
             matches!(version, 1 | 2),
             "{name} is GSD of version {version}; versions 1 and 2 are read"
         );
-        // Checks the size against the bytes of the file before it reserves memory.
+        // The size is checked against the bytes of the file before memory is reserved.
         let part = |from: u64, count: u64, size: u64| {
             let end = from.checked_add(count.checked_mul(size)?)?;
             bytes.get(usize::try_from(from).ok()?..usize::try_from(end).ok()?)

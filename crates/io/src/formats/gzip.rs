@@ -1,6 +1,6 @@
 //! Streaming decompression, and the limit on how much a file may expand.
 //!
-//! **Bombs.** Deflate shrinks repetitive data a thousandfold, but real files of coordinates only to
+//! **Decompression bombs.** Deflate shrinks repetitive data a thousandfold, but real coordinates to
 //! a half or a tenth. A file is refused if it expands to more than [`FREE`] bytes and more than
 //! [`MOST`] times its compressed bytes so far. So time and memory stay proportional to the file.
 //! Nested compression and all parts of a file count together.

@@ -1,5 +1,5 @@
-//! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` and N lines. In
-//! 2D, zmin and zmax may be missing.
+//! MercuryDPM `.data`. Each frame has a header `N time xmin ymin zmin xmax ymax zmax` and N lines.
+//! In 2D, zmin and zmax may be missing.
 //!
 //! Spheres have at least 14 columns: position, velocity, radius, orientation, angular velocity,
 //! species. Discs have 8: x y vx vy radius angle angular-velocity species. Format: the MercuryDPM

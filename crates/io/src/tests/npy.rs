@@ -3,7 +3,7 @@
 use super::*;
 use contactbench_core::periodic::ImagePair;
 
-/// Writes pairs of particles that do not exist.
+/// Writes pairs without a scene, so their particles do not exist.
 fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     let scene = read(b"x,y,r\n", "csv", NONE).unwrap();
     let style = write::Style::plain(&scene);

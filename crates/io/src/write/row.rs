@@ -44,7 +44,7 @@ pub(super) enum Number {
     Real(f64),
 }
 
-/// Reverses a contact. Unlike reported contacts, written ones may have either direction; the image
+/// Reverses a contact. Written contacts may have either direction, unlike reported ones; the image
 /// belongs to the second particle, `j`.
 pub(super) fn turned(ImagePair { i, j, image }: ImagePair) -> ImagePair {
     ImagePair { i: j, j: i, image: image.map(i32::wrapping_neg) }

@@ -26,7 +26,7 @@ struct File<'a> {
     points: u64,
     cells: u64,
     within: String,
-    /// The name of the array of ids, if `within` gives one.
+    /// Name of the array of ids, if the tag named in `within` gives one.
     ids: Option<String>,
     /// Arrays whose numbers come after all tags: offset, index of the piece, and array.
     appended: Vec<(u64, usize, Array)>,

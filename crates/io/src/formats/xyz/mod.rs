@@ -1,4 +1,4 @@
-//! XYZ and extended XYZ: frames of the number of particles, a comment line, and one line per
+//! XYZ and extended XYZ. Each frame has the number of particles, a comment line, and a line per
 //! particle.
 //!
 //! * Extended: the comment has pairs `key=value` (see [`comment`]).
