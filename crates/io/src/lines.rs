@@ -333,7 +333,7 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     if let [b'"', inner @ .., b'"'] = cell { inner.trim_ascii() } else { cell }
 }
 
-/// Signs that word processors write for a minus.
+/// Characters that word processors write for a minus.
 pub(crate) const MINUS: [char; 2] = ['\u{2212}', '\u{2013}'];
 
 /// Shortens a text for messages, and replaces characters that could control a terminal.

@@ -153,7 +153,7 @@ impl Ids {
     }
 }
 
-/// The points of cells, checked only for whether cell k is point k alone.
+/// The points of cells. Only whether cell k is point k alone is checked.
 #[derive(Clone, Copy)]
 pub(crate) struct Indices {
     pub seen: u64,

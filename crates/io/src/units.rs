@@ -68,7 +68,7 @@ mod tests {
         for (cell, power, value) in [
             ("1000", -3, Some(1.0)),
             ("0.3", -3, Some(0.0003)),
-            // 0.9 * 0.001 is rounded twice, to a different number.
+            // The product 0.9 * 0.001 is rounded twice, to a different number.
             ("0.9", -3, Some(0.0009)),
             ("-4.35E2", 3, Some(-435e3)),
             ("4.35e+2", -9, Some(4.35e-7)),

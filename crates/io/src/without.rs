@@ -10,8 +10,8 @@ use crate::lines::{listed, number};
 use crate::particles::Columns;
 use crate::room::{room, room_for};
 
-/// Leaves out contacts of particles that have a value in a column, with all other particles or with
-/// those of another value.
+/// Leaves out contacts of particles with a given value in a column: all of them, or only contacts
+/// with particles of a second value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Without {
     column: Word,
@@ -106,7 +106,7 @@ impl Without {
 pub struct Groups {
     without: Without,
     pub column: usize,
-    /// Named values, as texts and as numbers if they are numbers.
+    /// Named values: the text, and the number if the text is one.
     values: Vec<(String, Option<f64>)>,
     of: Vec<u8>,
 }

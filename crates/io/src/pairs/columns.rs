@@ -91,7 +91,7 @@ impl Columns {
         Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
-    /// Takes the first two of `count` unnamed columns as the pair. Two or three others are the image.
+    /// Takes the first two of `count` unnamed columns as the pair. The image has 2 or 3 more.
     pub fn bare(count: usize) -> Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };

@@ -19,7 +19,7 @@ pub struct List {
     pub images: Option<Vec<[i32; 3]>>,
     /// Whether images have two numbers instead of three.
     pub flat: bool,
-    /// Whether unnamed columns were taken as images only because of their number.
+    /// Whether unnamed columns were taken for images only by the number of columns.
     pub guessed: bool,
     pub others: Vec<Other>,
     pub walls: u64,
@@ -27,7 +27,7 @@ pub struct List {
     pub ids: bool,
     /// Whether the columns are called `id1` and `id2`, which means ids if the particles have any.
     pub named_ids: bool,
-    /// Whether every contact occurred in both directions (MercuryDPM), and one was kept.
+    /// Whether every contact occurred in both directions (MercuryDPM), and one direction was kept.
     pub both_sides: bool,
     pub notices: Vec<Notice>,
 }

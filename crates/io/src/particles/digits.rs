@@ -15,9 +15,9 @@ pub fn count(counts: &mut Counts, cell: &[u8]) {
 }
 
 impl Particles {
-    /// Returns the largest number of significant digits, if it is small and at least half of many
-    /// coordinates have it or one less. The second condition excludes lattices, whose coordinates
-    /// are short anyway.
+    /// Returns the largest number of significant digits. It must be small, and at least half of
+    /// many coordinates must have it or one digit less. The second condition excludes lattices,
+    /// whose coordinates are short anyway.
     pub(crate) fn cut_to(&self) -> Option<u32> {
         let [few @ .., more] = &self.digits;
         let most = few.iter().rposition(|&count| count > 0).filter(|&most| most >= 4)?;

@@ -134,8 +134,8 @@ mod tests {
 
     #[test]
     fn ranks_are_those_of_the_binomial_table() {
-        // n, k, and coverage in %, by hand from Pascal's triangle; for n = 15: 1 - 2 (1 + 15 + 105
-        // + 455) / 2^15.
+        // n, k, and coverage in %, by hand from Pascal's triangle. For n = 15, it is
+        // 1 - 2 (1 + 15 + 105 + 455) / 2^15.
         for (n, k, coverage) in [
             (1, 1, 0.0),
             (2, 1, 50.0),
