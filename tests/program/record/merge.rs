@@ -132,6 +132,6 @@ fn what_does_not_belong_together_is_not_merged() {
     at.ends(2, "merge a text --out b", &["text", "t.toml"]);
     let name = |name: &str| at.path("text/experiments").join(name);
     std::fs::rename(name("t.toml"), name("u.toml")).unwrap();
-    at.ends(2, "merge a text --out b", &["text"]);
+    at.ends(2, "merge a text --out b", &["text has u"]);
     assert!(!at.path("b").exists());
 }
