@@ -77,8 +77,8 @@ pub(super) struct Rule {
     pub limit: f64,
     /// Returns the time of the first subject as a multiple of that of the second, the fastest.
     over: fn(&Standing, &Standing) -> Option<f64>,
-    /// Words for the reason that state where the subject was slower; its few times are dropped. If
-    /// `None`, the times are kept.
+    /// Text for the reason, which states where the subject was slower; its few times are dropped.
+    /// If `None`, the times are kept.
     place: Option<&'static str>,
 }
 

@@ -86,7 +86,7 @@ fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), 
     })
 }
 
-/// Checks that all frames together have at least as many tests, if counted, as contacts.
+/// Checks that there are as many contact tests, if counted, as contacts in all frames, or more.
 fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
     let tests = counts.get(Op::ContactTest.name()).copied();
     let each = found.steps.contacts.iter();

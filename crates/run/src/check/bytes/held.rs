@@ -55,7 +55,7 @@ pub fn fuzz_box(data: &[u8]) {
 }
 
 /// Compares every detector with the truth on each scene; if `keep`, detectors keep their buffers
-/// between scenes. In open space, every code form of each detector is compared.
+/// between scenes. In open space, variants (parameters, vector instructions) are compared, too.
 fn hold(scenes: &[Given], keep: bool) {
     let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
     let entries = TABLE.iter().filter(|entry| entry.must_be_right());

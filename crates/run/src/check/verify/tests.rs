@@ -271,7 +271,7 @@ fn the_nearest_image_is_found() {
     let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
     let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
     let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
-    // After subtracting -3 second and 27 first vectors, (1.25, 0) is left. With -4 and 28, (0.25,
+    // After subtracting -3 second and 27 first vectors, (1.25, 0) is left. After -4 and 28, (0.25,
     // 1) is left, which is shorter, although the fractions of the difference are 27.3125 and -3.
     let pair = nearest(&periodic, [0, 1]);
     assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
