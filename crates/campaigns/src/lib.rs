@@ -124,7 +124,8 @@ impl Table {
         self
     }
 
-    /// Sums the rows of safe subjects, which must not have errors, or else those of the controls.
+    /// Sums the rows of safe subjects, which must not have errors; if `safe` is false, those of the
+    /// controls.
     pub fn total(&self, safe: bool) -> Counts {
         let lines = self.0.iter().filter(|((what, _), _)| what.ends_with(CONTROL) != safe);
         lines.fold(Counts::default(), |mut sum, (_, counts)| {

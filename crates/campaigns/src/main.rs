@@ -42,7 +42,8 @@ struct Arguments {
     threads: usize,
 }
 
-/// Name, function, divisor of the decisions, and a count above 0 that proves that errors can be found.
+/// Name, function, divisor of the planned number of decisions, and a count of errors that must be
+/// above 0: it proves that errors are found.
 type Part = (&'static str, fn(Plan) -> Table, u64, fn(&Table) -> u64);
 
 const PARTS: [Part; 5] = [

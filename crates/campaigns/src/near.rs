@@ -58,7 +58,7 @@ impl<'a, const D: usize> Lengths<'a, D> {
             sum = distance.min((reach << fine) / 2);
         }
         let (mut ra, mut rb) = (sum, sum);
-        // The sum is divided unequally only if no radius can exceed half the reach.
+        // The two radii may differ only if neither can exceed half the reach.
         if 2 * sum <= reach << fine {
             let shift = draw.below(sum + 1);
             (ra, rb) = (sum + shift, (sum - shift + draw.within(1)).abs());

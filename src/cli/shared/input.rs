@@ -264,7 +264,7 @@ impl Told {
         self.tell(&place(name, about), &particles.notices);
     }
 
-    /// Prints doubts about a frame.
+    /// Prints what looks wrong in a frame.
     pub fn of_contacts(
         &mut self,
         place: &str,

@@ -40,7 +40,7 @@ macro_rules! say {
     ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };
 }
 
-/// Returns standard output for people, wrapped on a terminal; not for files or log commands.
+/// Returns standard output for text that people read: a terminal wraps it.
 pub fn out() -> Words<std::io::StdoutLock<'static>> {
     Words { out: std::io::stdout().lock(), width: width() }
 }

@@ -129,7 +129,8 @@ impl Scenario {
         self.faults.push(format!("{at}: {what}\n{line}\n{shown}"));
     }
 
-    /// Records a fault for each word that the text lacks, or, if not `there`, contains.
+    /// Records a fault for each word that the text lacks. If `there` is false, records one for each
+    /// word that it contains.
     fn words(&mut self, at: &str, words: &str, text: &str, there: bool) {
         let text = flat(text);
         for word in words.split(" | ").map(flat).filter(|word| !word.is_empty()) {

@@ -148,9 +148,9 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// Returns the least width that cells for `bodies` must have: the reach of the contact test. Points
-/// touch only if they coincide (or squares underflow), so larger cells are used: about one point
-/// per cell.
+/// Returns the least width that cells for `bodies` must have: the reach of the contact test. If
+/// all radii are 0, particles touch only if they coincide (or squares underflow); then cells are
+/// larger, about one particle each.
 pub fn cell_reach<T: Real, const D: usize>(
     bodies: &impl Bodies<T, D>,
     low: [f64; D],

@@ -35,10 +35,10 @@
 //!
 //! **5. Squared distances** that prune (a point against a box): the computed square of a distance
 //! in up to three dimensions is at most (1 + 6u) times the true one plus 2^-1073. So a pair can be
-//! pruned safely if it exceeds R²(1 + 16u) + 2^-960, by the argument of the exact test's own filter
-//! ([`crate::contact`]). In the other direction, the true square is at most (1 + 8u) times the
-//! computed one plus 2^-1072: five factors of at least 1 - u, and three products that may
-//! underflow.
+//! pruned safely if its computed square exceeds R²(1 + 16u) + 2^-960. The argument is that of the
+//! exact test's own filter ([`crate::contact`]). In the other direction, the true square is at most
+//! (1 + 8u) times the computed one plus 2^-1072: five factors of at least 1 - u, and three products
+//! that may underflow.
 //!
 //! **6. Copies.** A detector that copies centres, so that neighbours are adjacent in memory, may
 //! decide clear cases from the copies and leave the other pairs to `touch`: [`Near`], by 1 and 5.

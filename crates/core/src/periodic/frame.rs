@@ -1,7 +1,7 @@
 //! The box in one dimension: fractions along its vectors, and positions of images.
 //!
-//! Here u = 2^-53. A "dual" is the computed vector, whatever its error: it consists of doubles like
-//! any other vector, and the proofs below use only measured properties of it.
+//! Here u = 2^-53. A "dual" is the reciprocal vector as computed, whatever its error. It consists
+//! of doubles like any other vector, and the proofs below use only measured properties of it.
 //!
 //! **Which images are near.** For periodic vectors Ha and duals ga let rab = |ga·Hb - [a = b]|,
 //! where [a = b] is 1 if a = b, else 0. Let two points be p and p' with |p - p' - T·H| <= R. The

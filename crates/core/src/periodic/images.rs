@@ -174,8 +174,8 @@ impl<const D: usize> Images<D> {
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            // If a file's box begins far from its particles, guessing which are near a face does
-            // not help.
+            // If a file's box begins far from its particles, the guess of which particles are near
+            // a face saves no work.
             let idle = found.candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();

@@ -74,7 +74,7 @@ impl<const D: usize> Vectors<D> {
 
     fn new(lattice: &Lattice) -> Vectors<D> {
         let mut all = Vectors::NONE;
-        // The duals and heights of the reduced lattice do not depend on the tilt.
+        // A reduced lattice has the same duals and heights however tilted the given box is.
         let (short, numbers) = lattice.reduced();
         all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {

@@ -90,8 +90,8 @@ pub trait Wide: Copy + Send + Sync {
     /// Loads sixteen pairs of numbers.
     fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs;
     /// Returns the squared distances of sixteen pairs of points, and the numbers of the points. A
-    /// pair in `couples` holds two indices into `spots`. Every step is rounded, so that all levels
-    /// agree.
+    /// pair in `couples` holds two indices into `spots`. Every operation is rounded (there is no
+    /// fused multiply-add), so that all instruction levels agree.
     ///
     /// # Panics
     /// Panics if an index is beyond `spots`.

@@ -10,7 +10,8 @@ use crate::cells::label::{family, swept, title};
 use crate::cells::{AxisValue, Cell, CellId};
 use crate::record::id::Projection;
 
-/// Largest number of scenes that a report shows, unless the ends of all sweeps are more.
+/// Largest number of scenes that a report shows. It shows the ends of all sweeps even if these
+/// are more.
 pub const ROWS: usize = 30;
 
 pub struct Scene<'a> {

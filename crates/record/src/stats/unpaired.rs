@@ -34,7 +34,7 @@ pub fn ratio(a: &[f64], b: &[f64]) -> Option<Interval> {
     })
 }
 
-/// The number of the n m sorted quotients that can be left out at either end while coverage stays
+/// Returns how many of the n·m sorted quotients can be left out at either end while coverage stays
 /// at least [`COVERAGE`], and the coverage.
 fn tail(n: usize, m: usize) -> Option<(usize, f64)> {
     if n == 0 || m == 0 {

@@ -138,7 +138,8 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
                 }
             }
         }
-        // Scales the largest radius, the largest or the smallest number to between 1/2 and 2.
+        // Scales all numbers so that the largest radius, the largest number or the smallest number
+        // lies between 1/2 and 2.
         let sizes = || self.best.values.iter().map(|x| x.abs()).filter(|&x| x > 0.0);
         let units = [largest, sizes().reduce(f64::max), sizes().reduce(f64::min)];
         for unit in units.into_iter().flatten() {

@@ -1,4 +1,4 @@
-//! Lists of particles: for each bundle of layers, a chain of blocks of records.
+//! Lists of particles, one for each bundle of layers of cells. A list is a chain of blocks.
 //!
 //! One pass over the scene, in stored order, appends a compact record of each particle to the list
 //! of its bundle. No histogram is needed beforehand, and memory is accessed in pieces that the

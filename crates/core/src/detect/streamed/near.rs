@@ -22,7 +22,8 @@ pub(super) struct Limits<W: Wide> {
 }
 
 impl<W: Wide> Limits<W> {
-    /// Computes the limits from the outer distance and [`Bounds::grow`](super::kernel::Bounds).
+    /// Computes the limits from the distance beyond which no pair touches, and from
+    /// [`Bounds::grow`](super::kernel::Bounds).
     #[inline(always)]
     pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
         let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));

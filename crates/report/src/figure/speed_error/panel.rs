@@ -53,7 +53,7 @@ impl SmallPanel<'_> {
         self.left + self.sheet.across
     }
 
-    /// Returns top and bottom of the field of zeros.
+    /// Returns top and bottom of the strip for subjects without errors.
     fn field(&self) -> (f64, f64) {
         let top = self.top + SCALE + BREAK;
         (top, top + self.sheet.zero)
