@@ -96,6 +96,7 @@ fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) 
 
 /// Returns a function from number to lattice site in 3D, and the edges of the period, for spacing
 /// 1. The fcc sites are the points of a cubic lattice of edge 1/√2 whose indices have an even sum.
+///
 /// A periodic fcc lattice has an even number of cubic points along each axis.
 fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + use<>, [f64; 3]) {
     let cubic = lattice == "cubic";
