@@ -291,7 +291,7 @@ def test_wrong_lists_are_errors(options, words):
 
 
 def test_a_list_in_a_box_does_not_round():
-    with pytest.raises(ValueError, match="decides in exact arithmetic, not in f64"):
+    with pytest.raises(ValueError, match="exact arithmetic, not in f64"):
         contactbench.Verlet(arithmetic="f64").contacts([[0.0, 0.0]], 0.1, box=[1.0, 1.0])
 
 

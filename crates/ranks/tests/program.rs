@@ -119,7 +119,7 @@ fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     refuse(&["loose", "--steps", "0"], "--steps is 0; it must be at least 1");
     let command = program(folder, &["loose", "--network", "fast"]);
     assert!(finished(command).stderr.contains("seconds and bytes per second"));
-    refuse(&["loose", "--radius", "1"], "belong to files");
+    refuse(&["loose", "--radius", "1"], "dim=3");
     refuse(&["loose:periodic=true", "--each"], "this one has a periodic box; leave out the box");
     std::fs::write(folder.join("p.csv"), "x,y,r\n0,0,1\n").unwrap();
     refuse(&["p.csv", "--each"], "a file is split between ranks; leave out --each");
