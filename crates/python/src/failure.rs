@@ -181,11 +181,15 @@ pub fn work<R: Send>(
 
 /// Does long work in another thread while the main thread checks for signals, so that Ctrl-C ends
 /// the call at once. The other thread then continues with data of its own, and drops its result.
+/// Only the main thread gets signals: others do the work themselves.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<R, Failure> + Send + 'static,
 ) -> PyResult<R> {
     let stop = Stop::default();
+    if !is_main_thread() {
+        return self::work(py, || work(&stop));
+    }
     let (sender, receiver) = mpsc::sync_channel(1);
     let its = stop.clone();
     let begun = std::thread::Builder::new().name("contactbench".into()).spawn(move || {

@@ -13,7 +13,7 @@ use contactbench_scenes::Given;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::failure::{Failure, Stop, by_threads, is_main_thread, patient, work};
+use crate::failure::{Failure, Stop, by_threads, patient, work};
 use crate::given::{Arrays, Edges, arithmetic};
 
 /// Measures like `contactbench recommend`, and returns the JSON of its option `--json`. Detectors
@@ -62,7 +62,7 @@ pub fn recommend(
         let race = by_threads(threads, || Ok(race::run(&question, &mut |_| stop.look())?))?;
         Ok(as_json(Verdict::new(&race).as_ref(), &race, particles).to_string())
     };
-    if is_main_thread() { patient(py, race) } else { work(py, || race(&Stop::default())) }
+    patient(py, race)
 }
 
 /// Runs as a runner until its input ends, with the arguments of `contactbench runner`.

@@ -287,7 +287,7 @@ impl Search {
 
     fn forget(&self, py: Python<'_>) -> PyResult<()> {
         let lent = self.finder.lend()?;
-        work(py, || {
+        patient(py, move |_| {
             let mut held = lent.lock().unwrap_or_else(PoisonError::into_inner);
             if let Finder::Tracker(tracker) = &mut held.0 {
                 tracker.forget();

@@ -105,11 +105,14 @@ import contactbench
 signal.signal(signal.SIGINT, signal.default_int_handler)
 x = np.random.default_rng(1).random((400_000, 3))
 detector = contactbench.Detector("direct")
+busy = contactbench.Verlet("direct")
+threading.Thread(target=busy.contacts, args=(x, 1e-4), daemon=True).start()
 ask = {
     "contacts": lambda: contactbench.contacts(x, 1e-4, detector="direct"),
     "Detector": lambda: detector.contacts(x, 1e-4),
     "count": lambda: detector.count(x, 1e-4),
     "Verlet": lambda: contactbench.Verlet("direct").contacts(x, 1e-4),
+    "forget": busy.forget,
     "verify": lambda: contactbench.verify(x, 0.006, []),
     "recommend": lambda: contactbench.recommend(x, 1e-4, seconds=100),
     "check": lambda: contactbench.check(
@@ -139,7 +142,7 @@ def test_every_long_call_can_be_interrupted():
     )
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    assert len(lines) == 7 and all(" interrupted " in line for line in lines), done.stdout
+    assert len(lines) == 8 and all(" interrupted " in line for line in lines), done.stdout
 
 
 def test_a_long_call_in_the_main_thread_reads_a_copy():
