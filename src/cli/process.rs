@@ -10,7 +10,7 @@ use contactbench_core::refusal::no_memory;
 use crate::cli::{say, shell};
 use contactbench_record::record::built::{self, Build};
 use contactbench_record::record::faults::Damaged;
-use contactbench_run::check::contender;
+use contactbench_run::check::subject;
 
 /// Expands to the `Build` of the crate, from variables that its build script sets.
 #[macro_export]
@@ -141,7 +141,7 @@ fn report_missing_memory() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         // `check` reports the failed detector itself and goes on.
-        let is_checked = std::thread::current().name() == Some(contender::THREAD);
+        let is_checked = std::thread::current().name() == Some(subject::THREAD);
         if let Some(refusal) = no_memory(panic.payload()).filter(|_| !is_checked) {
             say(&format!("contactbench: {refusal}"));
             std::process::exit(2);

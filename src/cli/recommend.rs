@@ -19,7 +19,7 @@ use contactbench_record::stats::interval::ratio;
 use contactbench_report::document::indented;
 use contactbench_report::table::Table;
 use contactbench_run::recommend::race::{self, Question};
-use contactbench_run::recommend::standing::{Race, Standing, fastest};
+use contactbench_run::recommend::subject::{Race, RacedSubject, fastest};
 use contactbench_run::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use contactbench_run::recommend::words;
 use contactbench_run::run::interrupt;
@@ -133,8 +133,8 @@ fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
 
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     let wrong =
-        |standing: &Standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours();
-    match race.standings.iter().any(wrong) || verdict.is_none() {
+        |subject: &RacedSubject| subject.outcome == Outcome::Wrong && subject.entry.is_ours();
+    match race.subjects.iter().any(wrong) || verdict.is_none() {
         true => ExitCode::from(1),
         false => ExitCode::SUCCESS,
     }
@@ -169,46 +169,46 @@ fn history(name: &str) -> anyhow::Result<Vec<Given>> {
 }
 
 /// Returns all detectors, the fastest first, and those without a time last.
-fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
-    let mut standings: Vec<&Standing> = race.standings.iter().collect();
+fn ranked(race: &Race, n: usize) -> Vec<&RacedSubject> {
+    let mut subjects: Vec<&RacedSubject> = race.subjects.iter().collect();
     let rank =
-        |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
-    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
-    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
-    standings
+        |subject: &RacedSubject| per_particle(subject, n).map_or(f64::INFINITY, |time| time.median);
+    let probe = |subject: &RacedSubject| subject.probe_ns.unwrap_or(u64::MAX);
+    subjects.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    subjects
 }
 
 /// Returns the reason why a detector has no time; `None` if it has one.
-fn why_out(standing: &Standing) -> Option<String> {
-    match standing.outcome {
-        _ if !standing.times.is_empty() => None,
-        outcome if outcome.is_good() => Some(format!("dropped: {}", standing.reason)),
-        Outcome::Timeout => Some(standing.reason.clone()),
-        outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
+fn why_out(subject: &RacedSubject) -> Option<String> {
+    match subject.outcome {
+        _ if !subject.times.is_empty() => None,
+        outcome if outcome.is_good() => Some(format!("dropped: {}", subject.reason)),
+        Outcome::Timeout => Some(subject.reason.clone()),
+        outcome => Some(format!("{}: {}", outcome.name(), subject.reason)),
     }
 }
 
 /// Returns one row for each detector. Intervals are of ratios, because absolute times hold in one
 /// run only.
 fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    let base = fastest(&race.standings).map(|k| &race.standings[k]);
-    let choice = verdict.map(|verdict| race.standings[verdict.choice].entry.name);
-    let name = |standing: &Standing| match standing.entry.name {
+    let base = fastest(&race.subjects).map(|k| &race.subjects[k]);
+    let choice = verdict.map(|verdict| race.subjects[verdict.choice].entry.name);
+    let name = |subject: &RacedSubject| match subject.entry.name {
         name if choice == Some(name) => format!("{name} <"),
         name => name.into(),
     };
-    let to_fastest = |standing: &Standing| match base {
-        Some(base) if base.entry.name == standing.entry.name => Some("1".into()),
-        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
+    let to_fastest = |subject: &RacedSubject| match base {
+        Some(base) if base.entry.name == subject.entry.name => Some("1".into()),
+        Some(base) => ratio(&subject.times, &base.times).map(|ratio| with_interval(&ratio)),
         None => None,
     };
     Table::of("", ranked(race, n))
         .left("detector", name)
         .right("time / fastest", to_fastest)
-        .right("ns per particle in this run", |standing| {
-            per_particle(standing, n).map(|time| number(time.median))
+        .right("ns per particle in this run", |subject| {
+            per_particle(subject, n).map(|time| number(time.median))
         })
-        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
-        .left("error", |standing| why_out(standing).unwrap_or_else(|| words::error(standing)))
+        .right("bytes / particle", |subject| bytes_per_particle(subject, n))
+        .left("error", |subject| why_out(subject).unwrap_or_else(|| words::error(subject)))
         .into()
 }

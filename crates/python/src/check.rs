@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::AnyScene;
-use contactbench_run::check::contender::{Answer, Contender};
+use contactbench_run::check::subject::{Answer, CheckedSubject};
 use contactbench_run::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};
@@ -45,10 +45,10 @@ pub fn check<'py>(
             anyhow::anyhow!("stopped")
         })
     };
-    let contenders = [Contender::Function { name, ask: Arc::new(ask) }];
+    let subjects = [CheckedSubject::Function { name, ask: Arc::new(ask) }];
     // The function runs on the caller's thread, where Ctrl-C can interrupt it.
     let report = work(py, || {
-        let report = battery(&contenders, &[arithmetic], &limits);
+        let report = battery(&subjects, &[arithmetic], &limits);
         match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
             Some(error) => Err(Failure::Raised(error)),
             None => Ok(report?),

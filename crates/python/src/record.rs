@@ -75,8 +75,8 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         let values = rows.iter().map(|row| row.id.axis(name)).collect();
         columns.push(parameter(name, values));
     }
-    let contender = rows.iter().map(|row| row.id.contender()).map(Some).collect();
-    columns.push(("contender".into(), "text", Values::Text(contender)));
+    let subject = rows.iter().map(|row| row.id.subject()).map(Some).collect();
+    columns.push(("contender".into(), "text", Values::Text(subject)));
     let role = rows.iter().map(|row| Some(role_of(&row.role))).collect();
     columns.push(("role".into(), "text", Values::Text(role)));
     columns.extend([

@@ -8,19 +8,19 @@ use super::Check;
 use super::failing::last_words;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::{self, TABLE};
-use contactbench_run::check::contender::Contender;
 use contactbench_run::check::process::{Foreign, Met};
+use contactbench_run::check::subject::CheckedSubject;
 use contactbench_run::check::{Limits, Wrong, conversation};
 use contactbench_run::plan::detectors;
 
 pub(super) struct Group {
-    pub(super) contenders: Vec<Contender>,
+    pub(super) subjects: Vec<CheckedSubject>,
     pub(super) arithmetics: Vec<Arithmetic>,
 }
 
 impl Group {
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        self.contenders.iter().map(Contender::name)
+        self.subjects.iter().map(CheckedSubject::name)
     }
 }
 
@@ -28,10 +28,10 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     let chosen = detectors::expand(&options.detector, false)
         .map_err(anyhow::Error::msg)?
         .iter()
-        .map(|name| Ok(Contender::from(table::parse(name)?)))
+        .map(|name| Ok(CheckedSubject::from(table::parse(name)?)))
         .collect::<anyhow::Result<Vec<_>>>()?;
     let chosen = if chosen.is_empty() {
-        TABLE.iter().filter(|entry| entry.must_be_right()).map(Contender::from).collect()
+        TABLE.iter().filter(|entry| entry.must_be_right()).map(CheckedSubject::from).collect()
     } else {
         chosen
     };
@@ -40,7 +40,7 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     } else {
         options.arithmetic.clone()
     };
-    Ok(Group { contenders: chosen, arithmetics })
+    Ok(Group { subjects: chosen, arithmetics })
 }
 
 /// The word in a runner's command that is replaced by the arithmetic.
@@ -110,7 +110,7 @@ pub(super) fn runners(
         broken.extend(manners.broken);
         groups.push(Group {
             arithmetics: vec![*arithmetic],
-            contenders: vec![Contender::Runner(foreign)],
+            subjects: vec![CheckedSubject::Runner(foreign)],
         });
     }
     Ok(groups)

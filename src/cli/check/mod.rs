@@ -18,7 +18,7 @@ use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
 use crate::cli::shared::{terminal, values};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
-use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, contender};
+use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, subject};
 use contactbench_run::run::interrupt;
 
 #[derive(clap::Args)]
@@ -122,13 +122,13 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     };
     let mut reports: Vec<Checked<'_>> = Vec::new();
     for group in &groups {
-        let Group { contenders, arithmetics } = group;
+        let Group { subjects, arithmetics } = group;
         for (path, given) in &scenes {
-            let report = check::one_scene(given, path, contenders, arithmetics, &limits)?;
+            let report = check::one_scene(given, path, subjects, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {
-            let report = check::battery(contenders, arithmetics, &limits)?;
+            let report = check::battery(subjects, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: None });
         }
     }
@@ -198,7 +198,7 @@ fn nothing_compared(reports: &[Checked<'_>]) -> String {
 fn quiet_panics() {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        if std::thread::current().name() != Some(contender::THREAD) {
+        if std::thread::current().name() != Some(subject::THREAD) {
             hook(panic);
         }
     }));

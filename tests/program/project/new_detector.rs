@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use contactbench::check::contender::Contender;
+use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::any::Both;
@@ -39,7 +39,8 @@ static ENTRY: Entry = Entry {
 #[test]
 fn what_is_written_works() {
     let limits = Limits { seeds: 1, time: std::time::Duration::from_secs(60), ..Limits::default() };
-    let report = check::battery(&[Contender::from(&ENTRY)], &[Arithmetic::Exact], &limits).unwrap();
+    let report =
+        check::battery(&[CheckedSubject::from(&ENTRY)], &[Arithmetic::Exact], &limits).unwrap();
     let failures: Vec<String> = report
         .failures
         .iter()

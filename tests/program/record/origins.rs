@@ -35,20 +35,20 @@ fn every_row_names_the_program_that_answered_and_when() {
     let ledger = Ledger::read(&at.path("result"));
     let own = sum(Path::new(PROGRAM));
     for row in &at.rows("result") {
-        let contender = row.id.contender();
-        if contender == "missing" {
+        let subject = row.id.subject();
+        if subject == "missing" {
             assert_eq!((&row.process, row.time_ns), (&None, None));
             continue;
         }
         let process = &ledger.processes[row.process.as_ref().unwrap()];
         let build = |name: &str| process.build.get(name).map(String::as_str);
-        let level = match &*contender {
+        let level = match &*subject {
             "streamed-nbs" => Some(Level::best().name()),
             "streamed-nbs:level=portable" => Some("portable"),
             _ => None,
         };
-        assert_eq!(build("level"), level, "{contender}");
-        if contender == "library" {
+        assert_eq!(build("level"), level, "{subject}");
+        if subject == "library" {
             assert_eq!((&*process.version, build("compiler")), ("7.1", Some("cc 5")));
             let script = process.files.iter().find(|file| file.name == "library.sh").unwrap();
             assert_eq!(script.sha256.as_ref().unwrap(), &sum(&at.path("library.sh")));

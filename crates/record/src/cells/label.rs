@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::cells::Cell;
-use crate::record::id::{CellId, FIELDS, MACHINE, OVER, Projection, split_contender};
+use crate::record::id::{CellId, FIELDS, MACHINE, OVER, Projection, split_subject};
 use crate::record::value::AxisValue;
 use contactbench_terms::number;
 
 /// Returns the value of an axis; unlike [`CellId::axis`], a detector includes its parameters.
 fn shown(id: &CellId, name: &str) -> Option<AxisValue> {
-    if name == "detector" { Some(id.contender().as_str().into()) } else { id.axis(name) }
+    if name == "detector" { Some(id.subject().as_str().into()) } else { id.axis(name) }
 }
 
 fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
@@ -107,13 +107,13 @@ pub fn place(id: impl Into<Projection>, fields: &[String]) -> String {
 /// Shortens names of trackers to rule and skin if all trackers have the same detector.
 pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> String {
     let over: BTreeSet<Option<AxisValue>> =
-        names.map(|name| split_contender(name).1.remove(OVER)).collect();
+        names.map(|name| split_subject(name).1.remove(OVER)).collect();
     let same = over.len() == 1 && !over.contains(&None);
     move |name| {
         if !same {
             return name.into();
         }
-        let (tracker, mut params) = split_contender(name);
+        let (tracker, mut params) = split_subject(name);
         params.remove(OVER);
         let said: Vec<String> = params.values().map(AxisValue::to_string).collect();
         if said.is_empty() { tracker.replace('-', " ") } else { said.join(", ") }

@@ -72,7 +72,7 @@ pub fn labels(cells: &[&Cell]) -> impl Fn(&Line) -> String + Copy {
 impl Line {
     pub fn new(cell: &Cell) -> Line {
         Line {
-            detector: cell.id.contender(),
+            detector: cell.id.subject(),
             arithmetic: cell.id.arithmetic.clone(),
             threads: cell.id.threads(),
             role: cell.role.clone(),

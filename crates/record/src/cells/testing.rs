@@ -7,7 +7,7 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::scene::Stats;
 
 use crate::cells::{Cell, cells};
-use crate::experiment::{Document, Entrant, Experiment, Planned};
+use crate::experiment::{Document, Experiment, Planned, PlannedSubject};
 use crate::record::id::CellId;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
@@ -32,7 +32,7 @@ impl Lab {
             ..CellId::default()
         };
         let base = Row {
-            id: id.with_contender("nbs").with_threads(1),
+            id: id.with_subject("nbs").with_threads(1),
             contacts: Some(250),
             digest: Some("0x00".into()),
             stats: Stats { packing_fraction: 0.9, coordination: 5.0, ..Stats::default() },
@@ -52,7 +52,7 @@ impl Lab {
         self
     }
     pub fn detector(&mut self, spec: &str) -> &mut Lab {
-        self.base.id = self.base.id.clone().with_contender(spec);
+        self.base.id = self.base.id.clone().with_subject(spec);
         self.base.role = role_of(&self.base.id.detector);
         self
     }
@@ -156,7 +156,7 @@ pub fn read(text: &str) -> Experiment {
 }
 
 pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
-    let entrant = |name: &&str| Entrant {
+    let subject = |name: &&str| PlannedSubject {
         name: name.to_string(),
         role: role_of(name),
         arithmetic: (role_of(name) != Role::Runner).then(Arithmetic::default),
@@ -169,8 +169,8 @@ pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
         ..base.clone()
     };
     let scenes: Vec<CellId> = params.iter().map(scene).collect();
-    let entrants = detectors.iter().map(entrant).collect();
-    Planned { quick: scenes.clone(), scenes, entrants, ..Planned::default() }
+    let subjects = detectors.iter().map(subject).collect();
+    Planned { quick: scenes.clone(), scenes, subjects, ..Planned::default() }
 }
 
 type Params = BTreeMap<String, AxisValue>;

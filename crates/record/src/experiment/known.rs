@@ -50,11 +50,11 @@ fn meant(name: &str, names: &BTreeSet<String>) -> String {
 
 impl Known {
     fn new(experiment: &Experiment) -> Known {
-        let Planned { scenes, quick, entrants, .. } = &experiment.planned;
+        let Planned { scenes, quick, subjects, .. } = &experiment.planned;
         let mut ids: Vec<CellId> = Vec::new();
-        for (k, entrant) in entrants.iter().enumerate() {
+        for (k, subject) in subjects.iter().enumerate() {
             let scenes = scenes.iter().chain(quick).take(if k == 0 { usize::MAX } else { 1 });
-            ids.extend(scenes.map(|scene| entrant.cell(scene).with_threads(1)));
+            ids.extend(scenes.map(|scene| subject.cell(scene).with_threads(1)));
         }
         Known { ids, runners: !experiment.runners.is_empty() }
     }

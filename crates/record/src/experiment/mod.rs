@@ -24,7 +24,7 @@ pub use crate::experiment::figures::{
     Against, Bars, Figure, FigureKind, Lines, MapAxes, SpeedError,
 };
 pub use crate::experiment::list::List;
-pub use crate::experiment::planned::{Entrant, Planned};
+pub use crate::experiment::planned::{Planned, PlannedSubject};
 pub use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::record::faults::{MOST_THREADS, is_word};
 use contactbench_terms::arithmetic::Arithmetic;

@@ -14,7 +14,7 @@ pub struct Planned {
     /// Axes of every scene of a full run, in order; n is 0 if the scene determines it.
     pub scenes: Vec<CellId>,
     pub quick: Vec<CellId>,
-    pub entrants: Vec<Entrant>,
+    pub subjects: Vec<PlannedSubject>,
     /// Names of scenes that determine their particles: n is 0 unless the experiment gives it.
     pub own_n: BTreeSet<String>,
     pub defaults: BTreeMap<(String, u32), BTreeMap<String, AxisValue>>,
@@ -27,14 +27,14 @@ impl Planned {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entrant {
+pub struct PlannedSubject {
     pub name: String,
     pub role: Role,
     pub arithmetic: Option<Arithmetic>,
     pub threads: usize,
 }
 
-impl Entrant {
+impl PlannedSubject {
     /// Whether this subject is also timed in the other build of a comparison. Runners are not part
     /// of a build, and controls do not depend on it.
     pub fn is_of_builds(&self) -> bool {
@@ -46,6 +46,6 @@ impl Entrant {
     pub fn cell(&self, scene: &CellId) -> CellId {
         let arithmetic = self.arithmetic.unwrap_or_default().name().into();
         let id = CellId { arithmetic, ..scene.clone() };
-        id.with_contender(&self.name).with_threads(self.threads as u32)
+        id.with_subject(&self.name).with_threads(self.threads as u32)
     }
 }

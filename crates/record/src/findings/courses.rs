@@ -47,13 +47,13 @@ impl<'a> Courses<'a> {
         let arithmetic = arithmetic.to_string();
         let several = arithmetics.len() > 1;
         own.retain(|cell| cell.id.arithmetic == arithmetic);
-        let names: BTreeSet<String> = own.iter().map(|cell| cell.id.contender()).collect();
+        let names: BTreeSet<String> = own.iter().map(|cell| cell.id.subject()).collect();
         let called = brief(names.iter().map(String::as_str));
         let swept = swept(&own);
         let mut scenes: BTreeMap<_, (&CellId, BTreeMap<String, &'a Cell>)> = BTreeMap::new();
         for &cell in &own {
             let (_, done) = scenes.entry(cell.id.scene_id()).or_insert((&cell.id, BTreeMap::new()));
-            done.insert(cell.id.contender(), cell);
+            done.insert(cell.id.subject(), cell);
         }
         // Missed contacts are known only if answers were compared.
         let judged = |cell: &&Cell| cell.values.contains_key("search_missed");

@@ -118,7 +118,7 @@ impl ErrorTable {
 fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
     let mut detectors: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
-        detectors.entry(cell.id.contender()).or_default().push(cell);
+        detectors.entry(cell.id.subject()).or_default().push(cell);
     }
     let mut groups: Vec<(Vec<&str>, Sum)> = Vec::new();
     for (detector, cells) in &detectors {

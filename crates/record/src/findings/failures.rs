@@ -43,7 +43,7 @@ impl Culprits {
     pub fn new(cells: &[&Cell], experiments: &[Experiment]) -> Culprits {
         let runner = |culprit: &Culprit| {
             let own = experiments.iter().filter(|it| it.name == culprit.id.experiment);
-            own.flat_map(|it| &it.runners).find(|it| it.name == culprit.id.contender())
+            own.flat_map(|it| &it.runners).find(|it| it.name == culprit.id.subject())
         };
         let (mut all, mut absent) = (Vec::new(), Vec::new());
         for culprit in culprits(cells) {
@@ -59,7 +59,7 @@ impl Culprits {
 }
 
 fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
-    let line = |cell: &Cell| (cell.id.experiment.clone(), cell.id.contender(), cell.id.threads());
+    let line = |cell: &Cell| (cell.id.experiment.clone(), cell.id.subject(), cell.id.threads());
     let mut ends: BTreeMap<(String, String, u32), BTreeSet<Outcome>> = BTreeMap::new();
     for cell in cells {
         ends.entry(line(cell)).or_default().insert(cell.overall().0);
@@ -74,7 +74,7 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
             Outcome::Unavailable if everywhere(cell) => 2,
             _ => continue,
         };
-        let name = cell.id.contender();
+        let name = cell.id.subject();
         let fields = ["experiment", "arithmetic", "scene", "dim", "n", "seed"].map(String::from);
         let wrong_pairs = cell.errors.map_or(0, |errors| errors.wrong());
         let new = || Culprit {
@@ -82,7 +82,7 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
             id: cell.id.clone(),
             outcome,
             cells: 0,
-            of: cells.iter().filter(|other| other.id.contender() == name).count(),
+            of: cells.iter().filter(|other| other.id.subject() == name).count(),
             wrong_pairs,
             worst: label::place(&cell.id, &fields),
             reason: reason.to_string(),

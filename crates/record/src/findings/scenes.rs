@@ -11,11 +11,11 @@ use crate::stats::interval::Interval;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneResults {
     pub title: String,
-    pub results: Vec<Contender>,
+    pub results: Vec<SubjectResult>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Contender {
+pub struct SubjectResult {
     pub name: String,
     /// Median time in nanoseconds, even of a wrong answer.
     pub time: Option<f64>,
@@ -56,7 +56,7 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
         };
         let (arithmetics, threads) = (several("arithmetic"), several("threads"));
         let result = |cell: &&Cell| {
-            let mut name = cell.id.contender();
+            let mut name = cell.id.subject();
             if arithmetics {
                 name += &format!(" {}", cell.id.arithmetic);
             }
@@ -65,18 +65,18 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
                 count if threads => name += &format!(" ({count} threads)"),
                 _ => {}
             }
-            contender(cell, name, scene.n.max(1) as f64, fastest)
+            subject(cell, name, scene.n.max(1) as f64, fastest)
         };
         SceneResults { title: scene.title, results: cells.iter().map(result).collect() }
     };
     every(cells).into_iter().filter(|scene| scene.shown).map(results).collect()
 }
 
-fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {
+fn subject(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> SubjectResult {
     let per = |name: &str| cell.variable(name, None).map(|value| value / n);
     let per_step = |name: &str| per(name).map(|value| value / cell.frames());
     let lists = ["list_push", "list_step", "list_reset"];
-    Contender {
+    SubjectResult {
         name,
         time: cell.wrong_time().or(cell.time().map(|time| time.median)).map(|time| time / n),
         quiet: cell.quiet_time().map(|time| time / n),

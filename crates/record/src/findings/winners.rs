@@ -34,13 +34,13 @@ pub struct Winners {
 pub struct Contest {
     pub title: String,
     pub shown: bool,
-    pub first: Contender,
-    pub others: Vec<Contender>,
+    pub first: RankedSubject,
+    pub others: Vec<RankedSubject>,
     pub without: Vec<(String, Outcome)>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub struct Contender {
+pub struct RankedSubject {
     pub line: Line,
     pub name: String,
     /// Median time in nanoseconds per particle.
@@ -113,12 +113,12 @@ fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String
             Some(Ordering::Equal) | None => known.push(cell),
         }
     }
-    by_ratio(forms.into_values().filter_map(|forms| standing(forms, noise)).collect())
+    by_ratio(forms.into_values().filter_map(|forms| representative(forms, noise)).collect())
 }
 
 /// Chooses the form that represents a detector: the default one, unless another is decidedly
 /// faster; without a default form (as for trackers), the fastest.
-fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
+fn representative<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
     let default = forms.iter().copied().find(|cell| cell.id.detector_params.is_empty());
     let ahead =
         |cell: &&Cell| default.is_none_or(|it| noise.slower(it.ratio(cell).as_ref(), cell.id.n));
@@ -166,19 +166,19 @@ pub fn contest(
             *known = worse(*known, outcome);
         }
     }
-    let contender = |cell: &Cell| {
+    let subject = |cell: &Cell| {
         let (line, name) = (Line::new(cell), name(cell));
         let other = cell.id != first.id;
         let [ratio, cold] =
             [cell.ratio(first), cell.cold_ratio(first)].map(|it| it.filter(|_| other));
         let slower = noise.slower(ratio.as_ref(), scene.n);
         let per_particle = time(cell) / scene.n.max(1) as f64;
-        Contender { line, name, per_particle, ratio, cold, slower }
+        RankedSubject { line, name, per_particle, ratio, cold, slower }
     };
-    let others = others.iter().map(|cell| contender(cell)).collect();
+    let others = others.iter().map(|cell| subject(cell)).collect();
     let (title, shown) = (scene.title.clone(), scene.shown);
     let without = without.into_iter().collect();
-    Some(Contest { title, shown, first: contender(first), others, without })
+    Some(Contest { title, shown, first: subject(first), others, without })
 }
 
 fn worse(a: Outcome, b: Outcome) -> Outcome {

@@ -60,7 +60,7 @@ pub const OVER: &str = "over";
 /// Splits `streamed-nbs:level=avx2` into name and parameters. Parameters of a tracker such as
 /// `verlet(nbs:levels=auto,skin=0.1)` include its detector, named [`OVER`]. Any other text is a
 /// name.
-pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
+pub fn split_subject(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
     let given = Spec::parse_tracker(spec);
     if given.form("").is_err() {
         return (spec.into(), BTreeMap::new());
@@ -81,8 +81,8 @@ impl CellId {
         self
     }
 
-    pub fn with_contender(mut self, spec: &str) -> CellId {
-        let (name, params) = split_contender(spec);
+    pub fn with_subject(mut self, spec: &str) -> CellId {
+        let (name, params) = split_subject(spec);
         self.detector = name;
         self.detector_params = params;
         self
@@ -94,12 +94,12 @@ impl CellId {
     }
 
     /// The detector with its parameters, as a normalised spec.
-    pub fn contender(&self) -> String {
-        self.contender_without(&[])
+    pub fn subject(&self) -> String {
+        self.subject_without(&[])
     }
 
-    /// Like [`CellId::contender`], without the parameters that are these axes.
-    pub fn contender_without(&self, axes: &[&str]) -> String {
+    /// Like [`CellId::subject`], without the parameters that are these axes.
+    pub fn subject_without(&self, axes: &[&str]) -> String {
         let is_kept = |name: &str| {
             let plain = variable(name);
             !axes.iter().any(|axis| *axis == plain || *axis == prefixed(&plain))
@@ -160,7 +160,7 @@ impl CellId {
             ("seed".into(), self.seed.into()),
             ("arithmetic".into(), self.arithmetic.as_str().into()),
             (THREADS.into(), u64::from(self.threads()).into()),
-            ("detector".into(), self.contender_without(axes).as_str().into()),
+            ("detector".into(), self.subject_without(axes).as_str().into()),
         ]);
         Projection(left).without(axes)
     }
@@ -251,7 +251,7 @@ mod tests {
             ..CellId::default()
         }
         .with_threads(2)
-        .with_contender("streamed-nbs:level=avx2,skin=0.3")
+        .with_subject("streamed-nbs:level=avx2,skin=0.3")
     }
 
     #[test]
@@ -261,9 +261,9 @@ mod tests {
             ("v:skin = 0.30 ,level=avx2", "v:level=avx2,skin=0.3"),
             ("nbs", "nbs"),
         ] {
-            assert_eq!(id().with_contender(spec).contender(), normal);
+            assert_eq!(id().with_subject(spec).subject(), normal);
         }
-        assert_eq!(id().contender_without(&["level"]), "streamed-nbs:skin=0.3");
+        assert_eq!(id().subject_without(&["level"]), "streamed-nbs:skin=0.3");
     }
 
     fn shown(id: &CellId, name: &str) -> Option<String> {
@@ -273,7 +273,7 @@ mod tests {
     #[test]
     fn a_tracker_has_its_detector_and_its_rule_as_axes() {
         let text = "verlet(nbs:levels=auto,form=a,rule=every-5,skin=1e-3)";
-        let tracker = id().with_contender(text);
+        let tracker = id().with_subject(text);
         for (name, value) in [
             ("detector", "verlet"),
             ("over", "nbs:levels=auto,form=a"),
@@ -288,7 +288,7 @@ mod tests {
             (&["over", "rule"], "verlet(skin=0.001)"),
             (&["over", "rule", "skin"], "verlet"),
         ] {
-            assert_eq!(tracker.contender_without(axes), left);
+            assert_eq!(tracker.subject_without(axes), left);
         }
     }
 
@@ -321,10 +321,10 @@ mod tests {
         for kept in ["experiment", "scene", "dim", "order", "n", "seed", "per_cluster"] {
             assert_eq!(scene.axis(kept), id().axis(kept), "{kept}");
         }
-        assert_eq!(scene, id().with_contender("nbs").with_threads(1).scene_id());
+        assert_eq!(scene, id().with_subject("nbs").with_threads(1).scene_id());
         let series = id().without(&["n", "seed"]);
         assert_eq!(series.axis("detector"), Some("streamed-nbs:level=avx2,skin=0.3".into()));
-        assert_ne!(series, id().with_contender("streamed-nbs:level=avx2").without(&["n", "seed"]));
+        assert_ne!(series, id().with_subject("streamed-nbs:level=avx2").without(&["n", "seed"]));
         assert_eq!(series, CellId { n: 7, ..id() }.without(&["n", "seed"]));
     }
 }

@@ -183,7 +183,7 @@ fn one_sample(a: &Row, b: &Row) -> anyhow::Result<()> {
         done::times(a) == done::times(b),
         "the sample of {} ({}) with N = {} that began at {} ms on {} is there twice, with {} and \
          {} ns: one of them was edited",
-        a.id.contender(),
+        a.id.subject(),
         a.id.scene,
         a.id.n,
         a.began_ms.unwrap_or(0),
@@ -240,7 +240,7 @@ fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
     bail!(
         "{what} of {} ({}, {}) with N = {} in {} differs from an earlier folder of the same \
          machine: were they runs of different versions? Compare them instead",
-        a.id.contender(),
+        a.id.subject(),
         a.id.arithmetic,
         a.id.scene,
         a.id.n,

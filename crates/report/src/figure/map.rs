@@ -43,7 +43,7 @@ pub fn svg(about: &About<'_>, axes: &MapAxes) -> anyhow::Result<Option<String>> 
 pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String {
     let values = map.axes[1].values.iter().map(|value| width(value, SIZE, false) + 44.0);
     let left = values.fold(40.0, f64::max);
-    let names = map.contenders.iter().map(|name| width(name, SIZE, true) + ROOM);
+    let names = map.subjects.iter().map(|name| width(name, SIZE, true) + ROOM);
     let tile = names.fold(WIDE.0, f64::max).min(WIDE.1);
     let panels = map.panels.iter().map(|panel| {
         let tiles = tile * panel.values(0).len() as f64;
@@ -61,7 +61,7 @@ pub fn drawn(title: &str, axes: &MapAxes, map: &Map, styles: &Styles) -> String 
     let lines = 34.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
     let mut top = MARGIN + lines + 62.0;
     let height = top + map.panels.chunks(columns).map(row_height).sum::<f64>() + MARGIN - 10.0;
-    let colours = map.contenders.iter().map(String::as_str).zip(styles.of_map(&map.contenders));
+    let colours = map.subjects.iter().map(String::as_str).zip(styles.of_map(&map.subjects));
     let sheet = Sheet { labels: axes.labels(), map, colours: colours.collect(), left, tile };
     canvas::svg([whole, height].map(|it| it.min(20_000.0)), |canvas| {
         let mut y = MARGIN + 12.0;

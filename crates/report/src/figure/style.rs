@@ -11,7 +11,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use contactbench_record::cells::Cell;
-use contactbench_record::record::id::{OVER, split_contender};
+use contactbench_record::record::id::{OVER, split_subject};
 use contactbench_record::record::row::Outcome;
 
 pub type Colour = (u8, u8, u8);
@@ -99,14 +99,14 @@ pub struct Styles(BTreeMap<String, Style>);
 
 impl Styles {
     pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
-        let contenders: BTreeMap<String, bool> =
-            cells.map(|cell| (cell.id.contender(), cell.role.is_control())).collect();
+        let subjects: BTreeMap<String, bool> =
+            cells.map(|cell| (cell.id.subject(), cell.role.is_control())).collect();
         let mut places: BTreeMap<String, usize> = BTreeMap::new();
         let mut styles = BTreeMap::new();
         let mut controls = 0;
-        let mut contenders = Vec::from_iter(contenders);
-        contenders.sort_by_key(|(name, _)| name.contains(':'));
-        for (name, control) in contenders {
+        let mut subjects = Vec::from_iter(subjects);
+        subjects.sort_by_key(|(name, _)| name.contains(':'));
+        for (name, control) in subjects {
             let style = if control {
                 controls += 1;
                 let marker = if controls % 2 == 1 { Marker::Circle } else { Marker::Cross };
@@ -177,7 +177,7 @@ fn apart(a: Colour, b: Colour) -> u8 {
 
 /// Returns the style of a tracker's rule, if the name has no skin or `skin=auto`.
 fn of_rule(name: &str) -> Option<Style> {
-    let (_, params) = split_contender(name);
+    let (_, params) = split_subject(name);
     let text = |key: &str| params.get(key).map(|value| value.to_string());
     let (rule, skin) = (text("rule")?, text("skin"));
     let (_, colour, marker) = match skin.as_deref() {
@@ -190,7 +190,7 @@ fn of_rule(name: &str) -> Option<Style> {
 
 /// Returns the name that a style belongs to: for a tracker without a rule, that of its detector.
 fn detector(name: &str) -> String {
-    let (_, params) = split_contender(name);
+    let (_, params) = split_subject(name);
     match params.get(OVER).filter(|_| !params.contains_key("rule")) {
         Some(over) => over.to_string(),
         None => name.to_string(),

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use crate::figure::style::{Marker, Styles};
 use crate::page::marks;
 use crate::sections::winners::{self, Columns};
-use contactbench_record::findings::winners::{Contender, Contest, Winners};
+use contactbench_record::findings::winners::{Contest, RankedSubject, Winners};
 use contactbench_terms::number::{short, with_interval};
 use contactbench_terms::text::html as escape;
 
@@ -62,7 +62,8 @@ fn ruler(class: &str) -> String {
 /// axis.
 fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
     let middle = SIZE.1 / 2.0;
-    let said = |it: &Contender| Some(format!("{} {}", it.name, with_interval(it.ratio.as_ref()?)));
+    let said =
+        |it: &RankedSubject| Some(format!("{} {}", it.name, with_interval(it.ratio.as_ref()?)));
     let all: Vec<String> = contest.others.iter().filter_map(said).collect();
     let label = escape(&format!("{} 1; {}", contest.first.name, all.join("; ")));
     let mut out = format!(

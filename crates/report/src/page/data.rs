@@ -87,7 +87,7 @@ pub fn json(
     let mut value = |cell: &Cell, &(name, key, word): &(&str, bool, bool)| {
         let axis = cell.id.axis(name).filter(|_| key);
         let text = match name {
-            "detector" => Some(cell.id.contender()),
+            "detector" => Some(cell.id.subject()),
             "outcome" => Some(cell.overall().0.name().into()),
             "reason" => Some(cell.overall().1.into()),
             _ => axis.as_ref().filter(|_| word).map(AxisValue::to_string),

@@ -28,9 +28,9 @@ pub fn section(maps: &[&Drawn], styles: &Styles) -> String {
 
 fn figure(out: &mut String, drawn: &Drawn, styles: &Styles) {
     let map = &drawn.map;
-    let colours = styles.of_map(&map.contenders);
+    let colours = styles.of_map(&map.subjects);
     let colour = |name: &str| {
-        let known = map.contenders.iter().position(|known| known == name);
+        let known = map.subjects.iter().position(|known| known == name);
         known.and_then(|k| colours.get(k).copied()).unwrap_or_default()
     };
     let title = escape(&drawn.title);
@@ -120,7 +120,7 @@ mod tests {
         let labels = ["N".to_string(), "<fraction>".to_string()];
         let drawn = Drawn { name: "m".into(), title: "A & B".into(), labels, map };
         let html = section(&[&drawn], &Styles::default());
-        let colours = Styles::default().of_map(&drawn.map.contenders);
+        let colours = Styles::default().of_map(&drawn.map.subjects);
         let [nbs, sorting] = [colours[0], colours[1]].map(hex);
         for part in [
             "<figcaption>A &amp; B</figcaption>".to_string(),

@@ -40,7 +40,7 @@ const FIGURE_BYTES: usize = 2_500_000;
 
 pub fn html(facts: &Facts<'_>) -> String {
     let (parts, styles) = (&facts.parts, &facts.styles);
-    let detectors = ranked(facts.cells, |cell| cell.id.contender());
+    let detectors = ranked(facts.cells, |cell| cell.id.subject());
     let detectors: Vec<&str> = detectors.iter().map(String::as_str).collect();
     let marks = Marks { detectors: &detectors, styles };
     let titles = parts.iter().map(|part| (&*part.experiment.name, &*part.experiment.title));

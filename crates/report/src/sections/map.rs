@@ -3,7 +3,7 @@ use crate::document::Block;
 use crate::table::{Cell, Rows, Table};
 use contactbench_record::experiment::{Experiment, Figure, FigureKind};
 use contactbench_record::findings::map::{Answer, Map, Panel, Spot};
-use contactbench_record::findings::winners::Contender;
+use contactbench_record::findings::winners::RankedSubject;
 use contactbench_terms::number::{number, times, with_interval};
 
 /// Makes a table for each panel, with x in the head and y in the first column.
@@ -101,10 +101,10 @@ pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
 }
 
 pub fn rows(name: &str, map: &Map) -> Table {
-    fn first(spot: &Spot) -> Option<&Contender> {
+    fn first(spot: &Spot) -> Option<&RankedSubject> {
         spot.contest.as_ref().map(|contest| &contest.first)
     }
-    fn next(spot: &Spot) -> Option<&Contender> {
+    fn next(spot: &Spot) -> Option<&RankedSubject> {
         spot.contest.as_ref()?.others.first()
     }
     let [x, y] = &map.axes;

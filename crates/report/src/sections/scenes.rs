@@ -1,7 +1,7 @@
 use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Table};
-use contactbench_record::findings::scenes::{Contender, SceneResults, Versus, scenes};
+use contactbench_record::findings::scenes::{SceneResults, SubjectResult, Versus, scenes};
 use contactbench_record::record::row::Outcome;
 
 pub fn sections(about: &About<'_>) -> Vec<Section> {
@@ -11,11 +11,11 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
 
 fn table(scene: &SceneResults) -> Block {
     let quiet = scene.results.iter().any(|found| found.quiet.is_some());
-    let time = |found: &Contender| {
+    let time = |found: &SubjectResult| {
         let time = Cell::from(found.time);
         if found.outcome == Outcome::Wrong && found.time.is_some() { time.wrong() } else { time }
     };
-    let versus = |found: &Contender| match found.versus {
+    let versus = |found: &SubjectResult| match found.versus {
         Versus::Fastest => Cell::Count(1),
         Versus::Slower(ratio) => ratio.into(),
         Versus::Unknown => Cell::Absent,

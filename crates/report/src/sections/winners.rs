@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
-use contactbench_record::findings::winners::{Alone, Contender, Contest, Tally, Winners};
+use contactbench_record::findings::winners::{Alone, Contest, RankedSubject, Tally, Winners};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, short};
 
@@ -161,7 +161,7 @@ pub struct Columns {
 
 /// Makes a table with a row per scene.
 pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
-    fn next(contest: &Contest) -> Option<&Contender> {
+    fn next(contest: &Contest) -> Option<&RankedSubject> {
         contest.others.first()
     }
     let &Columns { pictures, cold, time } = columns;

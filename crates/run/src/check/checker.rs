@@ -3,8 +3,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::cases::Scene;
-use super::contender::{Contender, Question, Respondent};
 use super::shrink::shrink;
+use super::subject::{CheckedSubject, Question, Respondent};
 use super::{Failure, Limits, MOST_BYTES, Report, Wrong};
 use crate::truth::truth;
 use contactbench_core::contact::Arithmetic;
@@ -17,26 +17,26 @@ pub(super) struct Checker<'a> {
     limits: &'a Limits,
     started: Instant,
     arithmetics: &'a [Arithmetic],
-    contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
+    subjects: Vec<(&'a CheckedSubject, Box<dyn Respondent>)>,
     pub(super) report: Report,
 }
 
 impl<'a> Checker<'a> {
     pub(super) fn new(
-        contenders: &'a [Contender],
+        subjects: &'a [CheckedSubject],
         arithmetics: &'a [Arithmetic],
         limits: &'a Limits,
     ) -> anyhow::Result<Checker<'a>> {
-        let entered = |contender: &'a Contender| {
-            Ok((contender, contender.respondent(limits.options, limits.deadline)?))
+        let entered = |subject: &'a CheckedSubject| {
+            Ok((subject, subject.respondent(limits.options, limits.deadline)?))
         };
-        let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
+        let subjects = subjects.iter().map(entered).collect::<anyhow::Result<_>>()?;
         let (started, report) = (Instant::now(), Report::default());
-        Ok(Checker { limits, started, arithmetics, contenders, report })
+        Ok(Checker { limits, started, arithmetics, subjects, report })
     }
 
     fn decided(&self) -> bool {
-        self.report.failures.len() == self.contenders.len()
+        self.report.failures.len() == self.subjects.len()
     }
 
     pub(super) fn over(&self) -> bool {
@@ -82,8 +82,8 @@ impl<'a> Checker<'a> {
                     continue;
                 }
             };
-            for (contender, respondent) in &mut self.contenders {
-                if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
+            for (subject, respondent) in &mut self.subjects {
+                if self.report.failures.iter().any(|failure| failure.detector == subject.name()) {
                     continue;
                 }
                 let question =
@@ -93,17 +93,17 @@ impl<'a> Checker<'a> {
                     *self
                         .report
                         .refused
-                        .entry(format!("{}: {reason}", contender.name()))
+                        .entry(format!("{}: {reason}", subject.name()))
                         .or_default() += 1;
                 } else {
                     self.report.cases += 1;
-                    let of = (contender.name().to_string(), arithmetic.name());
+                    let of = (subject.name().to_string(), arithmetic.name());
                     *self.report.compared.entry(of).or_default() += 1;
                 }
                 if let Some(found) = answer.wrong(&truth) {
                     let (smallest, wrong) =
-                        simplest(contender, arithmetic, given, &found, self.limits)?;
-                    let detector = contender.name().to_string();
+                        simplest(subject, arithmetic, given, &found, self.limits)?;
+                    let detector = subject.name().to_string();
                     self.report.failures.push(Failure {
                         detector,
                         arithmetic,
@@ -126,7 +126,7 @@ const SHRINKING_HANGS: u32 = 2;
 
 /// Finds the smallest scene on which a fresh detector is wrong, and its error there.
 fn simplest(
-    contender: &Contender,
+    subject: &CheckedSubject,
     arithmetic: Arithmetic,
     given: &Given,
     found: &Wrong,
@@ -147,11 +147,11 @@ fn simplest(
         let question = Question { given, stored: &stored, arithmetic, fresh, truth: &truth };
         Ok(respondent.ask(&question)?.wrong(&truth))
     };
-    let mut patient = contender.respondent(limits.options, limits.deadline)?;
+    let mut patient = subject.respondent(limits.options, limits.deadline)?;
     let Some(first) = wrong(&mut *patient, given, true)? else { return Ok((given.clone(), None)) };
     let options =
         Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
-    let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
+    let mut respondent = subject.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
     let mut smaller = |fresh: bool| {
         in_box(shrink(&given.scene, limits.effort, |scene| {
@@ -169,7 +169,7 @@ fn simplest(
                 }
         }))
     };
-    if contender.is_slow_to_make() {
+    if subject.is_slow_to_make() {
         // Most runners keep nothing from earlier scenes. So they are not restarted, which is a
         // hundred times faster.
         let smallest = smaller(false);

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::check::Wrong;
-use crate::check::contender::Answer;
 use crate::check::process::{Foreign, Line, Stop, digest, word};
+use crate::check::subject::Answer;
 use crate::run::disk;
 use crate::run::protocol::{Found, Reply, Request};
 use crate::run::trajectory::Trajectory;

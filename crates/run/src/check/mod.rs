@@ -2,7 +2,7 @@
 //!
 //! [`check`] uses every generator with many seeds. [`battery`] adds the hard cases, the committed
 //! regressions and random bytes. A detector keeps its buffers from scene to scene, so errors caused
-//! by earlier scenes are found, too. Each detector runs in a thread ([`contender`]), so endless
+//! by earlier scenes are found, too. Each detector runs in a thread ([`subject`]), so endless
 //! loops are found. If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while
 //! a fresh detector is still wrong, and written as a [`regression`] file.
 //!
@@ -13,12 +13,12 @@
 pub mod bytes;
 mod cases;
 mod checker;
-pub mod contender;
 pub mod conversation;
 pub mod numbers;
 pub mod process;
 pub mod regression;
 pub mod shrink;
+pub mod subject;
 pub mod verify;
 mod wrong;
 
@@ -27,9 +27,9 @@ use std::time::Duration;
 
 use cases::Scene;
 use checker::Checker;
-use contender::Contender;
 pub use regression::as_csv;
 use shrink::Effort;
+use subject::CheckedSubject;
 pub use wrong::{Differences, Wrong};
 
 use contactbench_core::contact::Arithmetic;
@@ -122,8 +122,9 @@ pub fn check(
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let contenders: Vec<Contender> = detectors.iter().copied().map(Contender::from).collect();
-    let mut checker = Checker::new(&contenders, arithmetics, limits)?;
+    let subjects: Vec<CheckedSubject> =
+        detectors.iter().copied().map(CheckedSubject::from).collect();
+    let mut checker = Checker::new(&subjects, arithmetics, limits)?;
     for seed in 1..=limits.seeds {
         if !checker.all(cases::generated(seed), seed > 1)? {
             break;
@@ -135,11 +136,11 @@ pub fn check(
 /// Checks subjects on generated scenes with the first seed, hard cases with their history, and
 /// regressions. Then random bytes and further seeds follow until a limit is reached.
 pub fn battery(
-    contenders: &[Contender],
+    subjects: &[CheckedSubject],
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(contenders, arithmetics, limits)?;
+    let mut checker = Checker::new(subjects, arithmetics, limits)?;
     checker.all(cases::generated(1), false)?;
     checker.all(cases::hard_cases(), true)?;
     checker.all(cases::regressions(), false)?;
@@ -162,18 +163,19 @@ pub fn check_scene(
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let contenders: Vec<Contender> = detectors.iter().copied().map(Contender::from).collect();
-    one_scene(scene, name, &contenders, arithmetics, limits)
+    let subjects: Vec<CheckedSubject> =
+        detectors.iter().copied().map(CheckedSubject::from).collect();
+    one_scene(scene, name, &subjects, arithmetics, limits)
 }
 
 pub fn one_scene(
     scene: &Given,
     name: &str,
-    contenders: &[Contender],
+    subjects: &[CheckedSubject],
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(contenders, arithmetics, limits)?;
+    let mut checker = Checker::new(subjects, arithmetics, limits)?;
     checker.scene(&Scene { source: "given", name: name.into(), given: scene.clone() })?;
     Ok(checker.report)
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::{anyhow, bail};
 use tempfile::TempDir;
 
-use crate::check::contender::{Answer, Question, Respondent};
+use crate::check::subject::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::run::client::{self, Client, NO_REPLY, Start};
 use crate::run::disk;

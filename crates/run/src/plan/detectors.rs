@@ -161,7 +161,7 @@ mod tests {
         for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]
         {
             let normal = normal(text);
-            assert_eq!(CellId::default().with_contender(&normal).contender(), normal);
+            assert_eq!(CellId::default().with_subject(&normal).subject(), normal);
         }
     }
 

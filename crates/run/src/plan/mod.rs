@@ -13,7 +13,7 @@ use anyhow::{Context, ensure};
 pub use self::scenes::{id, specs};
 use contactbench_core::memory::default_limit;
 use contactbench_record::experiment::{
-    Bars, Document, Entrant, Experiment, ExternalRunner, FigureKind, Planned, Where,
+    Bars, Document, Experiment, ExternalRunner, FigureKind, Planned, PlannedSubject, Where,
 };
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
@@ -92,7 +92,7 @@ fn checked<'a>(
     experiment.planned = Planned {
         scenes: ids(&whole),
         quick: ids(&quick),
-        entrants: entrants(&experiment),
+        subjects: subjects(&experiment),
         own_n: scenes::own_n(&experiment),
         defaults: scenes::defaults(&experiment),
     };
@@ -151,7 +151,7 @@ pub fn memory_limit(experiment: &Experiment) -> u64 {
     experiment.memory_limit_mib.map_or_else(default_limit, |mib| mib << 20)
 }
 
-fn entrants(experiment: &Experiment) -> Vec<Entrant> {
+fn subjects(experiment: &Experiment) -> Vec<PlannedSubject> {
     let Experiment { threads, .. } = experiment;
     let mut all = Vec::new();
     for &arithmetic in &experiment.arithmetics {
@@ -163,7 +163,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
             let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));
             let several = entry.is_ok_and(|entry| entry.threads);
             let counts = if several { &threads[..] } else { &[1] };
-            all.extend(counts.iter().map(|&threads| Entrant {
+            all.extend(counts.iter().map(|&threads| PlannedSubject {
                 name: name.clone(),
                 role: role.clone(),
                 arithmetic: Some(arithmetic),
@@ -174,7 +174,7 @@ fn entrants(experiment: &Experiment) -> Vec<Entrant> {
     for runner in &experiment.runners {
         // A command without `{threads}` is measured once, with the first number of threads.
         let counts = if says_threads(runner) { &threads[..] } else { &threads[..1] };
-        all.extend(counts.iter().map(|&threads| Entrant {
+        all.extend(counts.iter().map(|&threads| PlannedSubject {
             name: runner.name.clone(),
             role: Role::Runner,
             arithmetic: None,

@@ -94,11 +94,11 @@ fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()>
     let names = experiment.detectors.len().saturating_mul(experiment.arithmetics.len());
     let most =
         names.saturating_add(experiment.runners.len()).saturating_mul(experiment.threads.len());
-    let entrants = if most as u64 > MOST_CELLS { most } else { super::entrants(experiment).len() };
-    let cells = scenes.saturating_mul(entrants as u64);
+    let subjects = if most as u64 > MOST_CELLS { most } else { super::subjects(experiment).len() };
+    let cells = scenes.saturating_mul(subjects as u64);
     ensure!(
         cells <= MOST_CELLS,
-        "{scenes} scenes x {entrants} detectors (with arithmetics and threads): {cells} cells, \
+        "{scenes} scenes x {subjects} detectors (with arithmetics and threads): {cells} cells, \
          and an experiment has at most {MOST_CELLS}; shorten a list"
     );
     Ok(())

@@ -230,8 +230,8 @@ fn plans_are_bounded_before_they_are_made() {
 fn a_runner_is_no_control_whatever_its_name() {
     let runner = "[[runner]]\nname = \"x-twin\"\ncommand = [\"x\"]\n";
     let text = format!("{HEAD}[[scene]]\nname = \"packed\"\nn = 10\n{runner}");
-    let entrants = parse(&text, Path::new(".")).unwrap().planned.entrants;
-    let roles: Vec<(&str, &Role)> = entrants.iter().map(|it| (&*it.name, &it.role)).collect();
+    let subjects = parse(&text, Path::new(".")).unwrap().planned.subjects;
+    let roles: Vec<(&str, &Role)> = subjects.iter().map(|it| (&*it.name, &it.role)).collect();
     assert_eq!(roles, [("nbs", &Role::Detector), ("x-twin", &Role::Runner)]);
 }
 

@@ -6,6 +6,6 @@
 //! early ([`race`]).
 
 pub mod race;
-pub mod standing;
+pub mod subject;
 pub mod verdict;
 pub mod words;

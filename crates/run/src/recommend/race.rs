@@ -19,14 +19,14 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::recommend::standing::{BEHIND, FAR, HOPELESS, Race, Standing};
+use crate::recommend::subject::{BEHIND, FAR, HOPELESS, Race, RacedSubject};
 use crate::run::client::{Client, Failure, Start};
-use crate::run::contender;
 use crate::run::disk;
 use crate::run::judge::{Judge, Said};
 use crate::run::passes::{self, SHORTEST_SAMPLE_NS};
 use crate::run::processors;
 use crate::run::protocol::{Reply, Request};
+use crate::run::subject;
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::{Entry, Role, TABLE};
@@ -87,14 +87,13 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         judge,
         loads,
         folder: folder.path(),
-        room: contender::room(question.given.scene.len() as u64, contacts),
+        room: subject::room(question.given.scene.len() as u64, contacts),
         started: Instant::now(),
     };
-    let mut standings = ground.probe_all(entries, note)?;
-    let (blocks, twin) = ground.blocks(&mut standings, note)?;
-    standings
-        .sort_by_key(|standing| TABLE.iter().position(|entry| entry.name == standing.entry.name));
-    Ok(Race { standings, contacts, blocks, twin })
+    let mut subjects = ground.probe_all(entries, note)?;
+    let (blocks, twin) = ground.blocks(&mut subjects, note)?;
+    subjects.sort_by_key(|subject| TABLE.iter().position(|entry| entry.name == subject.entry.name));
+    Ok(Race { subjects, contacts, blocks, twin })
 }
 
 struct Ground<'a> {
@@ -116,92 +115,92 @@ impl Ground<'_> {
         &mut self,
         entries: Vec<&'static Entry>,
         note: &mut dyn FnMut(&str),
-    ) -> anyhow::Result<Vec<Standing>> {
-        let mut standings: Vec<Standing> = Vec::new();
+    ) -> anyhow::Result<Vec<RacedSubject>> {
+        let mut subjects: Vec<RacedSubject> = Vec::new();
         let mut shortest: Option<Duration> = None;
         for entry in entries {
             note(&format!("probing {}", entry.name));
-            let mut standing = self.entered(entry);
+            let mut subject = self.entered(entry);
             // The first probe may use the whole time, later probes what is left of its first half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
                 let reason = "not tried: time was up (--seconds)".into();
-                standing.fail(Failure { outcome: Outcome::Timeout, reason });
+                subject.fail(Failure { outcome: Outcome::Timeout, reason });
             } else {
                 // A slow probe must not use up the time of those that follow.
                 let patience =
                     shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
-                let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
-                let took = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)?;
+                let best = subjects.iter().filter_map(|subject| subject.probe_ns).min();
+                let took = self.probe(&mut subject, patience.max(SHORTEST_PROBE), best)?;
                 shortest = shortest.into_iter().chain(took).min();
             }
-            standings.push(standing);
+            subjects.push(subject);
         }
-        HOPELESS.apply(&mut standings);
-        Ok(standings)
+        HOPELESS.apply(&mut subjects);
+        Ok(subjects)
     }
 
-    fn entered(&self, entry: &'static Entry) -> Standing {
+    fn entered(&self, entry: &'static Entry) -> RacedSubject {
         let Question { ref program, arithmetic, memory_limit: limit, time, .. } = *self.question;
         let threads = if entry.threads { self.question.threads } else { 1 };
-        let command = contender::own(program, entry.name, arithmetic, threads, limit);
-        let room = contender::address_space(limit, threads).saturating_add(self.room);
-        Standing::new(entry, threads, Start::of(&command, time.max(SHORTEST_PROBE), room))
+        let command = subject::own(program, entry.name, arithmetic, threads, limit);
+        let room = subject::address_space(limit, threads).saturating_add(self.room);
+        RacedSubject::new(entry, threads, Start::of(&command, time.max(SHORTEST_PROBE), room))
     }
 
     /// Starts a detector, takes a first sample and, unless another detector is much faster,
     /// measures memory. Returns the time that this took, or `None` if the detector is out.
     fn probe(
         &mut self,
-        standing: &mut Standing,
+        subject: &mut RacedSubject,
         patience: Duration,
         best: Option<u64>,
     ) -> anyhow::Result<Option<Duration>> {
         let started = Instant::now();
-        standing.start.time_limit = patience;
-        let Some((time, mut client)) = self.sample(standing, None)? else {
-            if standing.outcome == Outcome::Timeout {
+        subject.start.time_limit = patience;
+        let Some((time, mut client)) = self.sample(subject, None)? else {
+            if subject.outcome == Outcome::Timeout {
                 let what = match best {
                     None => ": give more --seconds",
                     Some(_) => "; others had answered by then",
                 };
-                standing.reason = format!("no answer after {:.1} s{what}", patience.as_secs_f64());
+                subject.reason = format!("no answer after {:.1} s{what}", patience.as_secs_f64());
             }
             return Ok(None);
         };
         let took = started.elapsed();
         // The time limit of later requests is derived from the time of the probe.
-        standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
-        client.time_limit = standing.start.time_limit;
-        standing.probe_ns = Some(time);
+        subject.start.time_limit = took * PATIENCE + Duration::from_secs(5);
+        client.time_limit = subject.start.time_limit;
+        subject.probe_ns = Some(time);
         let hopeless = best.is_some_and(|best| time as f64 > HOPELESS.limit * best as f64);
         if !hopeless {
             match client.ask(&Request::Memory) {
                 Ok(Reply::Memory(memory)) => {
-                    standing.peak_bytes = Some(memory.peak_bytes);
-                    standing.formula_bytes = memory.formula_bytes;
+                    subject.peak_bytes = Some(memory.peak_bytes);
+                    subject.formula_bytes = memory.formula_bytes;
                 }
                 Ok(_) => {}
-                Err(failure) => standing.fail(failure),
+                Err(failure) => subject.fail(failure),
             }
         }
-        Ok(Some(took).filter(|_| standing.racing))
+        Ok(Some(took).filter(|_| subject.racing))
     }
 
     /// Takes one judged sample in a new process. Returns nanoseconds per detection and the process,
     /// or `None` if the detector is out.
     fn sample(
         &mut self,
-        standing: &mut Standing,
+        subject: &mut RacedSubject,
         processor: Option<usize>,
     ) -> anyhow::Result<Option<(u64, Client)>> {
-        let client = passes::fresh(&standing.start, None, &self.loads, processor);
+        let client = passes::fresh(&subject.start, None, &self.loads, processor);
         let answer = client
             .and_then(|mut client| Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
             Err(failure) => {
-                standing.fail(failure);
+                subject.fail(failure);
                 return Ok(None);
             }
         };
@@ -210,50 +209,50 @@ impl Ground<'_> {
         let fetch = |_| client.pairs(&path, box_dim, None);
         let arithmetic = self.question.arithmetic;
         let said = Said { arithmetic, may_miss: false, found: &sample.found };
-        let (judged, _) = self.judge.judge(standing.entry.name, said, fetch)?;
-        standing.errors = judged.errors;
+        let (judged, _) = self.judge.judge(subject.entry.name, said, fetch)?;
+        subject.errors = judged.errors;
         if judged.outcome.is_good() {
-            standing.outcome = judged.outcome;
+            subject.outcome = judged.outcome;
             return Ok(Some((sample.time_ns, client)));
         }
-        standing.fail(Failure { outcome: judged.outcome, reason: judged.reason });
+        subject.fail(Failure { outcome: judged.outcome, reason: judged.reason });
         Ok(None)
     }
 
     fn blocks(
         &mut self,
-        standings: &mut [Standing],
+        subjects: &mut [RacedSubject],
         note: &mut dyn FnMut(&str),
     ) -> anyhow::Result<(u32, Option<Interval>)> {
-        let racing = standings.iter().filter(|standing| standing.racing);
-        let original = racing.min_by_key(|standing| standing.probe_ns);
+        let racing = subjects.iter().filter(|subject| subject.racing);
+        let original = racing.min_by_key(|subject| subject.probe_ns);
         // The twin has the limits that its original was given after the probe.
-        let mut twin = original.map(|it| Standing::new(it.entry, it.threads, it.start.clone()));
+        let mut twin = original.map(|it| RacedSubject::new(it.entry, it.threads, it.start.clone()));
         let mut done = 0;
         for block in 1..=MOST {
             let share = if block <= FEWEST { BEYOND } else { 1.0 };
             if block > 1 && self.left(share).is_zero() {
                 break;
             }
-            let mut order: Vec<&mut Standing> =
-                standings.iter_mut().chain(&mut twin).filter(|standing| standing.racing).collect();
+            let mut order: Vec<&mut RacedSubject> =
+                subjects.iter_mut().chain(&mut twin).filter(|subject| subject.racing).collect();
             note(&format!("block {block}: {} racing", order.len().saturating_sub(1)));
             order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
-            for standing in order {
-                let processor = processors::in_block(block).filter(|_| standing.threads == 1);
-                if let Some((time, _)) = self.sample(standing, processor)? {
-                    standing.times.insert(block.into(), time);
+            for subject in order {
+                let processor = processors::in_block(block).filter(|_| subject.threads == 1);
+                if let Some((time, _)) = self.sample(subject, processor)? {
+                    subject.times.insert(block.into(), time);
                 }
             }
             done = block;
             match block {
-                FIRST_BLOCKS => FAR.apply(standings),
-                FEWEST.. => BEHIND.apply(standings),
+                FIRST_BLOCKS => FAR.apply(subjects),
+                FEWEST.. => BEHIND.apply(subjects),
                 _ => {}
             }
         }
-        let of = |twin: Standing| {
-            let original = standings.iter().find(|it| it.entry.name == twin.entry.name)?;
+        let of = |twin: RacedSubject| {
+            let original = subjects.iter().find(|it| it.entry.name == twin.entry.name)?;
             ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
         };
         Ok((done, twin.and_then(of)))

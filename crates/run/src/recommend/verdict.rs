@@ -1,7 +1,7 @@
 //! Chooses the recommended detector: the fastest, or one with less memory that is undecided against
 //! it and has a similar median.
 
-use crate::recommend::standing::{Race, Standing, fastest};
+use crate::recommend::subject::{Race, RacedSubject, fastest};
 use contactbench_record::findings::noise::Noise;
 use contactbench_record::stats::interval::{Interval, interval, ratio};
 
@@ -23,11 +23,11 @@ pub struct Verdict {
 impl Verdict {
     /// Chooses a detector; returns `None` if none has a time.
     pub fn new(race: &Race) -> Option<Verdict> {
-        let standings = &race.standings;
-        let best = fastest(standings)?;
-        let against = |k: usize, base: usize| ratio(&standings[k].times, &standings[base].times);
+        let subjects = &race.subjects;
+        let best = fastest(subjects)?;
+        let against = |k: usize, base: usize| ratio(&subjects[k].times, &subjects[base].times);
         let others: Vec<usize> =
-            (0..standings.len()).filter(|&k| k != best && standings[k].is_timed()).collect();
+            (0..subjects.len()).filter(|&k| k != best && subjects[k].is_timed()).collect();
         let noise = Noise::of_twin(race.twin);
         let sure = |ratio: Interval| ratio.median > 1.0 && noise.decides(&ratio, 0);
         let slower = |k: &usize| against(*k, best).is_some_and(sure);
@@ -38,7 +38,7 @@ impl Verdict {
             .iter()
             .copied()
             .filter(|&k| beside(k))
-            .min_by_key(|&k| (standings[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
+            .min_by_key(|&k| (subjects[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
         let next = behind
             .into_iter()
             .filter_map(|k| Some((k, against(k, choice)?)))
@@ -51,12 +51,12 @@ impl Verdict {
     }
 }
 
-pub fn per_particle(standing: &Standing, n: usize) -> Option<Interval> {
+pub fn per_particle(subject: &RacedSubject, n: usize) -> Option<Interval> {
     let times: Vec<f64> =
-        standing.times.values().map(|&time| time as f64 / n.max(1) as f64).collect();
+        subject.times.values().map(|&time| time as f64 / n.max(1) as f64).collect();
     interval(&times)
 }
 
-pub fn bytes_per_particle(standing: &Standing, n: usize) -> Option<f64> {
-    standing.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
+pub fn bytes_per_particle(subject: &RacedSubject, n: usize) -> Option<f64> {
+    subject.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
 }

@@ -3,11 +3,11 @@ use serde_json::{Value, json};
 use contactbench_record::stats::interval::{Interval, ratio};
 use contactbench_terms::number::{number, with_interval};
 
-use crate::recommend::standing::{Race, Standing, fastest};
+use crate::recommend::subject::{Race, RacedSubject, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 
-pub fn error(standing: &Standing) -> String {
-    match standing.errors {
+pub fn error(subject: &RacedSubject) -> String {
+    match subject.errors {
         None => "not compared".into(),
         Some(errors) if errors.wrong() == 0 => "exact".into(),
         Some(errors) => errors.to_string(),
@@ -15,9 +15,9 @@ pub fn error(standing: &Standing) -> String {
 }
 
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
-    let standings = &race.standings;
-    let name = |k: usize| standings[k].entry.name;
-    let choice = &standings[verdict.choice];
+    let subjects = &race.subjects;
+    let name = |k: usize| subjects[k].entry.name;
+    let choice = &subjects[verdict.choice];
     let mut parts = Vec::new();
     // Ratios come before times, because they vary less between runs.
     if let Some((k, ratio)) = &verdict.next {
@@ -37,7 +37,7 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
         let takes = ratio.map_or(String::new(), |ratio| {
             format!(": it takes {} times as long", with_interval(&ratio))
         });
-        let memory = match bytes_per_particle(&standings[*k], n) {
+        let memory = match bytes_per_particle(&subjects[*k], n) {
             Some(bytes) => format!(", with {} bytes per particle", number(bytes)),
             None => String::new(),
         };
@@ -72,22 +72,22 @@ fn numbers(interval: Interval) -> Value {
 }
 
 pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
-    let standings = &race.standings;
-    let name = |k: usize| standings[k].entry.name;
-    let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
-    let detectors = standings.iter().map(|standing| {
+    let subjects = &race.subjects;
+    let name = |k: usize| subjects[k].entry.name;
+    let base = fastest(subjects).map(|k| subjects[k].times.clone()).unwrap_or_default();
+    let detectors = subjects.iter().map(|subject| {
         json!({
-            "detector": standing.entry.name,
-            "threads": standing.threads,
-            "outcome": standing.outcome.name(),
-            "reason": standing.reason,
-            "probe_ns": standing.probe_ns,
-            "ns_per_particle": per_particle(standing, n).map(numbers),
-            "ratio_to_fastest": ratio(&standing.times, &base).map(numbers),
-            "peak_bytes": standing.peak_bytes,
-            "bytes_per_particle": bytes_per_particle(standing, n),
-            "formula_bytes": standing.formula_bytes,
-            "errors": standing.errors,
+            "detector": subject.entry.name,
+            "threads": subject.threads,
+            "outcome": subject.outcome.name(),
+            "reason": subject.reason,
+            "probe_ns": subject.probe_ns,
+            "ns_per_particle": per_particle(subject, n).map(numbers),
+            "ratio_to_fastest": ratio(&subject.times, &base).map(numbers),
+            "peak_bytes": subject.peak_bytes,
+            "bytes_per_particle": bytes_per_particle(subject, n),
+            "formula_bytes": subject.formula_bytes,
+            "errors": subject.errors,
         })
     });
     let next =

@@ -25,9 +25,8 @@ const LONGEST: Duration = Duration::from_millis(200);
 pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
     let mut entries: Vec<Vec<Running>> = Vec::new();
     for one in running {
-        let number = one.contender.duet;
-        match entries.iter_mut().find(|entry| number.is_some() && entry[0].contender.duet == number)
-        {
+        let number = one.subject.duet;
+        match entries.iter_mut().find(|entry| number.is_some() && entry[0].subject.duet == number) {
             Some(entry) => entry.push(one),
             None => entries.push(vec![one]),
         }
@@ -35,7 +34,7 @@ pub(super) fn entries(running: Vec<Running>) -> Vec<Vec<Running>> {
     entries
 }
 
-struct Player {
+struct TimedSubject {
     running: Running,
     client: Client,
     row: Row,
@@ -55,7 +54,7 @@ impl Stage<'_, '_> {
         if entry.iter().all(|one| self.index.has(&blank(one))) {
             return Ok(entry);
         }
-        let mut players = Vec::new();
+        let mut subjects = Vec::new();
         for running in entry {
             let (mut row, processor) = (blank(&running), running.processor(block));
             if running.is_alone() {
@@ -63,29 +62,31 @@ impl Stage<'_, '_> {
                 row.pulse_ns = pulse(processor);
             }
             match running.fresh(processor) {
-                Ok(client) => players.push(Player { running, client, row, turns: Vec::new() }),
+                Ok(client) => {
+                    subjects.push(TimedSubject { running, client, row, turns: Vec::new() })
+                }
                 Err(failure) => self.fail(&blank(&running), failure, Pass::Time.rest())?,
             }
         }
         // The first subject rotates from block to block; every second round is in reverse order.
-        let all = players.len().max(1);
-        players.rotate_left(block as usize % all);
+        let all = subjects.len().max(1);
+        subjects.rotate_left(block as usize % all);
         let started = Instant::now();
-        let rounds = if players.iter().any(|it| it.running.is_alone()) { 1 } else { MOST_ROUNDS };
+        let rounds = if subjects.iter().any(|it| it.running.is_alone()) { 1 } else { MOST_ROUNDS };
         for round in 0..rounds {
             if round >= FEWEST_ROUNDS && started.elapsed() > LONGEST {
                 break;
             }
-            for (player, failure) in take_turns(&mut players, block) {
-                self.fail(&blank(&player.running), failure, Pass::Time.rest())?;
+            for (subject, failure) in take_turns(&mut subjects, block) {
+                self.fail(&blank(&subject.running), failure, Pass::Time.rest())?;
             }
-            players.reverse();
+            subjects.reverse();
         }
         let mut still = Vec::new();
-        for Player { running, mut client, mut row, turns } in players {
+        for TimedSubject { running, mut client, mut row, turns } in subjects {
             let Some(sum) = total(&turns) else { continue };
             running.fill(&mut row, &sum, running.processor(block));
-            row.process = self.log.origins.process(&running.contender, &client)?;
+            row.process = self.log.origins.process(&running.subject, &client)?;
             if !running.is_alone() {
                 row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
             }
@@ -107,10 +108,10 @@ impl Stage<'_, '_> {
 }
 
 /// Takes one turn of each subject, in order; subjects that fail are removed.
-fn take_turns(players: &mut Vec<Player>, block: u32) -> Vec<(Player, Failure)> {
+fn take_turns(subjects: &mut Vec<TimedSubject>, block: u32) -> Vec<(TimedSubject, Failure)> {
     let mut failed = Vec::new();
     let mut k = 0;
-    while let Some(Player { running, client, row, turns }) = players.get_mut(k) {
+    while let Some(TimedSubject { running, client, row, turns }) = subjects.get_mut(k) {
         let alone = running.is_alone();
         if alone {
             row.began_ms = since_1970();
@@ -123,7 +124,7 @@ fn take_turns(players: &mut Vec<Player>, block: u32) -> Vec<(Player, Failure)> {
                 turns.push(turn);
                 k += 1;
             }
-            Err(failure) => failed.push((players.remove(k), failure)),
+            Err(failure) => failed.push((subjects.remove(k), failure)),
         }
     }
     failed

@@ -31,8 +31,7 @@ impl Stage<'_, '_> {
     /// Returns the command of the copies, if requested. If they are too slow to try, writes a row.
     pub fn copy(&mut self, running: &Running) -> anyhow::Result<Option<Start>> {
         let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
-        let Some(start) = running.contender.copy.clone().filter(|_| !self.no_ceiling(&blank))
-        else {
+        let Some(start) = running.subject.copy.clone().filter(|_| !self.no_ceiling(&blank)) else {
             return Ok(None);
         };
         if let Some(n) = self.log.too_slow.at(&blank) {
@@ -56,7 +55,7 @@ impl Stage<'_, '_> {
         let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
             return Ok(());
         };
-        let answers = processors::apart(running.contender.threads)
+        let answers = processors::apart(running.subject.threads)
             .into_iter()
             .map(|place| fresh(start, Some(&running.hello), &running.loads, place))
             .collect::<Result<Vec<Client>, Failure>>()
@@ -79,7 +78,7 @@ impl Stage<'_, '_> {
             }
         };
         if let Some(copy) = copies.first() {
-            row.process = self.log.origins.process(&running.contender, copy)?;
+            row.process = self.log.origins.process(&running.subject, copy)?;
         }
         row.time_ns = Some(harmonic_mean(&answers));
         row.alone_ns = Some(harmonic_mean(&alone));

@@ -3,7 +3,6 @@
 pub mod alloc;
 mod block;
 pub mod client;
-pub mod contender;
 mod copies;
 pub mod disk;
 mod family;
@@ -20,4 +19,5 @@ mod pulse;
 pub mod server;
 pub mod session;
 pub mod stage;
+pub mod subject;
 pub mod trajectory;

@@ -11,7 +11,7 @@ use anyhow::Context;
 use sha2::{Digest, Sha256};
 
 use crate::run::client::Client;
-use crate::run::contender::Contender;
+use crate::run::subject::Subject;
 use contactbench_record::record::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;
 
@@ -30,16 +30,16 @@ impl Origins {
 
     pub fn process(
         &mut self,
-        contender: &Contender,
+        subject: &Subject,
         client: &Client,
     ) -> anyhow::Result<Option<String>> {
-        let (program, arguments) = match &*contender.start.command {
+        let (program, arguments) = match &*subject.start.command {
             [program, arguments @ ..] => (program, arguments),
             [] => return Ok(None),
         };
         let mut files = vec![self.executed(running(client.process(), program))];
         // A runner's command may name a script after its interpreter.
-        let named = arguments.iter().map(PathBuf::from).filter(|_| contender.role == Role::Runner);
+        let named = arguments.iter().map(PathBuf::from).filter(|_| subject.role == Role::Runner);
         for path in named.filter(|path| path.is_file()) {
             let name = name(&path);
             files.push(self.executed((name, path)));

@@ -8,13 +8,13 @@
 use std::rc::Rc;
 
 use crate::run::client::{Client, Failure, Start};
-use crate::run::contender::Contender;
 use crate::run::interrupt;
 use crate::run::judge::{Judge, Said, Tracked};
 use crate::run::plan::describe;
 use crate::run::processors;
 use crate::run::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
+use crate::run::subject::Subject;
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_record::record::role::Role;
@@ -24,7 +24,7 @@ use contactbench_record::record::row::{self, Outcome, Pass, Row};
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
 
 pub(crate) struct Running {
-    pub contender: Contender,
+    pub subject: Subject,
     pub arithmetic: Arithmetic,
     pub hello: Hello,
     pub blank: Row,
@@ -36,15 +36,15 @@ pub(crate) struct Running {
 impl Running {
     /// Returns the processor for the process in this block; `None` with several threads.
     pub fn processor(&self, block: u32) -> Option<usize> {
-        processors::in_block(block).filter(|_| self.contender.threads == 1)
+        processors::in_block(block).filter(|_| self.subject.threads == 1)
     }
 
     pub fn is_alone(&self) -> bool {
-        self.contender.duet.is_none()
+        self.subject.duet.is_none()
     }
 
     pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
-        fresh(&self.contender.start, Some(&self.hello), &self.loads, processor)
+        fresh(&self.subject.start, Some(&self.hello), &self.loads, processor)
     }
 
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
@@ -130,7 +130,7 @@ impl Stage<'_, '_> {
     /// subject fails; its rows state why.
     pub fn enter(
         &mut self,
-        contender: Contender,
+        subject: Subject,
         mut blank: Row,
         loads: &Rc<[Trajectory]>,
         judge: &mut Judge<'_>,
@@ -138,7 +138,7 @@ impl Stage<'_, '_> {
         if self.too_slow(&blank)? {
             return Ok(None);
         }
-        let (mut client, arithmetic) = match start(&contender) {
+        let (mut client, arithmetic) = match start(&subject) {
             Ok(started) => started,
             Err(failure) => {
                 self.fail(&blank, failure, &Pass::ALL)?;
@@ -147,7 +147,7 @@ impl Stage<'_, '_> {
         };
         // A runner reports its arithmetic only when it is started.
         blank.id.arithmetic = arithmetic.name().into();
-        blank.process = self.log.origins.process(&contender, &client)?;
+        blank.process = self.log.origins.process(&subject, &client)?;
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
@@ -156,7 +156,7 @@ impl Stage<'_, '_> {
             return Ok(None);
         }
         let (hello, loads) = (client.hello.clone(), loads.clone());
-        let mut running = Running { contender, arithmetic, hello, blank, loads, copy: None };
+        let mut running = Running { subject, arithmetic, hello, blank, loads, copy: None };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
@@ -188,8 +188,8 @@ impl Stage<'_, '_> {
         judge: &mut Judge<'_>,
         found: &Found,
     ) -> anyhow::Result<()> {
-        let Running { contender, arithmetic, loads, .. } = running;
-        if contender.role == Role::Nothing {
+        let Running { subject, arithmetic, loads, .. } = running;
+        if subject.role == Role::Nothing {
             row.outcome = Outcome::Control;
             row.reason = "control: reports nothing by design".into();
             return Ok(());
@@ -197,8 +197,8 @@ impl Stage<'_, '_> {
         let (path, moving) = (self.folder.join("pairs.npy"), self.spec.course.is_some());
         let box_dim = loads.last().and_then(Trajectory::box_dim);
         let fetch = |frame: u64| client.pairs(&path, box_dim, moving.then_some(frame));
-        let said = Said { arithmetic: *arithmetic, may_miss: contender.may_miss, found };
-        let (judged, tracked) = judge.judge(&contender.name, said, fetch)?;
+        let said = Said { arithmetic: *arithmetic, may_miss: subject.may_miss, found };
+        let (judged, tracked) = judge.judge(&subject.name, said, fetch)?;
         row.course = (moving && judged.errors.is_some()).then(|| recorded(&tracked, &found.steps));
         interrupt::check()?;
         row.outcome = judged.outcome;
@@ -221,7 +221,7 @@ impl Stage<'_, '_> {
     }
 
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
-        let head = format!("{what}: {}", row.id.contender());
+        let head = format!("{what}: {}", row.id.subject());
         if self.log.noted.insert(head.clone()) {
             let scene = describe(self.experiment, self.spec);
             let text = format!("{head} ({}) on {scene}: {reason}", row.id.arithmetic);
@@ -232,12 +232,12 @@ impl Stage<'_, '_> {
 
 /// Starts the runner of a subject. Also returns the subject's arithmetic or, if it has none, the
 /// one that the runner reports.
-fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
+fn start(subject: &Subject) -> Result<(Client, Arithmetic), Failure> {
     let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
-    if let Some(reason) = &contender.missing {
+    if let Some(reason) = &subject.missing {
         return Err(unavailable(reason.clone()));
     }
-    let client = Client::start(&contender.start)?;
+    let client = Client::start(&subject.start)?;
     let said = || {
         let name = &client.hello.arithmetic;
         let found = Arithmetic::ALL.into_iter().find(|arithmetic| arithmetic.name() == name);
@@ -249,7 +249,7 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
             ))
         })
     };
-    let arithmetic = contender.arithmetic.map_or_else(said, Ok)?;
+    let arithmetic = subject.arithmetic.map_or_else(said, Ok)?;
     Ok((client, arithmetic))
 }
 

@@ -6,8 +6,8 @@ use anyhow::{Context, ensure};
 use serde_json::Value;
 
 use crate::plan::specs;
-use crate::run::contender::contenders;
 use crate::run::disk;
+use crate::run::subject::subjects;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_scenes::generate;
@@ -106,9 +106,9 @@ pub(crate) fn room(
     let rows = |(experiment, _): &Planned<'_>| -> u64 {
         let blocks = u64::from(experiment.enough_blocks(job.quick));
         let passes = |copies: bool| 2 + blocks * if copies { 2 } else { 1 };
-        contenders(experiment, &job.program, job.against.as_deref())
+        subjects(experiment, &job.program, job.against.as_deref())
             .iter()
-            .map(|contender| passes(contender.copy.is_some()))
+            .map(|subject| passes(subject.copy.is_some()))
             .sum()
     };
     let rows = scenes.iter().map(rows).fold(0u64, u64::saturating_add);

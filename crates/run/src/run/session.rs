@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 
 use crate::plan::{builtin, detectors};
-use crate::run::contender::is_build;
 use crate::run::disk;
 use crate::run::interrupt;
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};
+use crate::run::subject::is_build;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::done::{Index, TooSlow};

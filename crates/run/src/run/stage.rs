@@ -18,13 +18,13 @@ use crate::moving::Moved;
 use crate::plan::memory_limit;
 use crate::run::block;
 use crate::run::client::Failure;
-use crate::run::contender::{Contender, contenders};
 use crate::run::interrupt;
 use crate::run::judge::Judge;
 use crate::run::load::Watch;
 use crate::run::origins::Origins;
 use crate::run::passes::Running;
 use crate::run::plan::{self, Job, describe};
+use crate::run::subject::{Subject, subjects};
 use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::scene::SceneError;
@@ -68,14 +68,13 @@ pub(crate) struct Log<'a> {
 impl Stage<'_, '_> {
     pub fn run(&mut self) -> anyhow::Result<()> {
         let blocks = self.experiment.all_blocks(self.job.quick);
-        let contenders =
-            contenders(self.experiment, &self.job.program, self.job.against.as_deref());
+        let subjects = subjects(self.experiment, &self.job.program, self.job.against.as_deref());
         let given = match self.spec.given() {
             Ok(given) => given,
-            Err(error) => return self.invalid(&contenders, error),
+            Err(error) => return self.invalid(&subjects, error),
         };
         interrupt::check()?;
-        if self.is_complete(&contenders, &given)? {
+        if self.is_complete(&subjects, &given)? {
             return Ok(());
         }
         self.note(&given);
@@ -94,7 +93,7 @@ impl Stage<'_, '_> {
             }
         };
         let loads: Rc<[Trajectory]> = loads.into();
-        let running = self.enter_all(contenders, &given, (&loads, moved), &mut judge)?;
+        let running = self.enter_all(subjects, &given, (&loads, moved), &mut judge)?;
         self.blocks(running, blocks, &mut judge)?;
         if moving.is_some() {
             loads.iter().for_each(Trajectory::remove);
@@ -118,7 +117,7 @@ impl Stage<'_, '_> {
 
     fn enter_all(
         &mut self,
-        contenders: Vec<Contender>,
+        subjects: Vec<Subject>,
         given: &Given,
         (loads, moved): (&Rc<[Trajectory]>, Option<Moved>),
         judge: &mut Judge<'_>,
@@ -127,9 +126,9 @@ impl Stage<'_, '_> {
         let hopeless = nothing.filter(|nothing| nothing.hopeless);
         let (scene, stats) = (&given.scene, stats::stats(given, count.first));
         let mut running = Vec::new();
-        for contender in contenders {
-            let contender = contender.allowing(scene, count.most);
-            let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
+        for subject in subjects {
+            let subject = subject.allowing(scene, count.most);
+            let blank = subject.blank(self.experiment, self.spec, Some(scene), &stats);
             let blank = Row { moved: moved.clone(), ..blank };
             if self.give_up(&blank)? {
                 continue;
@@ -139,7 +138,7 @@ impl Stage<'_, '_> {
                 let failure = Failure { outcome: Outcome::Refused, reason };
                 self.fail(&blank, failure, &Pass::ALL)?;
             } else {
-                running.extend(self.enter(contender, blank, loads, judge)?);
+                running.extend(self.enter(subject, blank, loads, judge)?);
             }
         }
         Ok(running)
@@ -202,32 +201,32 @@ impl Stage<'_, '_> {
 
     /// Returns whether the record has all rows of the subjects on this scene. Fails if the record
     /// has rows of a different scene.
-    fn is_complete(&self, contenders: &[Contender], given: &Given) -> anyhow::Result<bool> {
-        let blank = |contender: &Contender| {
-            contender.blank(self.experiment, self.spec, Some(&given.scene), &Stats::default())
+    fn is_complete(&self, subjects: &[Subject], given: &Given) -> anyhow::Result<bool> {
+        let blank = |subject: &Subject| {
+            subject.blank(self.experiment, self.spec, Some(&given.scene), &Stats::default())
         };
-        if let Some(one) = contenders.first() {
+        if let Some(one) = subjects.first() {
             let before = self.index.scene_hash(&blank(one));
             // Hashing is slow, so it is done only if the record has rows of the scene.
             if before.is_some() {
                 plan::same_scene(&stats::hash(given), before)?;
             }
         }
-        Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender))))
+        Ok(subjects.iter().all(|subject| self.complete(subject, &blank(subject))))
     }
 
-    fn complete(&self, contender: &Contender, blank: &Row) -> bool {
+    fn complete(&self, subject: &Subject, blank: &Row) -> bool {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A time budget may have ended the blocks early. The arithmetic of a runner is unknown
         // before it is started, so its rows cannot be found.
         let enough = self.experiment.enough_blocks(self.job.quick);
         let ceiling =
-            |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
+            |block| subject.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
         let over = self
             .index
             .ended(blank)
             .is_some_and(|last| last.pass.owed().iter().all(|&pass| has(pass, 0)));
-        contender.arithmetic.is_some()
+        subject.arithmetic.is_some()
             && (over
                 || has(Pass::Count, 0)
                     && has(Pass::Memory, 0)
@@ -236,7 +235,7 @@ impl Stage<'_, '_> {
 
     /// Writes rows for a hard case that is invalid by design. For any other invalid scene, returns
     /// the error.
-    fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
+    fn invalid(&mut self, subjects: &[Subject], error: anyhow::Error) -> anyhow::Result<()> {
         let Some(invalid) = error
             .chain()
             .find_map(|cause| cause.downcast_ref::<SceneError>())
@@ -244,8 +243,8 @@ impl Stage<'_, '_> {
         else {
             return Err(error);
         };
-        for contender in contenders {
-            let blank = contender.blank(self.experiment, self.spec, None, &Stats::default());
+        for subject in subjects {
+            let blank = subject.blank(self.experiment, self.spec, None, &Stats::default());
             self.fail(
                 &blank,
                 Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") },

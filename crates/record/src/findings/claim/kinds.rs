@@ -229,15 +229,15 @@ fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
 pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Finding {
     let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
-    for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
-        let twin = cell.id.clone().with_contender(than);
+    for &cell in cells.iter().filter(|cell| cell.id.subject() != than) {
+        let twin = cell.id.clone().with_subject(than);
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good() && !cell.misses_by_rule();
         if let Some(&other) = other.get(&twin).filter(|other| good(other) && good(cell)) {
             found.extend(cell.ratio(other).map(|ratio| (cell, ratio)));
         }
     }
     let compared: Vec<&Cell> = found.iter().map(|(cell, _)| *cell).collect();
-    let those = cells.iter().copied().filter(|cell| cell.id.contender() == than);
+    let those = cells.iter().copied().filter(|cell| cell.id.subject() == than);
     let used = compared.iter().copied().chain(those);
     let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
         let words = format!("no cell has times of both it and {than}");

@@ -166,11 +166,11 @@ fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<Fi
             to.check(own)?;
             let by_id: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
             let other = |cell: &Cell| {
-                let id = cell.id.clone().with_contender(than);
+                let id = cell.id.clone().with_subject(than);
                 by_id.get(&id).and_then(|other| reading(to, other))
             };
             let mut points = points(&[value])?;
-            points.retain(|point| point.cell.id.contender() != *than);
+            points.retain(|point| point.cell.id.subject() != *than);
             compared(&points, other, None)
         }
         ClaimKind::Model { value, model } => grows(&points(&[value])?, *model),

@@ -78,11 +78,10 @@ pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
     let [a, b] = [a, b].map(Record::new);
     let known = || a.originals().intersection(&b.originals()).next().cloned();
     let detector = named.map(String::from).or_else(known)?;
-    let apart =
-        a.cells.values().filter(|cell| cell.id.contender() == detector).filter_map(|in_a| {
-            let in_b = b.cells.get(&in_a.id)?;
-            Some((in_b.time()?.median / in_a.time()?.median).ln().abs())
-        });
+    let apart = a.cells.values().filter(|cell| cell.id.subject() == detector).filter_map(|in_a| {
+        let in_b = b.cells.get(&in_a.id)?;
+        Some((in_b.time()?.median / in_a.time()?.median).ln().abs())
+    });
     let apart: Vec<f64> = apart.collect();
     let drift = (!apart.is_empty()).then(|| nine_in_ten(&apart));
     Some(Against { detector, drift })
@@ -122,7 +121,7 @@ impl Record {
     fn originals(&self) -> BTreeSet<String> {
         let original = |cell: &Cell| Some(cell.role.twin_of()?.to_string());
         let id = |cell: &Cell| Some(CellId { detector: original(cell)?, ..cell.id.clone() });
-        self.cells.values().filter_map(|cell| Some(id(cell)?.contender())).collect()
+        self.cells.values().filter_map(|cell| Some(id(cell)?.subject())).collect()
     }
 
     /// Finds the cell by whose times others are divided: on the same scene, preferably in the same
@@ -130,7 +129,7 @@ impl Record {
     fn reference(&self, id: &CellId, name: &str) -> Option<&Cell> {
         let known = self.scenes.get(&id.scene_id()).into_iter().flatten();
         let known = known.filter_map(|id| self.cells.get(id));
-        let known = known.filter(|cell| cell.id.contender() == name && cell.time().is_some());
+        let known = known.filter(|cell| cell.id.subject() == name && cell.time().is_some());
         known.min_by_key(|cell| {
             (
                 cell.id.arithmetic != id.arithmetic,

@@ -14,7 +14,7 @@ pub fn machines(part: &Part) -> BTreeSet<String> {
 }
 
 pub fn detectors(part: &Part) -> BTreeSet<String> {
-    part.rows.iter().map(|row| row.id.contender()).collect()
+    part.rows.iter().map(|row| row.id.subject()).collect()
 }
 
 /// Returns the rows to compare. If a record has several machines, these are the rows of machines in

@@ -95,7 +95,7 @@ pub(super) fn timing(
     let mut times = (plain(in_a), plain(in_b));
     let mut multiples = None;
     let doubt = match &options.against {
-        Some(Against { detector, .. }) if *detector == in_a.id.contender() => Some(Note::Reference),
+        Some(Against { detector, .. }) if *detector == in_a.id.subject() => Some(Note::Reference),
         Some(Against { detector: name, .. }) => {
             match (a.reference(&in_a.id, name), b.reference(&in_b.id, name)) {
                 (Some(to_a), Some(to_b)) if to_a.id == to_b.id => {

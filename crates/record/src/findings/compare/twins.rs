@@ -34,7 +34,7 @@ pub(super) fn void(found: &mut [Compared], record: &Record) {
     let Some((worst, most, _)) = moved.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
     let by_chance = timed.iter().map(|(.., share)| share).sum::<f64>() / timed.len() as f64;
     let all = *most > SEEN || at_least(moved.len(), timed.len(), by_chance) <= LUCK;
-    let note = Note::Twin(worst.id.contender(), *most);
+    let note = Note::Twin(worst.id.subject(), *most);
     let scenes: Vec<_> = moved.iter().map(|(cell, ..)| cell.id.scene_id()).collect();
     for cell in found.iter_mut().filter(|cell| all || scenes.contains(&cell.id.scene_id())) {
         if let Some(timing) = cell.timing.as_mut().filter(|timing| timing.is_decidable()) {
@@ -48,7 +48,7 @@ pub fn pooled(cells: &[Compared]) -> Vec<(String, Interval)> {
     let mut ratios: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for cell in cells {
         if let Some(timing) = cell.timing.as_ref().filter(|timing| timing.is_decidable()) {
-            ratios.entry(cell.id.contender()).or_default().push(timing.ratio.median);
+            ratios.entry(cell.id.subject()).or_default().push(timing.ratio.median);
         }
     }
     let several = ratios.into_iter().filter(|(_, ratios)| ratios.len() > 1);

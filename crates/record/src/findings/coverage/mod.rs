@@ -164,9 +164,9 @@ impl<'a> Coverage<'a> {
         let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
         let mut numbers: HashMap<Projection, usize> = HashMap::new();
         for place in &plan.scenes {
-            let entrants = plan.entrants.iter();
-            for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {
-                let (id, open) = (entrant.cell(place), entrant.arithmetic.is_none());
+            let subjects = plan.subjects.iter();
+            for subject in subjects.filter(|subject| !beside || subject.is_of_builds()) {
+                let (id, open) = (subject.cell(place), subject.arithmetic.is_none());
                 let next = numbers.len();
                 let number = *numbers.entry(every::key(&id)).or_insert(next);
                 let same = |cell: &&&Cell| same_file(&id, &cell.id);
@@ -178,7 +178,7 @@ impl<'a> Coverage<'a> {
                 met.insert(found);
                 let why = scope.why(experiment, place, begun);
                 let id = cell.map_or(id, |cell| cell.id.clone());
-                let control = entrant.role.is_control();
+                let control = subject.role.is_control();
                 planned.push(Planned { id, control, scene: number, cell, why });
             }
         }
@@ -187,7 +187,7 @@ impl<'a> Coverage<'a> {
         for planned in planned.iter_mut().filter(|planned: &&mut Planned| planned.cell.is_none()) {
             // A subject that could not start in other scenes is reported as unavailable in scenes
             // that were not run, too.
-            if unavailable.contains_key(&planned.id.contender()) {
+            if unavailable.contains_key(&planned.id.subject()) {
                 planned.why = Why::Unavailable;
             }
         }
@@ -248,7 +248,7 @@ impl<'a> Coverage<'a> {
             if let Some(reason) = lacks(planned) {
                 *why.entry(reason).or_default() += 1;
                 if reason == Why::Unavailable {
-                    unavailable.insert(planned.id.contender());
+                    unavailable.insert(planned.id.subject());
                 }
                 gone.push(*planned);
             }
@@ -265,7 +265,7 @@ impl<'a> Coverage<'a> {
             let values: BTreeSet<AxisValue> = cells
                 .iter()
                 .filter_map(|cell| match name {
-                    "detector" => Some(cell.id.contender().as_str().into()),
+                    "detector" => Some(cell.id.subject().as_str().into()),
                     _ => cell.id.axis(name),
                 })
                 .collect();
@@ -288,7 +288,7 @@ impl<'a> Coverage<'a> {
         let places: BTreeSet<Projection> =
             self.planned.iter().filter(meant).map(|planned| place(&planned.id)).collect();
         let than = claim.kind.than();
-        let other = |id: &CellId| than == Some(&*id.contender()) && places.contains(&place(id));
+        let other = |id: &CellId| than == Some(&*id.subject()) && places.contains(&place(id));
         self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
     }
 
@@ -324,10 +324,10 @@ impl<'a> Coverage<'a> {
 
 fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
     let started = |cell: &&&Cell| cell.overall().0 != Outcome::Unavailable;
-    let known: BTreeSet<String> = own.iter().filter(started).map(|it| it.id.contender()).collect();
+    let known: BTreeSet<String> = own.iter().filter(started).map(|it| it.id.subject()).collect();
     let mut found = BTreeMap::new();
-    for cell in own.iter().filter(|cell| !known.contains(&cell.id.contender())) {
-        found.entry(cell.id.contender()).or_insert_with(|| cell.overall().1.to_string());
+    for cell in own.iter().filter(|cell| !known.contains(&cell.id.subject())) {
+        found.entry(cell.id.subject()).or_insert_with(|| cell.overall().1.to_string());
     }
     found
 }

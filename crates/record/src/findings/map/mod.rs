@@ -36,7 +36,7 @@ const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
 pub struct Map {
     pub axes: [Axis; 2],
     pub panels: Vec<Panel>,
-    pub contenders: Vec<String>,
+    pub subjects: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -170,8 +170,8 @@ impl Map {
             "no detector has a time in these cells, and a map shows times; run the experiment with \
              blocks"
         );
-        let contenders = names.into_iter().map(String::from).collect();
-        Ok(Map { axes: [x.axis(), y.axis()], panels, contenders })
+        let subjects = names.into_iter().map(String::from).collect();
+        Ok(Map { axes: [x.axis(), y.axis()], panels, subjects })
     }
 }
 
@@ -182,7 +182,7 @@ fn who(cell: &Cell, varied: &[&str]) -> String {
     let left_out: Vec<String> = settings.map(id::variable).collect();
     let left_out: Vec<&str> =
         left_out.iter().map(String::as_str).chain(varied.iter().copied()).collect();
-    id.contender_without(&left_out)
+    id.subject_without(&left_out)
 }
 
 fn spot(at: [usize; 2], cells: &[&Cell], noises: &BTreeMap<&str, Noise>, varied: &[&str]) -> Spot {
@@ -202,8 +202,8 @@ fn panel_key(cell: &Cell, apart: &[String], varied: &[&str]) -> Projection {
     let kept = |name: &str| apart.iter().any(|known| known == name) || APART.contains(&name);
     let names: Vec<String> = id.names().filter(|name| !kept(name)).collect();
     let left_out = names.iter().map(String::as_str).chain(varied.iter().copied());
-    let contender = ["detector", "arithmetic", THREADS];
-    id.scene_id().without(&left_out.chain(contender).collect::<Vec<_>>())
+    let subject = ["detector", "arithmetic", THREADS];
+    id.scene_id().without(&left_out.chain(subject).collect::<Vec<_>>())
 }
 
 fn facets(chosen: &[&Cell], [x, y]: [&Variable; 2]) -> Vec<String> {

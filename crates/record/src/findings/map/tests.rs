@@ -13,7 +13,7 @@ fn every_place_has_the_answer_of_its_contest() {
     let found = made_up();
     let values = found.axes.each_ref().map(|axis| axis.values.join(" "));
     assert_eq!(values, ["100 1000", "0.1 0.6"]);
-    assert_eq!(found.contenders, ["nbs", "sorting"]);
+    assert_eq!(found.subjects, ["nbs", "sorting"]);
     assert_eq!(
         said(&found),
         [
@@ -52,7 +52,7 @@ fn who_has_no_such_axis_takes_part_at_each_of_its_values() {
         }
     }
     let found = map(&lab, "speed", "skin", "").unwrap();
-    assert_eq!(found.contenders, ["every-step(nbs)", "verlet(nbs)"]);
+    assert_eq!(found.subjects, ["every-step(nbs)", "verlet(nbs)"]);
     let fronts: Vec<String> = said(&found).into_iter().map(|it| it.1).collect();
     assert_eq!(fronts, ["verlet(nbs)", "verlet(nbs)", "verlet(nbs)", "every-step(nbs)"]);
     let spot = &found.panels[0].spots[3];

@@ -75,7 +75,7 @@ impl Variable {
     }
 
     pub fn place(&self, cell: &Cell) -> Place {
-        if self.free.contains(&cell.id.contender()) {
+        if self.free.contains(&cell.id.subject()) {
             return Place::Everywhere;
         }
         let found = match &self.values {
@@ -107,7 +107,7 @@ fn free(name: &str, cells: &[&Cell]) -> BTreeSet<String> {
         _ => cell.id.detector_parameters().any(|(own, _)| own == name),
     };
     let all = |cells: &mut dyn Iterator<Item = &&Cell>| -> BTreeSet<String> {
-        cells.map(|cell| cell.id.contender()).collect()
+        cells.map(|cell| cell.id.subject()).collect()
     };
     let bound = all(&mut cells.iter().filter(bound));
     if bound.is_empty() {

@@ -27,7 +27,7 @@ fn full() -> Row {
         moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
         ..Row::default()
     };
-    row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
+    row.id = row.id.with_threads(2).with_subject("streamed-nbs:level=avx2");
     (row.id.experiment, row.id.machine) = ("e".into(), Some("here".into()));
     (row.id.dim, row.id.seed) = (2, u64::MAX);
     row.id.params.insert("s".into(), 0.5.into());
@@ -56,7 +56,7 @@ fn read_text(text: &str) -> anyhow::Result<Record> {
 fn a_row_is_read_as_it_was_written() {
     let folder = folder();
     let path = folder.path().join(FILE);
-    let plain = Row { id: full().id.with_contender("nbs"), ..Row::default() };
+    let plain = Row { id: full().id.with_subject("nbs"), ..Row::default() };
     let mut writer = Writer::append(&path).unwrap();
     writer.write(&full()).unwrap();
     writer.write(&plain).unwrap();

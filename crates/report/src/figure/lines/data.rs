@@ -160,8 +160,8 @@ impl<'a> Names<'a> {
         CurveKey {
             control: cell.role.is_control(),
             detector: match id.axis(self.x).is_some_and(|at| at.number().is_none()) {
-                true => id.contender(),
-                false => id.contender_without(&self.common),
+                true => id.subject(),
+                false => id.subject_without(&self.common),
             },
             variant: Vec::from_iter(arithmetic.into_iter().chain(threads)).join(" "),
             parallel,

@@ -145,7 +145,7 @@ fn shown(value: &AxisValue) -> String {
 
 /// Returns the name that decides the colour of a mark.
 fn detector(cell: &Cell) -> String {
-    cell.id.contender_without(&["skin"])
+    cell.id.subject_without(&["skin"])
 }
 
 fn mark(cell: &Cell, against: Against, arithmetics: &[String]) -> Option<Mark> {

@@ -1,8 +1,8 @@
 //! Compares every detector with the truth on scenes built from bytes.
 
 use crate::check::bytes::{nudged, scene_from_bytes};
-use crate::check::contender::{Answer, Expected, answer};
 use crate::check::numbers::Numbers;
+use crate::check::subject::{Answer, Expected, answer};
 use crate::check::{Wrong, as_csv};
 use crate::truth::truth;
 use contactbench_core::contact::{Arithmetic, exact};

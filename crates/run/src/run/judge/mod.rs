@@ -204,7 +204,7 @@ impl<'a> Judge<'a> {
     /// judged before.
     pub(crate) fn judge(
         &mut self,
-        contender: &str,
+        subject: &str,
         said: Said<'_>,
         fetch: impl FnMut(u64) -> Result<Contacts, String>,
     ) -> anyhow::Result<(Judged, Tracked)> {
@@ -217,7 +217,7 @@ impl<'a> Judge<'a> {
         let flags = steps.built.iter().chain(&steps.dangerous).map(|&flag| u64::from(flag));
         let sums = answers.iter().flat_map(|answer| [answer.contacts, answer.sum]);
         let sum = sums.chain(flags).fold(0, |hash, next| splitmix64(hash ^ next));
-        let key = (said.arithmetic, contender.to_string(), said.found.contacts, sum);
+        let key = (said.arithmetic, subject.to_string(), said.found.contacts, sum);
         if let Some(known) = self.seen.get(&key) {
             return Ok(known.clone());
         }

@@ -8,7 +8,7 @@ use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
 use crate::run::client::{Failure, Start};
 
 #[derive(Clone)]
-pub struct Standing {
+pub struct RacedSubject {
     pub entry: &'static Entry,
     pub threads: usize,
     /// `ok` or `lossy` if the subject finished or was only slow; otherwise the kind of its failure.
@@ -26,9 +26,9 @@ pub struct Standing {
     pub(super) start: Start,
 }
 
-impl Standing {
-    pub(super) fn new(entry: &'static Entry, threads: usize, start: Start) -> Standing {
-        Standing {
+impl RacedSubject {
+    pub(super) fn new(entry: &'static Entry, threads: usize, start: Start) -> RacedSubject {
+        RacedSubject {
             entry,
             threads,
             outcome: Outcome::Ok,
@@ -60,7 +60,7 @@ impl Standing {
 }
 
 pub struct Race {
-    pub standings: Vec<Standing>,
+    pub subjects: Vec<RacedSubject>,
     pub contacts: u64,
     pub blocks: u32,
     /// Ratio of the twin's time to its original's, which shows the noise of equal code. `None` with
@@ -68,15 +68,15 @@ pub struct Race {
     pub twin: Option<Interval>,
 }
 
-pub fn fastest(standings: &[Standing]) -> Option<usize> {
-    let timed = standings.iter().enumerate().filter(|(_, standing)| standing.is_timed());
+pub fn fastest(subjects: &[RacedSubject]) -> Option<usize> {
+    let timed = subjects.iter().enumerate().filter(|(_, subject)| subject.is_timed());
     timed.min_by(|a, b| a.1.typical().total_cmp(&b.1.typical())).map(|(k, _)| k)
 }
 
 pub(super) struct Rule {
     pub limit: f64,
     /// Returns the time of the first subject as a multiple of that of the second, the fastest.
-    over: fn(&Standing, &Standing) -> Option<f64>,
+    over: fn(&RacedSubject, &RacedSubject) -> Option<f64>,
     /// Text for the reason, which states where the subject was slower; its few times are dropped.
     /// If `None`, the times are kept.
     place: Option<&'static str>,
@@ -103,17 +103,16 @@ pub(super) const BEHIND: Rule =
     Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
 
 impl Rule {
-    pub fn apply(&self, standings: &mut [Standing]) {
-        let mut racing: Vec<usize> =
-            (0..standings.len()).filter(|&k| standings[k].racing).collect();
-        racing.sort_by(|&a, &b| standings[a].typical().total_cmp(&standings[b].typical()));
+    pub fn apply(&self, subjects: &mut [RacedSubject]) {
+        let mut racing: Vec<usize> = (0..subjects.len()).filter(|&k| subjects[k].racing).collect();
+        racing.sort_by(|&a, &b| subjects[a].typical().total_cmp(&subjects[b].typical()));
         let Some((best, others)) = racing.split_first() else { return };
         for &k in others.iter().skip(1) {
-            let Some(times) = (self.over)(&standings[k], &standings[*best]) else { continue };
+            let Some(times) = (self.over)(&subjects[k], &subjects[*best]) else { continue };
             if times <= self.limit {
                 continue;
             }
-            let out = &mut standings[k];
+            let out = &mut subjects[k];
             out.racing = false;
             if let Some(place) = self.place {
                 out.reason = format!("about {times:.0} times as slow as the fastest in {place}");
@@ -131,15 +130,15 @@ mod tests {
     #[test]
     fn one_look_that_was_disturbed_ends_nobody_and_two_remain() {
         let start = Start::of(&[], std::time::Duration::ZERO, 0);
-        let standing = |(k, (probe, blocks)): (usize, &(u64, &[u64]))| Standing {
+        let subject = |(k, (probe, blocks)): (usize, &(u64, &[u64]))| RacedSubject {
             probe_ns: Some(*probe),
             times: (1u32..).zip(*blocks).map(|(block, &time)| (block.into(), time)).collect(),
-            ..Standing::new(&TABLE[k], 1, start.clone())
+            ..RacedSubject::new(&TABLE[k], 1, start.clone())
         };
-        let race = |times: &[(u64, &[u64])]| -> Vec<Standing> {
-            times.iter().enumerate().map(standing).collect()
+        let race = |times: &[(u64, &[u64])]| -> Vec<RacedSubject> {
+            times.iter().enumerate().map(subject).collect()
         };
-        let racing = |all: &[Standing]| all.iter().map(|one| one.racing).collect::<Vec<_>>();
+        let racing = |all: &[RacedSubject]| all.iter().map(|one| one.racing).collect::<Vec<_>>();
         let mut all = race(&[(10, &[8, 8]), (50, &[11, 40]), (11, &[40, 32]), (121, &[])]);
         HOPELESS.apply(&mut all);
         assert_eq!(racing(&all), [true, true, true, false]);

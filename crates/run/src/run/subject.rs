@@ -9,8 +9,8 @@ use crate::run::client::{Client, Failure, Start};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::scene::AnyScene;
 use contactbench_core::track::{self, TrackerSpec};
-use contactbench_record::experiment::{Entrant, Experiment, ExternalRunner};
-use contactbench_record::record::id::{CellId, split_contender};
+use contactbench_record::experiment::{Experiment, ExternalRunner, PlannedSubject};
+use contactbench_record::record::id::{CellId, split_subject};
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::Row;
 use contactbench_scenes::spec::Spec;
@@ -23,7 +23,7 @@ const PROGRAM_BYTES: u64 = 1 << 30;
 const THREAD_BYTES: u64 = 128 << 20;
 
 #[derive(Clone)]
-pub struct Contender {
+pub struct Subject {
     pub name: String,
     pub arithmetic: Option<Arithmetic>,
     pub role: Role,
@@ -86,31 +86,27 @@ pub fn room(n: u64, contacts: u64) -> u64 {
 /// If there is another build, each detector takes part three times: in this build, in the other,
 /// and as its own twin, which shows the noise of equal code. Otherwise there is at least one twin
 /// if times are measured.
-pub fn contenders(
-    experiment: &Experiment,
-    program: &Path,
-    against: Option<&Path>,
-) -> Vec<Contender> {
-    let asked = asked(experiment, program, against.is_some());
+pub fn subjects(experiment: &Experiment, program: &Path, against: Option<&Path>) -> Vec<Subject> {
+    let planned = of_plan(experiment, program, against.is_some());
     let timed = experiment.blocks > 0;
     if let Some(base) = against {
-        let entries = asked.into_iter().enumerate().map(|(k, one)| match one.missing {
+        let entries = planned.into_iter().enumerate().map(|(k, one)| match one.missing {
             None => one.trio(k, base).to_vec(),
             Some(_) => vec![one],
         });
         return entries.flatten().collect();
     }
-    let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
-    let originals = asked.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
+    let named = planned.iter().any(|subject| subject.role.twin_of().is_some());
+    let originals = planned.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
     // A subject with few threads is preferred: with one thread, it stays on one processor.
     let original = originals.min_by_key(|one| one.threads);
-    let twin = original.filter(|_| timed && !named).map(Contender::twin);
-    asked.into_iter().chain(twin).collect()
+    let twin = original.filter(|_| timed && !named).map(Subject::twin);
+    planned.into_iter().chain(twin).collect()
 }
 
 /// Returns the subjects that the experiment names; if there is another build, only those that can
 /// differ in it.
-fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
+fn of_plan(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Subject> {
     let limit = memory_limit(experiment);
     let start = |command: &[String], install: &str, threads: usize| Start {
         install: install.to_string(),
@@ -121,10 +117,10 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
         )
     };
     let path = [path.display().to_string()];
-    let of_detector = |entrant: &Entrant, arithmetic| {
+    let of_detector = |planned: &PlannedSubject, arithmetic| {
         // Names were checked when the experiment was read. So a name that does not parse is a peer
         // that was not compiled.
-        let Entrant { name, threads, .. } = entrant;
+        let PlannedSubject { name, threads, .. } = planned;
         let spec = track::parse(name);
         let with = |threads| {
             let mut start = start(&own(&path, name, arithmetic, threads, limit), "", threads);
@@ -134,34 +130,31 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
             }
             start
         };
-        Contender {
+        Subject {
             may_miss: spec.as_ref().is_ok_and(TrackerSpec::may_miss),
             missing: spec.err().map(|reason| reason.to_string()),
             copy: (experiment.ceiling && *threads > 1).then(|| with(1)),
-            ..Contender::new(entrant, with(*threads))
+            ..Subject::new(planned, with(*threads))
         }
     };
-    let of_runner = |entrant: &Entrant, runner: &ExternalRunner| {
+    let of_runner = |planned: &PlannedSubject, runner: &ExternalRunner| {
         let with = |threads: usize| {
             let word = |word: &String| word.replace(THREADS, &threads.to_string());
             let command: Vec<String> = runner.command.iter().map(word).collect();
             start(&command, &runner.install, threads)
         };
-        let copied = experiment.ceiling && says_threads(runner) && entrant.threads > 1;
-        Contender {
-            copy: copied.then(|| with(1)),
-            ..Contender::new(entrant, with(entrant.threads))
-        }
+        let copied = experiment.ceiling && says_threads(runner) && planned.threads > 1;
+        Subject { copy: copied.then(|| with(1)), ..Subject::new(planned, with(planned.threads)) }
     };
-    let contender = |entrant: &Entrant| match entrant.arithmetic {
-        Some(arithmetic) => Some(of_detector(entrant, arithmetic)),
+    let subject = |planned: &PlannedSubject| match planned.arithmetic {
+        Some(arithmetic) => Some(of_detector(planned, arithmetic)),
         None => {
-            let runner = experiment.runners.iter().find(|runner| runner.name == entrant.name)?;
-            Some(of_runner(entrant, runner))
+            let runner = experiment.runners.iter().find(|runner| runner.name == planned.name)?;
+            Some(of_runner(planned, runner))
         }
     };
-    let entrants = experiment.planned.entrants.iter();
-    entrants.filter(|entrant| !beside || entrant.is_of_builds()).filter_map(contender).collect()
+    let all_planned = experiment.planned.subjects.iter();
+    all_planned.filter(|planned| !beside || planned.is_of_builds()).filter_map(subject).collect()
 }
 
 fn suffixed(spec: &str, suffix: &str) -> String {
@@ -169,10 +162,10 @@ fn suffixed(spec: &str, suffix: &str) -> String {
     format!("{name}{suffix}{rest}")
 }
 
-impl Contender {
-    fn new(entrant: &Entrant, start: Start) -> Contender {
-        let Entrant { name, role, arithmetic, threads } = entrant.clone();
-        Contender {
+impl Subject {
+    fn new(planned: &PlannedSubject, start: Start) -> Subject {
+        let PlannedSubject { name, role, arithmetic, threads } = planned.clone();
+        Subject {
             name,
             arithmetic,
             role,
@@ -185,17 +178,17 @@ impl Contender {
         }
     }
 
-    fn twin(&self) -> Contender {
+    fn twin(&self) -> Subject {
         let name = suffixed(&self.name, TWIN);
-        let role = Role::Twin(split_contender(&self.name).0);
-        Contender { name, role, copy: None, ..self.clone() }
+        let role = Role::Twin(split_subject(&self.name).0);
+        Subject { name, role, copy: None, ..self.clone() }
     }
 
-    fn trio(self, number: usize, base: &Path) -> [Contender; 3] {
-        let this = Contender { duet: Some(number), copy: None, ..self };
-        let mut other = Contender {
+    fn trio(self, number: usize, base: &Path) -> [Subject; 3] {
+        let this = Subject { duet: Some(number), copy: None, ..self };
+        let mut other = Subject {
             name: suffixed(&this.name, BASE),
-            role: Role::Base(split_contender(&this.name).0),
+            role: Role::Base(split_subject(&this.name).0),
             ..this.clone()
         };
         if let Some(program) = other.start.command.first_mut() {
@@ -205,7 +198,7 @@ impl Contender {
         [this, other, twin]
     }
 
-    pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
+    pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Subject {
         for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
             start.memory_limit += room(scene.len() as u64, contacts);
         }
@@ -227,7 +220,7 @@ impl Contender {
             ..id
         };
         Row {
-            id: id.with_contender(&self.name).with_threads(self.threads as u32),
+            id: id.with_subject(&self.name).with_threads(self.threads as u32),
             role: self.role.clone(),
             stats: stats.clone(),
             ..Row::default()
@@ -239,7 +232,7 @@ impl Contender {
 mod tests {
     use super::*;
 
-    fn asked(lists: &str) -> Experiment {
+    fn experiment_with(lists: &str) -> Experiment {
         let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
         let scene = "\n[[scene]]\nname = \"packed\"\nn = 50\n";
         plan::parse(&format!("{head}{lists}{scene}"), Path::new(".")).unwrap()
@@ -248,7 +241,7 @@ mod tests {
     #[test]
     fn wherever_times_are_taken_there_is_a_twin() {
         let twins = |lists: &str| -> Vec<(String, usize)> {
-            let all = contenders(&asked(lists), Path::new("contactbench"), None);
+            let all = subjects(&experiment_with(lists), Path::new("contactbench"), None);
             let twins = all.into_iter().filter(|one| one.role.twin_of().is_some());
             twins.map(|one| (one.name, one.threads)).collect()
         };
@@ -265,9 +258,9 @@ mod tests {
 
     #[test]
     fn beside_another_build_are_detectors_and_libraries() {
-        let experiment = asked("detectors = [\"nothing\", \"nbs\", \"kiddo\"]");
+        let experiment = experiment_with("detectors = [\"nothing\", \"nbs\", \"kiddo\"]");
         let program = Path::new("contactbench");
-        let all = contenders(&experiment, program, Some(Path::new("base")));
+        let all = subjects(&experiment, program, Some(Path::new("base")));
         let names: Vec<&str> = all.iter().map(|one| &*one.name).collect();
         let library = cfg!(feature = "peers");
         assert_eq!(names[..3], ["nbs", "nbs@base", "nbs-twin"]);

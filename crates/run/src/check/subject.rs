@@ -30,7 +30,7 @@ use contactbench_io::Given;
 /// Name of the threads that run detectors; panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
 
-pub enum Contender {
+pub enum CheckedSubject {
     Detector {
         spec: DetectorSpec,
         name: String,
@@ -45,18 +45,18 @@ pub enum Contender {
 
 pub type Function = dyn Fn(&AnyScene<'static>) -> anyhow::Result<Answer> + Send + Sync;
 
-impl<S: Into<DetectorSpec>> From<S> for Contender {
-    fn from(spec: S) -> Contender {
+impl<S: Into<DetectorSpec>> From<S> for CheckedSubject {
+    fn from(spec: S) -> CheckedSubject {
         let spec = spec.into();
-        Contender::Detector { name: spec.to_string(), spec }
+        CheckedSubject::Detector { name: spec.to_string(), spec }
     }
 }
 
-impl Contender {
+impl CheckedSubject {
     pub fn name(&self) -> &str {
         match self {
-            Contender::Detector { name, .. } | Contender::Function { name, .. } => name,
-            Contender::Runner(foreign) => &foreign.name,
+            CheckedSubject::Detector { name, .. } | CheckedSubject::Function { name, .. } => name,
+            CheckedSubject::Runner(foreign) => &foreign.name,
         }
     }
 
@@ -66,16 +66,16 @@ impl Contender {
         deadline: Duration,
     ) -> anyhow::Result<Box<dyn Respondent>> {
         Ok(match self {
-            Contender::Detector { spec, .. } => {
+            CheckedSubject::Detector { spec, .. } => {
                 Box::new(Thread::new(spec.clone(), options, deadline)?)
             }
-            Contender::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
-            Contender::Function { ask, .. } => Box::new(Called(ask.clone())),
+            CheckedSubject::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
+            CheckedSubject::Function { ask, .. } => Box::new(Called(ask.clone())),
         })
     }
 
     pub(super) fn is_slow_to_make(&self) -> bool {
-        matches!(self, Contender::Runner(_))
+        matches!(self, CheckedSubject::Runner(_))
     }
 }
 
