@@ -2,7 +2,7 @@
 
 use contactbench::contact::Test;
 use contactbench_campaigns::moving::courses;
-use contactbench_campaigns::skin::couples;
+use contactbench_campaigns::skin::pairs;
 use contactbench_campaigns::{Plan, What};
 
 const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
@@ -20,8 +20,8 @@ fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
 }
 
 #[test]
-fn couples_at_the_limit_of_the_skin_are_found() {
-    let table = couples(PLAN);
+fn pairs_at_the_limit_of_the_skin_are_found() {
+    let table = pairs(PLAN);
     let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
     // Rules without a guarantee do miss contacts here.

@@ -31,7 +31,7 @@ fn the_contact_test_is_right_on_every_family() {
 }
 
 #[test]
-fn detectors_neither_lose_nor_add_nor_repeat_a_couple() {
+fn detectors_neither_lose_nor_add_nor_repeat_a_pair() {
     let table = detectors(Plan { pairs: 2 * PLAN.pairs, ..PLAN });
     let sum = right(&table, 10);
     let (pairs, wrong) = (sum.get(What::Pairs), sum.get(What::RoundedWrong));

@@ -321,7 +321,7 @@ fn columns_are_for_few_bodies_far_apart() {
 /// Pairs whose distance is a few steps of f32 from a diameter, far from the origin. The filter
 /// needs its full bound on rounding: half of it would lose or add some pairs.
 #[test]
-fn couples_where_floats_are_coarse() {
+fn pairs_where_floats_are_coarse() {
     let mut state = 1;
     let mut unit = || {
         state = contactbench::sink::splitmix64(state);
@@ -338,13 +338,13 @@ fn couples_where_floats_are_coarse() {
         // The rounding error depends on the difference modulo a step of the floats, so diameters
         // and directions go through all residues.
         for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
-            let couple = |(k, [x, y]): (usize, [f64; 2])| {
+            let pair = |(k, [x, y]): (usize, [f64; 2])| {
                 let apart = diameter + 1e-5 * (k as f64 / 3900.0 - 1.0);
                 let (sin, cos) = f64::sin_cos(turned * (0.5 + 0.001 * (k % 600) as f64));
                 [[x, y], [x + cos * apart, y + sin * apart]]
             };
-            let couples = places.iter().copied().enumerate().flat_map(couple);
-            let centres: Vec<_> = couples.map(nalgebra::Point::from).collect();
+            let pairs = places.iter().copied().enumerate().flat_map(pair);
+            let centres: Vec<_> = pairs.map(nalgebra::Point::from).collect();
             let scene = Stored::F64(Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap());
             let truth = answer(&mut Nbs::<2>::with(Options::default()), &scene, Test::Exact);
             for level in Level::all() {

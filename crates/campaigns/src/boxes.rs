@@ -147,7 +147,7 @@ impl<const D: usize> Row<'_, D> {
                     _ => margin(m * reach) + draw.within(1),
                 }
             });
-            whole.couple(a, lengths.near(draw));
+            whole.pair(a, lengths.near(draw));
         }
         whole
     }
@@ -176,7 +176,7 @@ impl<const D: usize> Row<'_, D> {
             // The first pair has the largest radii, because small particles alone would make too
             // many cells.
             let sizes = lengths.sizes && site > 0;
-            whole.couple(a, Lengths { sizes, ..lengths }.near(draw));
+            whole.pair(a, Lengths { sizes, ..lengths }.near(draw));
         }
         whole
     }

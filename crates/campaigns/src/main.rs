@@ -51,7 +51,7 @@ const PARTS: [Part; 5] = [
     ("detectors", boxes::detectors, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("boxes", boxes::boxes, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("courses", moving::courses, 1, |table| table.total(false).get(What::Missed)),
-    ("couples", skin::couples, 10, |table| table.total(false).get(What::Missed)),
+    ("couples", skin::pairs, 10, |table| table.total(false).get(What::Missed)),
 ];
 
 fn main() -> ExitCode {

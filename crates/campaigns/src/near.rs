@@ -44,15 +44,15 @@ impl<'a, const D: usize> Lengths<'a, D> {
         let part = if small { 1 + draw.below(multiple / 2) } else { multiple };
         let sum = part * sphere.length;
         let mut vector = [0; D];
-        let way = draw.below(4);
-        match way {
+        let family = draw.below(4);
+        match family {
             0 => vector = sphere.any(draw).map(|x| x * part),
             1 => vector = direction(draw, sum),
             _ => vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum },
         }
         vector[draw.below(D as i64) as usize] += draw.within(1);
         let mut sum = sum << fine;
-        if small && way == 1 {
+        if small && family == 1 {
             // The rounded distance is used, because units may be much coarser than radii.
             let distance = (square(&vector.map(|x| x << fine)) as f64).sqrt() as i64;
             sum = distance.min((reach << fine) / 2);
@@ -75,7 +75,7 @@ pub fn gap<const D: usize>(vector: &[i64; D], [ra, rb]: [i64; 2], fine: i32) -> 
 }
 
 /// Two particles, and the sign of |a - b| - (ra + rb).
-pub struct Couple<const D: usize> {
+pub struct Pair<const D: usize> {
     pub a: [f64; D],
     pub b: [f64; D],
     pub ra: f64,
@@ -85,7 +85,7 @@ pub struct Couple<const D: usize> {
 
 /// Builds a pair whose differences and sum of radii need 60 bits: a has 20 bits below the last bit
 /// of b, and rb ends 20 bits below ra.
-pub fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
+pub fn long_sum<const D: usize>(draw: &mut Draw) -> Pair<D> {
     let length = (1 << 39) + draw.below(1 << 39);
     let coarse: [i64; D] = direction(draw, length);
     let a: [i64; D] = std::array::from_fn(|_| draw.within(1 << 20));
@@ -97,12 +97,12 @@ pub fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
     let (unit, fine) = (power(-52), power(-72));
     let truth = (n as u128).cmp(&square(&[sum]));
     let (a, b) = (a.map(|x| x as f64 * fine), coarse.map(|x| x as f64 * unit));
-    Couple { a, b, ra: ra as f64 * unit, rb: rb as f64 * fine, truth }
+    Pair { a, b, ra: ra as f64 * unit, rb: rb as f64 * fine, truth }
 }
 
 /// Builds a pair whose distance along one axis is the sum of radii, plus or minus at most one unit.
 /// Its distance along the next axis is below half a unit, and may be 2^-900 of the other.
-pub fn needle<const D: usize>(draw: &mut Draw) -> Couple<D> {
+pub fn needle<const D: usize>(draw: &mut Draw) -> Pair<D> {
     let sum = (1i64 << 51) + draw.below(1 << 51);
     let distance = sum + draw.within(1);
     let off = if draw.once_in(4) { 0 } else { draw.below(1 << 51) };
@@ -116,5 +116,5 @@ pub fn needle<const D: usize>(draw: &mut Draw) -> Couple<D> {
     let (from, to) = if draw.once_in(2) { (&mut a, &mut b) } else { (&mut b, &mut a) };
     to[axis] = distance as f64 * power(-52);
     from[(axis + 1) % D] = off as f64 * power(-52 - depth as i32);
-    Couple { a, b, ra: share as f64 * power(-52), rb: (sum - share) as f64 * power(-52), truth }
+    Pair { a, b, ra: share as f64 * power(-52), rb: (sum - share) as f64 * power(-52), truth }
 }

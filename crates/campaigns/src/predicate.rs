@@ -12,7 +12,7 @@ use nalgebra::Point;
 use num_bigint::BigInt;
 
 use crate::draw::{Draw, Sphere, power};
-use crate::near::{Couple, Lengths, Near, long_sum, needle};
+use crate::near::{Lengths, Near, Pair, long_sum, needle};
 use crate::{Counts, Plan, Table, What, in_batches};
 
 /// Offsets in diameters: coordinates have one to five times this magnitude; 0 means around the
@@ -76,15 +76,15 @@ fn batch<const D: usize>(
     let mut counts = Counts::default();
     let (mut centres, mut radii, mut truths) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..BATCH {
-        let couple = match family {
+        let pair = match family {
             0 => on_the_grid(&lengths, offset > 0.0, exponent, draw),
             1 => long_sum(draw),
             _ => needle(draw),
         };
-        judge(&couple, k, &mut counts);
-        centres.extend([Point::from(couple.a), Point::from(couple.b)]);
-        radii.extend([couple.ra, couple.rb]);
-        truths.push(couple.truth);
+        judge(&pair, k, &mut counts);
+        centres.extend([Point::from(pair.a), Point::from(pair.b)]);
+        radii.extend([pair.ra, pair.rb]);
+        truths.push(pair.truth);
     }
     let radii = if uniform { Radii::Uniform(radii[0]) } else { Radii::Each(radii.into()) };
     let Ok(scene) = Scene::new(centres, radii) else {
@@ -118,7 +118,7 @@ fn on_the_grid<const D: usize>(
     far: bool,
     exponent: i32,
     draw: &mut Draw,
-) -> Couple<D> {
+) -> Pair<D> {
     let Near { vector, radii, truth } = lengths.near(draw);
     let centred = draw.once_in(2);
     let a: [i64; D] = vector.map(|x| match (far, centred) {
@@ -133,12 +133,12 @@ fn on_the_grid<const D: usize>(
     let b: [i64; D] = std::array::from_fn(|k| a[k] + vector[k]);
     let [a, b] = [a, b].map(|at| at.map(|x| x as f64 * unit));
     let [ra, rb] = radii.map(|r| r as f64 * half);
-    Couple { a, b, ra, rb, truth }
+    Pair { a, b, ra, rb, truth }
 }
 
 /// Checks the label, sometimes the depth, and sometimes the construction itself.
-fn judge<const D: usize>(couple: &Couple<D>, k: u64, counts: &mut Counts) {
-    let Couple { a, b, ra, rb, truth } = couple;
+fn judge<const D: usize>(pair: &Pair<D>, k: u64, counts: &mut Counts) {
+    let Pair { a, b, ra, rb, truth } = pair;
     let (what, label) = match truth {
         Ordering::Less => (What::Overlap, Label::Overlap),
         Ordering::Equal => (What::Tangent, Label::Tangent),

@@ -27,7 +27,7 @@ use crate::{Plan, Table, What, in_batches};
 
 /// A few particles in consecutive frames; two of them form the pair under test.
 #[derive(Debug)]
-pub struct Couple<const D: usize> {
+pub struct Pair<const D: usize> {
     pub name: &'static str,
     /// Centres of each frame, in units.
     frames: Vec<Vec<[i64; D]>>,
@@ -47,40 +47,40 @@ pub struct Couple<const D: usize> {
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
 /// A half-skin rule whose comparison is rounded: it misses contacts only by rounding.
 const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
-const COUPLES: usize = 200;
+const PAIRS: usize = 200;
 
-pub fn couples(plan: Plan) -> Table {
+pub fn pairs(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let detectors = detectors();
     in_batches(plan, 64, |piece| {
         let mut draw = Draw::new(plan.seed, 1 << 62 | piece as u64);
         let mut table = Table::default();
-        for turn in 0..COUPLES {
-            let by = &detectors[(COUPLES * piece + turn) % detectors.len()];
+        for turn in 0..PAIRS {
+            let by = &detectors[(PAIRS * piece + turn) % detectors.len()];
             match draw.once_in(2) {
-                true => Couple::new(&plane, &mut draw).follow(by, &mut draw, &mut table),
-                false => Couple::new(&space, &mut draw).follow(by, &mut draw, &mut table),
+                true => Pair::new(&plane, &mut draw).follow(by, &mut draw, &mut table),
+                false => Pair::new(&space, &mut draw).follow(by, &mut draw, &mut table),
             }
         }
         table
     })
 }
 
-impl<const D: usize> Couple<D> {
-    pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
-        let mut couple = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
-        couple.exponent = match draw.below(4) {
+impl<const D: usize> Pair<D> {
+    pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
+        let mut pair = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
+        pair.exponent = match draw.below(4) {
             0 => -52,
             1 => 0,
             2 => draw.within(200) as i32,
             _ => draw.within(900) as i32,
         };
-        let order = draw.order(couple.radii.len());
-        couple.radii = order.iter().map(|&k| couple.radii[k]).collect();
-        for frame in &mut couple.frames {
+        let order = draw.order(pair.radii.len());
+        pair.radii = order.iter().map(|&k| pair.radii[k]).collect();
+        for frame in &mut pair.frames {
             *frame = order.iter().map(|&k| frame[k]).collect();
         }
-        couple
+        pair
     }
 
     pub fn frame_count(&self) -> usize {
@@ -153,7 +153,7 @@ fn moved<const D: usize>(at: [i64; D], by: [i64; D], sign: i64) -> [i64; D] {
     std::array::from_fn(|k| at[k] + sign * by[k])
 }
 
-fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
+fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
     let (p, length) = (1 + draw.below(6), sphere.length);
     let q = 1 + draw.below(3 << p);
     let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
@@ -220,7 +220,7 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     if draw.once_in(4) {
         frames.extend([[a, b], end]);
     }
-    let mut couple = Couple {
+    let mut pair = Pair {
         name: "line",
         frames: frames.into_iter().map(Vec::from).collect(),
         radii: radii.to_vec(),
@@ -233,13 +233,13 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     if draw.once_in(2) {
         let most = (touch + skin) * length;
         let at = std::array::from_fn(|k| a[k] + draw.within(most));
-        couple.frames.iter_mut().for_each(|frame| frame.push(at));
-        couple.radii.push(radii[1]);
+        pair.frames.iter_mut().for_each(|frame| frame.push(at));
+        pair.radii.push(radii[1]);
     }
-    couple
+    pair
 }
 
-fn thin<const D: usize>(draw: &mut Draw) -> Couple<D> {
+fn thin<const D: usize>(draw: &mut Draw) -> Pair<D> {
     // Keeps only the highest 53 bits, which a double can hold.
     let double = |x: i64| x as f64 as i64;
     let diameter = match draw.once_in(2) {
@@ -274,7 +274,7 @@ fn thin<const D: usize>(draw: &mut Draw) -> Couple<D> {
     if draw.once_in(4) {
         frames.extend([start, end]);
     }
-    Couple {
+    Pair {
         name: "thin",
         frames: frames.into_iter().map(Vec::from).collect(),
         radii: vec![diameter; 2],

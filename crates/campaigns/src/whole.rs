@@ -31,7 +31,7 @@ impl<const D: usize> Default for Whole<D> {
 
 impl<const D: usize> Whole<D> {
     /// Adds the two particles of a pair, with the first particle at `a`.
-    pub fn couple(&mut self, a: [i64; D], Near { vector, radii, truth }: Near<D>) {
+    pub fn pair(&mut self, a: [i64; D], Near { vector, radii, truth }: Near<D>) {
         let i = self.points.len();
         self.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
         self.radii.extend(radii);

@@ -67,13 +67,13 @@ fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;
     let n = scene.len() as u64;
-    let couples = (EXPECTED * n as f64 / each) as u64;
-    if n <= SAMPLE as u64 || couples > n / 4 {
+    let samples = (EXPECTED * n as f64 / each) as u64;
+    if n <= SAMPLE as u64 || samples > n / 4 {
         return true;
     }
     let drawn = |k: u64| (splitmix64(k) % n) as usize;
     with_scene!(scene, scene => {
-        let touching = (0..couples).filter(|&k| touch(scene, drawn(2 * k), drawn(2 * k + 1)));
+        let touching = (0..samples).filter(|&k| touch(scene, drawn(2 * k), drawn(2 * k + 1)));
         touching.take(ENOUGH).count() == ENOUGH
     })
 }

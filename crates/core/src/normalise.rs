@@ -171,9 +171,9 @@ fn count(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
 /// Sorts the first `N` values by a sorting network without branches, which could not be predicted
 /// (Knuth, The Art of Computer Programming 3, section 5.3.4).
 #[inline(always)]
-fn network<const N: usize>(list: &mut [u32], couples: impl IntoIterator<Item = [usize; 2]>) {
+fn network<const N: usize>(list: &mut [u32], pairs: impl IntoIterator<Item = [usize; 2]>) {
     let Some(list) = list.first_chunk_mut::<N>() else { return };
-    for [a, b] in couples {
+    for [a, b] in pairs {
         (list[a], list[b]) = (list[a].min(list[b]), list[a].max(list[b]));
     }
 }

@@ -236,13 +236,13 @@ mod tests {
     /// lists). Beyond it, the list counts pairs and keeps only its first ones.
     #[test]
     fn lists_grow_to_their_limit_and_then_count() {
-        type Way = fn(&mut PairList<'_>, &[[u32; 2]]);
-        let ways: [Way; 3] = [
+        type Fill = fn(&mut PairList<'_>, &[[u32; 2]]);
+        let fills: [Fill; 3] = [
             |list, pairs| pairs.iter().for_each(|&[i, j]| list.contact(i, j)),
             |list, pairs| pairs.chunks(7).for_each(|pairs| list.contacts(pairs)),
             |list, pairs| list.gather(&pairs.chunks(40).collect::<Vec<_>>()),
         ];
-        for fill in ways {
+        for fill in fills {
             for (count, most) in [(0, 0), (1, 0), (99, 100), (100, 100), (101, 100), (5000, 64)] {
                 for before in [0, 3] {
                     let earlier = pairs(before);

@@ -22,13 +22,14 @@ pub struct Moved {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncounted: Option<String>,
     /// Displacements from frame to frame.
-    pub way: Way,
+    #[serde(rename = "way")]
+    pub displacements: Displacements,
 }
 
 /// Displacements of particles from one frame to the next, in diameters of the largest particle. In
 /// a periodic box, displacements are to the nearest image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Way {
+pub struct Displacements {
     /// Longest displacement.
     pub longest: f64,
     /// Sum of the displacements of all particles in all steps.
@@ -47,7 +48,7 @@ impl Moved {
     pub fn mean_way(&self) -> f64 {
         match self.steps() * self.particles {
             0 => 0.0,
-            steps => self.way.sum / steps as f64,
+            steps => self.displacements.sum / steps as f64,
         }
     }
 
@@ -55,7 +56,7 @@ impl Moved {
     pub fn share_at_rest(&self) -> f64 {
         match self.steps() * self.particles {
             0 => 1.0,
-            steps => self.way.at_rest as f64 / steps as f64,
+            steps => self.displacements.at_rest as f64 / steps as f64,
         }
     }
 }

@@ -28,16 +28,16 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
 
 /// Describes a motion from frame to frame; empty for a single frame.
 pub fn motion(moved: &Moved) -> String {
-    let Moved { frames, contacts, born, ended, tunnelled, uncounted, way, .. } = moved;
+    let Moved { frames, contacts, born, ended, tunnelled, uncounted, displacements, .. } = moved;
     if moved.steps() == 0 {
         return String::new();
     }
     let mut said = format!(
         "particles move {} diameters per frame, at most {}",
         number(moved.mean_way()),
-        number(way.longest)
+        number(displacements.longest)
     );
-    if way.at_rest > 0 {
+    if displacements.at_rest > 0 {
         said += &format!("; {} stay in place", percent(moved.share_at_rest()));
     }
     said += &format!(
@@ -183,7 +183,8 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
 }
 
 pub fn moved_as_json(moved: &Moved) -> Value {
-    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
+    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, displacements } =
+        moved;
     json!({
         "particles": particles,
         "frames": frames,
@@ -193,7 +194,7 @@ pub fn moved_as_json(moved: &Moved) -> Value {
         "tunnelled": tunnelled,
         "uncounted": uncounted,
         "mean_way": moved.mean_way(),
-        "longest_way": way.longest,
-        "at_rest": way.at_rest,
+        "longest_way": displacements.longest,
+        "at_rest": displacements.at_rest,
     })
 }

@@ -54,8 +54,8 @@ fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) ->
         return None;
     }
     let dot = |x: &[f64; D], y: &[f64; D]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-    let way: [f64; D] = std::array::from_fn(|k| q[k] - p[k]);
-    let (square, product) = (dot(&way, &way), dot(&p, &way));
+    let step: [f64; D] = std::array::from_fn(|k| q[k] - p[k]);
+    let (square, product) = (dot(&step, &step), dot(&p, &step));
     let (first, last) = (dot(&p, &p) - reach * reach, dot(&q, &q) - reach * reach);
     let error = 64.0 * U * size * size;
     if first < -error || last < -error {
@@ -94,9 +94,9 @@ fn exact<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], ra: f64, rb: f64)
     for k in 0..D {
         let p = whole(a[0][k]) - whole(b[0][k]);
         let q = whole(a[1][k]) - whole(b[1][k]);
-        let way = &q - &p;
-        square += &way * &way;
-        product += &p * &way;
+        let step = &q - &p;
+        square += &step * &step;
+        product += &p * &step;
         first += &p * &p;
         last += &q * &q;
     }
@@ -165,13 +165,13 @@ mod tests {
             let (ra, rb) = (0.5 + 0.3 * symmetric(), 0.4);
             let direction = [(); 3].map(|()| symmetric());
             let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let way = [(); 3].map(|()| 0.01 * symmetric() * f64::from(round % 3));
+            let step = [(); 3].map(|()| 0.01 * symmetric() * f64::from(round % 3));
             let mut near = |x: f64| match (3.5 * symmetric()).round() as i32 {
                 steps @ 1.. => (0..steps).fold(x, |x, _| x.next_up()),
                 steps => (steps..0).fold(x, |x, _| x.next_down()),
             };
             let end = direction.map(|x| near(0.3 + x / length * (ra + rb)));
-            let start: [f64; 3] = std::array::from_fn(|k| end[k] + way[k]);
+            let start: [f64; 3] = std::array::from_fn(|k| end[k] + step[k]);
             let rest = [[0.3; 3]; 2];
             touching += i32::from(both([start, end], rest, ra, rb));
             let flat = |point: [f64; 3]| [point[0], point[1]];
@@ -189,16 +189,16 @@ mod tests {
         for code in 0..6i64.pow(4) {
             let x = |k: u32| code / 6i64.pow(k) % 6 - 2;
             let (p, q) = ([x(0), x(1)], [x(2), x(3)]);
-            let way = [q[0] - p[0], q[1] - p[1]];
+            let step = [q[0] - p[0], q[1] - p[1]];
             let (square, product) = (
-                way[0] * way[0] + way[1] * way[1],
-                -(p[0] * way[0] + p[1] * way[1]).clamp(-1000, 1000),
+                step[0] * step[0] + step[1] * step[1],
+                -(p[0] * step[0] + p[1] * step[1]).clamp(-1000, 1000),
             );
             for reach in 0..4 {
                 let at = |point: [i64; 2]| point[0] * point[0] + point[1] * point[1];
                 // The nearest point is at t = product / square, clamped to the segment. Its
-                // distance from the line is cross / |way|.
-                let cross = p[0] * way[1] - p[1] * way[0];
+                // distance from the line is cross / |step|.
+                let cross = p[0] * step[1] - p[1] * step[0];
                 let truth = match square {
                     0 => at(p) <= reach * reach,
                     _ if product <= 0 => at(p) <= reach * reach,

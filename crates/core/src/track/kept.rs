@@ -8,7 +8,7 @@ use super::around::Around;
 use super::cells::{self, Room};
 use super::pass::{Each, Pass, Reach, Same};
 use super::places::Unit;
-use super::rule::{Looks, Rule, Ways};
+use super::rule::{Displacements, Looks, Rule};
 use super::travel::{TopTwo, at_most};
 use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
 use crate::pair_list::{PAIR_BYTES, PairList};
@@ -84,7 +84,7 @@ impl<const D: usize> Kept<D> {
         lattice: Option<&Lattice>,
         rule: Rule,
         rounding: f64,
-    ) -> Option<(u32, Ways)> {
+    ) -> Option<(u32, Displacements)> {
         let age = self.age?.saturating_add(1);
         let same = scene.len() == self.spots.len() && self.radii.are(scene);
         if !same || rounding > self.rounding || !self.around.serves(lattice) {
@@ -99,7 +99,7 @@ impl<const D: usize> Kept<D> {
         // The sum is at least the largest displacement, as in real numbers, even in moving boxes.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
-        Some((age, Ways { square: top.first, first, second, summed: self.summed }))
+        Some((age, Displacements { square: top.first, first, second, summed: self.summed }))
     }
 
     /// Lists all pairs of this frame whose gap is at most twice `half` plus the rounding of the

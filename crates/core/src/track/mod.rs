@@ -49,7 +49,7 @@ use std::time::{Duration, Instant};
 
 pub use rule::Rule;
 pub use spec::{FORMS, Skin, TrackerError, TrackerSpec, parse};
-pub use travel::way;
+pub use travel::distance_bound;
 
 use crate::contact::Test;
 use crate::periodic::Contacts;

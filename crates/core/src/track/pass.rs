@@ -20,7 +20,7 @@ pub(super) struct Pass<'a, R, A> {
 
 pub(super) trait Reach {
     /// Returns limits for the squared distances of sixteen pairs: [`within`] and [`beyond`].
-    fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2];
+    fn bounds<W: Wide>(&self, w: W, places: &[[u32; 2]; LANES]) -> [W::Floats; 2];
 }
 
 /// For equal radii: one pair of limits serves all pairs.
@@ -42,9 +42,9 @@ pub(super) struct Each<'a, F> {
 
 impl<F: Fn(f64) -> Near> Reach for Each<'_, F> {
     #[inline(always)]
-    fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2] {
+    fn bounds<W: Wide>(&self, w: W, places: &[[u32; 2]; LANES]) -> [W::Floats; 2] {
         let (mut inner, mut outer) = ([0.0; LANES], [0.0; LANES]);
-        for (k, &[a, b]) in couples.iter().enumerate() {
+        for (k, &[a, b]) in places.iter().enumerate() {
             let near = (self.near)(self.placed[a as usize] + self.placed[b as usize]);
             (inner[k], outer[k]) = (within(near.inner), beyond(near.outer));
         }
@@ -76,15 +76,14 @@ impl<R: Reach, A: Answer> Kernel for Pass<'_, R, A> {
         for block in listed.chunks(BLOCK) {
             let mut len = 0;
             let (vectors, rest) = block.as_chunks::<LANES>();
-            for couples in vectors {
-                len +=
-                    look::<W, R, A>(w, spots, couples, ALL, &reach, &mut touching[len..], answer);
+            for places in vectors {
+                len += look::<W, R, A>(w, spots, places, ALL, &reach, &mut touching[len..], answer);
             }
             if let Some(&first) = rest.first() {
-                let (mut couples, mask) = ([first; LANES], ALL >> (LANES - rest.len()));
-                couples[..rest.len()].copy_from_slice(rest);
+                let (mut places, mask) = ([first; LANES], ALL >> (LANES - rest.len()));
+                places[..rest.len()].copy_from_slice(rest);
                 let to = &mut touching[len..];
-                len += look::<W, R, A>(w, spots, &couples, mask, &reach, to, answer);
+                len += look::<W, R, A>(w, spots, &places, mask, &reach, to, answer);
             }
             answer.take(&touching[..len]);
         }
@@ -99,15 +98,15 @@ const ALL: u32 = (1 << LANES) - 1;
 fn look<W: Wide, R: Reach, A: Answer>(
     w: W,
     spots: &[Spot],
-    couples: &[[u32; 2]; LANES],
+    places: &[[u32; 2]; LANES],
     mask: u32,
     reach: &R,
     to: &mut [[u32; 2]],
     answer: &mut A,
 ) -> usize {
-    let (squares, numbers) = w.couples(spots, couples);
-    let pairs = if A::BY_PLACE { w.load_pairs(couples) } else { numbers };
-    let [inner, outer] = reach.bounds(w, couples);
+    let (squares, numbers) = w.squares(spots, places);
+    let pairs = if A::BY_PLACE { w.load_pairs(places) } else { numbers };
+    let [inner, outer] = reach.bounds(w, places);
     let (touch, apart) = (w.at_most(squares, inner) & mask, w.at_most(outer, squares));
     // The buffer is longer than a block by one vector, so this never fails.
     let Some(to) = to.first_chunk_mut() else { unreachable!() };

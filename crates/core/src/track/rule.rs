@@ -35,7 +35,7 @@ pub enum Rule {
 
 /// Displacements of particles: upper bounds of the true ones, except for the square.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Ways {
+pub(super) struct Displacements {
     /// Computed square of the largest displacement since the list was built.
     pub square: f64,
     /// Largest displacement since the list was built.
@@ -89,22 +89,24 @@ impl Rule {
 
     /// Returns by how much two particles may have come nearer according to this rule. The list is
     /// discarded if this exceeds the skin.
-    pub(super) fn gone(self, ways: &Ways) -> f64 {
+    pub(super) fn approach(self, displacements: &Displacements) -> f64 {
         match self {
             // The sum is rounded up, but is at most twice the largest displacement.
-            Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first),
-            Rule::Summed => 2.0 * ways.summed,
-            Rule::HalfSkin | Rule::Every(_) | Rule::Lammps { .. } => 2.0 * ways.first,
+            Rule::TopTwo => (displacements.first + displacements.second)
+                .next_up()
+                .min(2.0 * displacements.first),
+            Rule::Summed => 2.0 * displacements.summed,
+            Rule::HalfSkin | Rule::Every(_) | Rule::Lammps { .. } => 2.0 * displacements.first,
         }
     }
 
     /// Returns whether a list must be rebuilt at this age. A negative skin forces a rebuild.
-    pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
+    pub(super) fn is_due(self, age: u32, displacements: &Displacements, skin: f64) -> Due {
         let build = match self {
-            Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
+            Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.approach(displacements) > skin,
             Rule::Every(k) => age >= k,
             Rule::Lammps { delay, every, check } => {
-                let gone = skin < 0.0 || ways.square > 0.25 * skin * skin;
+                let gone = skin < 0.0 || displacements.square > 0.25 * skin * skin;
                 let build = self.may_build(age) && (!check || gone);
                 return Due { build, dangerous: build && check && age == delay.max(every) };
             }
@@ -168,8 +170,8 @@ mod tests {
     #[test]
     fn the_rule_of_lammps_looks_when_lammps_looks() {
         let (far, near) = (
-            Ways { square: 0.25f64.next_up(), ..Ways::default() },
-            Ways { square: 0.25, ..Ways::default() },
+            Displacements { square: 0.25f64.next_up(), ..Displacements::default() },
+            Displacements { square: 0.25, ..Displacements::default() },
         );
         let rule = Rule::Lammps { delay: 4, every: 3, check: true };
         let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, 1.0).build).collect();
@@ -188,22 +190,34 @@ mod tests {
 
     #[test]
     fn safe_rules_are_closed_at_the_skin() {
-        let ways =
-            |first: f64, second: f64, summed: f64| Ways { square: 0.0, first, second, summed };
-        let due = |rule: Rule, ways: Ways| rule.is_due(1, &ways, 1.0).build;
-        assert!(!due(Rule::HalfSkin, ways(0.5, 0.5, 9.0)));
-        assert!(due(Rule::HalfSkin, ways(0.5f64.next_up(), 0.0, 0.0)));
-        assert!(!due(Rule::TopTwo, ways(0.6, 0.3, 9.0)));
-        assert!(due(Rule::TopTwo, ways(0.75, 0.25, 0.0)), "a sum of ways is rounded up");
-        assert!(!due(Rule::Summed, ways(9.0, 9.0, 0.5)));
-        assert!(due(Rule::Summed, ways(0.0, 0.0, 0.5f64.next_up())));
-        assert!(due(Rule::Every(1), Ways::default()) && !due(Rule::Every(2), Ways::default()));
+        let displacements = |first: f64, second: f64, summed: f64| Displacements {
+            square: 0.0,
+            first,
+            second,
+            summed,
+        };
+        let due =
+            |rule: Rule, displacements: Displacements| rule.is_due(1, &displacements, 1.0).build;
+        assert!(!due(Rule::HalfSkin, displacements(0.5, 0.5, 9.0)));
+        assert!(due(Rule::HalfSkin, displacements(0.5f64.next_up(), 0.0, 0.0)));
+        assert!(!due(Rule::TopTwo, displacements(0.6, 0.3, 9.0)));
+        assert!(
+            due(Rule::TopTwo, displacements(0.75, 0.25, 0.0)),
+            "a sum of displacements is rounded up"
+        );
+        assert!(!due(Rule::Summed, displacements(9.0, 9.0, 0.5)));
+        assert!(due(Rule::Summed, displacements(0.0, 0.0, 0.5f64.next_up())));
+        assert!(
+            due(Rule::Every(1), Displacements::default())
+                && !due(Rule::Every(2), Displacements::default())
+        );
         // If two particles moved by half the skin each, no rule discards the list yet.
         assert!(
-            !due(Rule::TopTwo, ways(0.5, 0.5, 0.5)) && !due(Rule::HalfSkin, ways(0.5, 0.5, 0.5))
+            !due(Rule::TopTwo, displacements(0.5, 0.5, 0.5))
+                && !due(Rule::HalfSkin, displacements(0.5, 0.5, 0.5))
         );
         for rule in [Rule::HalfSkin, Rule::TopTwo, Rule::Summed] {
-            let far = ways(f64::INFINITY, 0.0, f64::INFINITY);
+            let far = displacements(f64::INFINITY, 0.0, f64::INFINITY);
             assert!(rule.is_due(1, &far, f64::MAX).build && rule.is_safe());
         }
         assert!(Rule::Every(1).is_safe() && !Rule::Every(2).is_safe());

@@ -18,7 +18,7 @@ pub(super) fn at_most(square: f64) -> f64 {
 }
 
 /// Returns an upper bound of the distance of two points in up to three dimensions.
-pub fn way<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+pub fn distance_bound<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     at_most(square(a, b))
 }
 
@@ -50,14 +50,14 @@ impl TopTwo {
     #[inline(always)]
     pub fn take_all<const D: usize>(&mut self, now: &[Point<f64, D>], then: &[Point<f64, D>]) {
         const TURNS: usize = 4;
-        let ways = || now.iter().zip(then).map(|(a, b)| square(array(a), array(b)));
+        let squares = || now.iter().zip(then).map(|(a, b)| square(array(a), array(b)));
         let mut most = [0.0f64; TURNS];
-        for (k, square) in ways().enumerate() {
+        for (k, square) in squares().enumerate() {
             let most = &mut most[k % TURNS];
             *most = if square > *most { square } else { *most };
         }
         if most.into_iter().fold(0.0, f64::max) > self.second {
-            ways().for_each(|square| self.take(square));
+            squares().for_each(|square| self.take(square));
         }
     }
 }
@@ -71,8 +71,9 @@ mod tests {
     #[test]
     fn the_two_farthest_are_found_among_all_blocks() {
         for case in 0..200u32 {
-            let way = |k: u32| f64::from((k * 7919 + case * 104_729) % (3 + case));
-            let now: Vec<Point<f64, 2>> = (0..100).map(|k| Point::from([way(k), 0.0])).collect();
+            let position = |k: u32| f64::from((k * 7919 + case * 104_729) % (3 + case));
+            let now: Vec<Point<f64, 2>> =
+                (0..100).map(|k| Point::from([position(k), 0.0])).collect();
             let then = vec![Point::from([0.0, 0.0]); now.len()];
             let (mut blocks, mut each) = (TopTwo::default(), TopTwo::default());
             for (now, then) in now.chunks(7).zip(then.chunks(7)) {

@@ -94,7 +94,7 @@ impl Avx2 {
         }
     }
 
-    /// Computes the squared distances and the numbers of eight pairs, for [`Wide::couples`].
+    /// Computes the squared distances and the numbers of eight pairs, for [`Wide::squares`].
     ///
     /// # Safety
     /// The places must be below the number of spots.
@@ -248,10 +248,10 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> ([__m256; 2], [__m256i; 4]) {
-        let most = couples.iter().flatten().fold(0, |most, &place| most.max(place));
+    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> ([__m256; 2], [__m256i; 4]) {
+        let most = pairs.iter().flatten().fold(0, |most, &place| most.max(place));
         assert!((most as usize) < spots.len(), "a place beyond the spots");
-        let (low, high) = couples.split_at(HALF);
+        let (low, high) = pairs.split_at(HALF);
         // SAFETY: no place is above `most`, which is below the number of spots.
         let ((low, [p, q]), (high, [r, s])) =
             unsafe { (self.eight(spots, low), self.eight(spots, high)) };

@@ -52,14 +52,14 @@ impl Avx512 {
     unsafe fn four(
         self,
         spots: &[Spot],
-        couples: &[[u32; 2]; LANES],
+        pairs: &[[u32; 2]; LANES],
         r: usize,
         side: usize,
     ) -> __m512 {
         // SAFETY: AVX-512 F was found; the caller ensures valid places, and a spot is sixteen
         // bytes, aligned to sixteen.
         unsafe {
-            let at = |k: usize| _mm_load_ps(spots.as_ptr().add(couples[k][side] as usize).cast());
+            let at = |k: usize| _mm_load_ps(spots.as_ptr().add(pairs[k][side] as usize).cast());
             let four = _mm512_castps128_ps512(at(r));
             let four = _mm512_insertf32x4::<1>(four, at(4 + r));
             let four = _mm512_insertf32x4::<2>(four, at(8 + r));
@@ -172,15 +172,15 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (__m512, [__m512i; 2]) {
-        let [low, high] = self.load_pairs(couples);
+    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> (__m512, [__m512i; 2]) {
+        let [low, high] = self.load_pairs(pairs);
         // SAFETY: AVX-512 F was found; the assertion ensures that places are below the number of
         // spots.
         unsafe {
             let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);
             let within = [_mm512_cmplt_epu32_mask(low, most), _mm512_cmplt_epu32_mask(high, most)];
             assert!(within == [u16::MAX; 2], "a place beyond the spots");
-            let four = |r: usize, side: usize| self.four(spots, couples, r, side);
+            let four = |r: usize, side: usize| self.four(spots, pairs, r, side);
             let (a0, b0) = (four(0, 0), four(0, 1));
             let (a1, b1) = (four(1, 0), four(1, 1));
             let (a2, b2) = (four(2, 0), four(2, 1));

@@ -45,7 +45,7 @@ pub struct Spot {
 const _: () = assert!(size_of::<Spot>() == 16 && align_of::<Spot>() == 16);
 
 impl Spot {
-    /// Returns the squared distance of two points, rounded as in [`Wide::couples`].
+    /// Returns the squared distance of two points, rounded as in [`Wide::squares`].
     #[inline(always)]
     pub fn square(&self, other: &Spot) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.at[axis] - other.at[axis]);
@@ -90,12 +90,12 @@ pub trait Wide: Copy + Send + Sync {
     /// Loads sixteen pairs of numbers.
     fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs;
     /// Returns the squared distances of sixteen pairs of points, and the numbers of the points. A
-    /// pair in `couples` holds two indices into `spots`. Every operation is rounded (there is no
+    /// pair in `pairs` holds two indices into `spots`. Every operation is rounded (there is no
     /// fused multiply-add), so that all instruction levels agree.
     ///
     /// # Panics
     /// Panics if an index is beyond `spots`.
-    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs);
+    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs);
     /// Writes the pairs that `mask` selects to the front of `to`; the rest of `to` is unspecified.
     fn pack_pairs(self, pairs: Self::Pairs, mask: u32, to: &mut [[u32; 2]; LANES]);
     /// Runs a kernel compiled for these instructions.
@@ -222,15 +222,15 @@ mod tests {
                 at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),
                 id: (k as u32 + 1).wrapping_mul(0x9e37_79b9),
             });
-            let couples: [[u32; 2]; LANES] =
+            let pairs: [[u32; 2]; LANES] =
                 std::array::from_fn(|k| [k as u32, (7 * k as u32 + 3) % 19]);
-            let (squares, ids) = w.couples(&spots, &couples);
-            let expected = couples.map(|[a, b]| spots[a as usize].square(&spots[b as usize]));
+            let (squares, ids) = w.squares(&spots, &pairs);
+            let expected = pairs.map(|[a, b]| spots[a as usize].square(&spots[b as usize]));
             assert_eq!(w.at_most(squares, w.load(&expected)), 0xffff);
             assert_eq!(w.at_most(w.load(&expected), squares), 0xffff);
-            let as_ids = couples.map(|couple| couple.map(|place| spots[place as usize].id));
+            let as_ids = pairs.map(|pair| pair.map(|place| spots[place as usize].id));
             for mask in 0..1u32 << LANES {
-                for (pairs, of) in [(ids, as_ids), (w.load_pairs(&couples), couples)] {
+                for (pairs, of) in [(ids, as_ids), (w.load_pairs(&pairs), pairs)] {
                     let mut to = [[0; 2]; LANES];
                     w.pack_pairs(pairs, mask, &mut to);
                     let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| of[k]);
@@ -253,22 +253,22 @@ mod tests {
     /// Tests an index beyond the spots in every lane and on either side of the pair.
     #[test]
     fn places_beyond_the_spots_are_never_read() {
-        struct Couples([[u32; 2]; LANES]);
-        impl Kernel for Couples {
+        struct Squares([[u32; 2]; LANES]);
+        impl Kernel for Squares {
             type Output = ();
             #[inline(always)]
             fn run<W: Wide>(self, w: W) {
                 let spots = [Spot { at: [0.0; 3], id: 0 }; 5];
-                w.couples(&spots, &self.0);
+                w.squares(&spots, &self.0);
             }
         }
         for level in Level::all() {
             for beyond in [5, 6, u32::MAX] {
                 for (lane, side) in (0..LANES).flat_map(|lane| [(lane, 0), (lane, 1)]) {
-                    let mut couples = [[4, 0]; LANES];
-                    level.run(Couples(couples));
-                    couples[lane][side] = beyond;
-                    let read = std::panic::catch_unwind(|| level.run(Couples(couples)));
+                    let mut pairs = [[4, 0]; LANES];
+                    level.run(Squares(pairs));
+                    pairs[lane][side] = beyond;
+                    let read = std::panic::catch_unwind(|| level.run(Squares(pairs)));
                     assert!(read.is_err(), "{} {beyond} {lane} {side}", level.name());
                 }
             }

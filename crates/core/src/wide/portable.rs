@@ -99,12 +99,12 @@ impl Wide for Portable {
     }
 
     #[inline(always)]
-    fn couples(
+    fn squares(
         self,
         spots: &[Spot],
-        couples: &[[u32; 2]; LANES],
+        pairs: &[[u32; 2]; LANES],
     ) -> ([f32; LANES], [[u32; 2]; LANES]) {
-        let both = |k: usize| couples[k].map(|place| &spots[place as usize]);
+        let both = |k: usize| pairs[k].map(|place| &spots[place as usize]);
         let squares = lanes(|k| {
             let [a, b] = both(k);
             a.square(b)

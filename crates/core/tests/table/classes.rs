@@ -31,15 +31,15 @@ fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
     for arithmetic in Arithmetic::SAFE {
         let Ok(truth) = oracle::truth(scene, arithmetic) else { continue };
         let stored = scene.stored(arithmetic).unwrap();
-        for (way, threads) in [
+        for (form, threads) in [
             ("form=auto", 1),
             ("form=auto", 2),
             ("form=dense", 1),
             ("form=flat", 1),
             ("form=sparse", 1),
-            ("form=dense,level=portable", 1),
+            ("form=dense,form=portable", 1),
         ] {
-            let spec = table::parse(&format!("streamed-nbs:{way}")).unwrap();
+            let spec = table::parse(&format!("streamed-nbs:{form}")).unwrap();
             let mut pairs = Vec::new();
             let mut detector = spec.make(Options { threads, ..Options::default() });
             match detector.list(&stored, arithmetic.test(), &mut pairs) {
@@ -81,15 +81,15 @@ fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64
         radii.push(radius);
         for k in 0..60 {
             let dust = 1.0 - 0.3 * random.random::<f64>();
-            let mut way: [f64; D] = std::array::from_fn(|_| random.random::<f64>() - 0.5);
+            let mut direction: [f64; D] = std::array::from_fn(|_| random.random::<f64>() - 0.5);
             if k % 3 == 0 {
-                way = [0.0; D];
-                way[k / 3 % D] = 1.0;
+                direction = [0.0; D];
+                direction[k / 3 % D] = 1.0;
             }
-            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
             // Overlaps or gaps of at most a few units in the last place.
             let far = (radius + dust) * (1.0 + f64::from(k as i32 % 7 - 3) * 1e-16) / length;
-            centres.push(Point::from(std::array::from_fn(|k| centre[k] + way[k] * far)));
+            centres.push(Point::from(std::array::from_fn(|k| centre[k] + direction[k] * far)));
             radii.push(dust);
         }
     }

@@ -118,9 +118,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     BYTES.iter().map(|it| it.0).chain(FORMS.iter().map(|it| it.0))
 }
 
-/// Refuses a file in one of these formats, by name. `way` replaces the remedy if the file should
+/// Refuses a file in one of these formats, by name. `remedy` replaces the remedy if the file should
 /// not hold particles.
-pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> {
+pub fn refuse(head: &[u8], file: &str, remedy: Option<&str>) -> anyhow::Result<()> {
     let begins = |at: usize, bytes: &[u8]| head.get(at..).is_some_and(|it| it.starts_with(bytes));
     let mut bytes = BYTES.iter().filter(|(_, at, bytes, _)| begins(*at, bytes));
     let mut forms = FORMS.iter().filter(|(_, tells, _)| tells(head));
@@ -128,11 +128,12 @@ pub fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> 
     let form = || forms.next().map(|&(name, _, out)| (name, out));
     let Some((name, out)) = bytes.or_else(form) else { return Ok(()) };
     // Some remedies, such as unpacking, also fit a file that should not hold particles.
-    let way =
-        way.filter(|_| ![UNPACK, LFS, PAGE, UTF_8, PLAIN, SEPARATOR].contains(&out)).unwrap_or(out);
-    let way = way.replace("FILE", file);
+    let remedy = remedy
+        .filter(|_| ![UNPACK, LFS, PAGE, UTF_8, PLAIN, SEPARATOR].contains(&out))
+        .unwrap_or(out);
+    let remedy = remedy.replace("FILE", file);
     let read = if name.starts_with("compressed") { "" } else { ", which is not read" };
-    bail!("{file} is {name}{read}: {way}")
+    bail!("{file} is {name}{read}: {remedy}")
 }
 
 fn lines(head: &[u8]) -> impl Iterator<Item = &[u8]> {

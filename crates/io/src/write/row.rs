@@ -135,22 +135,22 @@ impl<'a> Style<'a> {
 
     /// Returns the unit vector from the first particle to the second; 0 if their centres coincide.
     pub(super) fn normal(&self, ImagePair { i, j, image }: ImagePair) -> [f64; 3] {
-        let mut way = [0.0; 3];
+        let mut direction = [0.0; 3];
         with_scene!(self.scene, scene => {
             let [a, b] = [i, j].map(|k| array(&scene.centres()[k as usize]).map(|x| x.wide()));
-            way.iter_mut().zip(a.iter().zip(&b)).for_each(|(way, (a, b))| *way = b - a);
+            direction.iter_mut().zip(a.iter().zip(&b)).for_each(|(direction, (a, b))| *direction = b - a);
         });
         if let Some(periodic) = self.periodic {
             for (vector, times) in periodic.lattice().vectors().iter().zip(image) {
-                (0..3).for_each(|k| way[k] += f64::from(times) * vector[k]);
+                (0..3).for_each(|k| direction[k] += f64::from(times) * vector[k]);
             }
         }
         // Dividing by the largest component prevents overflow and underflow of squares.
-        let most = way.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let most = direction.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if most == 0.0 || !most.is_finite() {
             return [0.0; 3];
         }
-        let unit = way.map(|x| x / most);
+        let unit = direction.map(|x| x / most);
         let length = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
         unit.map(|x| x / length)
     }

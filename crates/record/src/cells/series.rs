@@ -169,7 +169,7 @@ pub fn ratio_of<'a>(
     of_b: fn(&Cell) -> &Blocks,
 ) -> Option<Interval> {
     let other = |cell: &Cell| b.iter().find(|other| other.id.seed == cell.id.seed);
-    let couples: Vec<(&Blocks, &Blocks)> =
+    let pairs: Vec<(&Blocks, &Blocks)> =
         a.iter().filter_map(|cell| Some((of_a(cell), of_b(other(cell)?)))).collect();
-    typical_ratio(&couples)
+    typical_ratio(&pairs)
 }

@@ -47,27 +47,27 @@ impl Noise {
     pub fn new(cells: &[&Cell]) -> Noise {
         let by_id: BTreeMap<&CellId, &Cell> = cells.iter().map(|cell| (&cell.id, *cell)).collect();
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
-        let mut couples: BTreeMap<(&str, &str), Vec<(&Cell, &Cell)>> = BTreeMap::new();
+        let mut pairs: BTreeMap<(&str, &str), Vec<(&Cell, &Cell)>> = BTreeMap::new();
         for &cell in cells.iter().filter(|cell| good(cell)) {
             let Some(original) = cell.role.twin_of() else { continue };
             let id = CellId { detector: original.into(), ..cell.id.clone() };
             if let Some(known) = by_id.get(&id).filter(|known| good(known)) {
                 let name = cell.id.detector.as_str();
-                couples.entry((name, original)).or_default().push((cell, known));
+                pairs.entry((name, original)).or_default().push((cell, known));
             }
         }
         let (mut twins, mut apart) = (Vec::new(), BTreeMap::<u64, Vec<f64>>::new());
-        for ((name, original), couples) in couples {
+        for ((name, original), pairs) in pairs {
             let mut ratios = Vec::new();
-            for (twin, known) in &couples {
+            for (twin, known) in &pairs {
                 if let Some(ratio) = twin.ratio(known) {
                     apart.entry(twin.id.n).or_default().push(distance(&ratio));
                     ratios.push(ratio);
                 }
             }
             let times: Vec<(&Blocks, &Blocks)> =
-                couples.iter().map(|(a, b)| (&a.times, &b.times)).collect();
-            let states = [false, true].map(|slow| in_state(&couples, slow));
+                pairs.iter().map(|(a, b)| (&a.times, &b.times)).collect();
+            let states = [false, true].map(|slow| in_state(&pairs, slow));
             twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times), states));
         }
         let floor = nine_in_ten(&apart.values().flatten().copied().collect::<Vec<_>>());
@@ -137,12 +137,12 @@ impl Twin {
     }
 }
 
-fn in_state(couples: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
+fn in_state(pairs: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
     let of = |cell: &Cell, other: &Cell| -> Blocks {
         let both = |block| [cell, other].iter().all(|cell| cell.slow.get(block) == Some(&slow));
         cell.times.iter().filter(|&(block, _)| both(block)).map(|(&k, &time)| (k, time)).collect()
     };
-    let times: Vec<(Blocks, Blocks)> = couples.iter().map(|(a, b)| (of(a, b), of(b, a))).collect();
+    let times: Vec<(Blocks, Blocks)> = pairs.iter().map(|(a, b)| (of(a, b), of(b, a))).collect();
     let times = times.iter().filter(|(a, _)| !a.is_empty());
     typical_ratio(&times.map(|(a, b)| (a, b)).collect::<Vec<_>>())
 }

@@ -167,7 +167,7 @@ mod tests {
 
     use super::*;
     use crate::experiment::keys::fields;
-    use contactbench_terms::moved::Way;
+    use contactbench_terms::moved::Displacements;
 
     #[test]
     fn the_page_on_the_record_names_every_field() {
@@ -185,7 +185,7 @@ mod tests {
             ("causes.", fields::<Causes>()),
             ("course.", Course::FIELDS),
             ("moved.", fields::<Moved>()),
-            ("moved.way.", fields::<Way>()),
+            ("moved.way.", fields::<Displacements>()),
         ] {
             // serde also lists the aliases for older names of causes.
             let own = names.iter().filter(|name| {

@@ -115,9 +115,9 @@ pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
 }
 
 /// Like [`ratio`], for several pairs (a, b): the median over blocks of the median over the pairs.
-pub fn typical_ratio(couples: &[(&Blocks, &Blocks)]) -> Option<Interval> {
+pub fn typical_ratio(pairs: &[(&Blocks, &Blocks)]) -> Option<Interval> {
     let mut blocks: BTreeMap<Block, Vec<f64>> = BTreeMap::new();
-    for (a, b) in couples {
+    for (a, b) in pairs {
         for (block, &a) in a.iter() {
             if let Some(&b) = b.get(block).filter(|&&b| a > 0 && b > 0) {
                 blocks.entry(*block).or_default().push((a as f64).ln() - (b as f64).ln());

@@ -99,7 +99,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     let frames: Vec<Given> = (0..60).map(flight).collect();
     let Followed { moved, trackers, .. } = followed(&frames, &["verlet(nbs,rule=every-59)"]);
     assert_eq!([moved.contacts, moved.born, moved.ended, moved.tunnelled], [60, 0, 0, 0]);
-    assert!((moved.way.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
+    assert!((moved.displacements.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
     assert_eq!(trackers[0].late.missed, 0, "it was never out of the list");
     // A box is sheared and flipped back, while two particles rest relative to each other.
     let frames: Vec<Given> = (0..60)
@@ -122,11 +122,11 @@ fn a_contact_that_goes_through_a_face_goes_on() {
         .collect();
     let moved = followed(&still, &[]).moved;
     assert_eq!([moved.contacts, moved.born, moved.ended], [60, 0, 0]);
-    assert!(moved.way.longest < 0.31, "{moved:?}");
+    assert!(moved.displacements.longest < 0.31, "{moved:?}");
     // In the first of the two motions, the box carries the touching image away, so the contact
     // ends; it begins anew when the next image arrives.
     let moved = followed(&frames, &[]).moved;
-    assert!(moved.born > 1 && moved.ended > 1 && moved.way.longest < 0.31, "{moved:?}");
+    assert!(moved.born > 1 && moved.ended > 1 && moved.displacements.longest < 0.31, "{moved:?}");
 }
 
 /// The contact is missed from the frame in which the particles meet to the frame in which it is
@@ -156,12 +156,12 @@ fn sixteenths(seed: u64, n: u64, most: u64) -> Vec<[f64; 2]> {
 /// A dump may wrap its particles into the box, leave them unwrapped, or use any image.
 #[test]
 fn a_wrapped_dump_and_its_twin_are_one_motion() {
-    for (seed, way) in [(1, 3), (2, 20), (3, 40)] {
-        let (first, ways) = (sixteenths(seed, 40, 64), sixteenths(seed + 9, 40, way));
+    for (seed, speed) in [(1, 3), (2, 20), (3, 40)] {
+        let (first, displacements) = (sixteenths(seed, 40, 64), sixteenths(seed + 9, 40, speed));
         let frames = |named: &dyn Fn(usize, f64) -> f64| -> Vec<Given> {
             let at = |k: u32, i: usize| -> [f64; 2] {
                 std::array::from_fn(|axis| {
-                    named(i + axis, first[i][axis] + f64::from(k) * ways[i][axis])
+                    named(i + axis, first[i][axis] + f64::from(k) * displacements[i][axis])
                 })
             };
             (0..25).map(|k| given((0..40).map(|i| at(k, i)).collect(), 0.5, square(8.0))).collect()
@@ -173,8 +173,8 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
         let wrapped = followed(&frames(&|_, x| x.rem_euclid(8.0)), &tracker);
         let anyhow = |i: usize, x: f64| x + 8.0 * ((7 * i) as f64 + x).rem_euclid(5.0).floor();
         let anyhow = followed(&frames(&anyhow), &tracker);
-        assert!(onwards.moved.born > 5 && onwards.moved.way.longest > 0.1);
-        assert!(onwards.moved.tunnelled > 0 || way < 10, "{:?}", onwards.moved);
+        assert!(onwards.moved.born > 5 && onwards.moved.displacements.longest > 0.1);
+        assert!(onwards.moved.tunnelled > 0 || speed < 10, "{:?}", onwards.moved);
         assert!(onwards.trackers[0].late.missed > 20);
         let late = |of: &Followed| of.trackers[0].late.clone();
         for other in [&wrapped, &anyhow] {
@@ -188,7 +188,7 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {
     let mut all = 0;
-    for (seed, way, from, to) in [
+    for (seed, speed, from, to) in [
         (1, 14, [[4.0, 0.0], [0.5, 3.0]], [[4.0, 0.0], [0.5, 3.0]]),
         (2, 14, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
         (3, 14, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
@@ -201,8 +201,8 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
             Lattice::new([row(0), row(1), [0.0; 3]], [true, true, false], [0.0; 3]).unwrap()
         };
         let radius = 0.125;
-        let (first, ways) = (sixteenths(seed, 18, 32), sixteenths(seed + 20, 18, way));
-        let then = first.iter().zip(&ways).map(|(at, way)| [at[0] + way[0], at[1] + way[1]]);
+        let (first, displacements) = (sixteenths(seed, 18, 32), sixteenths(seed + 20, 18, speed));
+        let then = first.iter().zip(&displacements).map(|(at, by)| [at[0] + by[0], at[1] + by[1]]);
         let frames = [given(first.clone(), radius, lattice(from)), {
             given(then.collect(), radius, lattice(to))
         }];
@@ -211,8 +211,8 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
         assert!(names.next(&last).is_none());
         let (_, onward): (_, Onward) = names.next(&frame).unwrap();
         let through = Through::new(&last, &frame, &onward);
-        let (ways, _) = through.ways();
-        let found = through.tunnelled(&ways, LIMIT).unwrap();
+        let (displacements, _) = through.displacements();
+        let found = through.tunnelled(&displacements, LIMIT).unwrap();
         let (before, after) = (repeating(last.lattice()), repeating(frame.lattice()));
         let later = onward.vectors(frame.lattice());
         let place = |at: &[f64; 3], image: [i32; 3], vectors: &[[f64; 3]; 3]| {
@@ -243,7 +243,7 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
             }
         }
         assert_eq!(found, count, "{seed}");
-        assert!(way > 0 || count > 0, "{seed}");
+        assert!(speed > 0 || count > 0, "{seed}");
         all += count;
     }
     assert!(all > 20, "{all}");

@@ -21,7 +21,7 @@ use contactbench_scenes::touching::in_any_box;
 
 use crate::truth;
 pub use builds::Builds;
-pub use contactbench_terms::moved::{Moved, Way};
+pub use contactbench_terms::moved::{Displacements, Moved};
 pub use late::Late;
 pub use names::Names;
 pub use recorded::Recorded;

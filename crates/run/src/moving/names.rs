@@ -188,17 +188,17 @@ impl Nearest {
 
     /// Returns the whole numbers of box vectors that bring `at` nearest to `then`.
     pub fn by(&self, at: [f64; 3], then: [f64; 3]) -> [i32; 3] {
-        let way: [f64; 3] = std::array::from_fn(|k| then[k] - at[k]);
-        if square(way) <= self.near {
+        let step: [f64; 3] = std::array::from_fn(|k| then[k] - at[k]);
+        if square(step) <= self.near {
             return [0; 3];
         }
         let about = self.duals.map(|dual| {
-            let fraction: f64 = (0..3).map(|k| dual[k] * way[k]).sum();
+            let fraction: f64 = (0..3).map(|k| dual[k] * step[k]).sum();
             fraction.round() as i32
         });
         let left = |by: [i32; 3]| {
             let sum = sum(by, &self.vectors);
-            square(std::array::from_fn(|k| way[k] - sum[k]))
+            square(std::array::from_fn(|k| step[k] - sum[k]))
         };
         let mut best = (left(about), about);
         let steps = |v: usize| if self.duals[v] == [0.0; 3] { 0..=0 } else { -1..=1 };

@@ -27,16 +27,16 @@ impl Survey {
         moved.born += self.last.len() as u64 - stay;
         moved.ended += before.len() as u64 - stay;
         let through = Through::new(&last, frame, &onward);
-        let (ways, at_rest) = through.ways();
+        let (displacements, at_rest) = through.displacements();
         let diameter = 2.0 * frame.scene().largest_radius();
-        moved.way.at_rest += at_rest as u64;
+        moved.displacements.at_rest += at_rest as u64;
         if diameter > 0.0 {
-            let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
-            moved.way.sum += ways.iter().sum::<f64>() / diameter;
-            moved.way.longest = moved.way.longest.max(longest / diameter);
+            let longest = displacements.iter().fold(0.0f64, |most, &step| most.max(step));
+            moved.displacements.sum += displacements.iter().sum::<f64>() / diameter;
+            moved.displacements.longest = moved.displacements.longest.max(longest / diameter);
         }
-        if at_rest < ways.len() || through.changes() {
-            match through.tunnelled(&ways, memory_limit) {
+        if at_rest < displacements.len() || through.changes() {
+            match through.tunnelled(&displacements, memory_limit) {
                 Ok(tunnelled) => moved.tunnelled += tunnelled,
                 Err(why) => {
                     moved.uncounted.get_or_insert(why);
@@ -77,8 +77,8 @@ mod tests {
         assert_eq!((moved.frames, moved.contacts, moved.born, moved.steps()), (1, 1, 0, 0));
         let moved = take([0.0, 2.5, 4.5, 20.0], &[[1, 2]]);
         assert_eq!([moved.born, moved.ended, moved.tunnelled], [1, 1, 0]);
-        assert_eq!((moved.way.at_rest, moved.steps()), (2, 1));
-        assert!((moved.way.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
+        assert_eq!((moved.displacements.at_rest, moved.steps()), (2, 1));
+        assert!((moved.displacements.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
         assert!((moved.mean_way() - 0.125).abs() < 1e-12);
         // The last disc passes through the third and the second, and stops at the first.
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);

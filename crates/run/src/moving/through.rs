@@ -19,7 +19,7 @@ use contactbench_core::contact::swept::touches_within;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::periodic::{self, ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Radii, Scene};
-use contactbench_core::track::way;
+use contactbench_core::track::distance_bound;
 use contactbench_scenes::touching::particle;
 
 /// Relative rounding error of sums of about a dozen terms.
@@ -45,9 +45,9 @@ impl<'a> Through<'a> {
 
     /// Returns the displacement of each particle, rounded up, and the number of particles that did
     /// not move.
-    pub fn ways(&self) -> (Vec<f64>, usize) {
+    pub fn displacements(&self) -> (Vec<f64>, usize) {
         let ends = || self.from.iter().zip(&self.to);
-        let gone = |a, b| if a == b { 0.0 } else { way(a, b) };
+        let gone = |a, b| if a == b { 0.0 } else { distance_bound(a, b) };
         (ends().map(|(a, b)| gone(a, b)).collect(), ends().filter(|(a, b)| a == b).count())
     }
 
@@ -57,11 +57,11 @@ impl<'a> Through<'a> {
     }
 
     /// Returns the number of contacts that exist only between the frames, or why it is unknown.
-    pub fn tunnelled(&self, ways: &[f64], memory_limit: u64) -> Result<u64, String> {
+    pub fn tunnelled(&self, displacements: &[f64], memory_limit: u64) -> Result<u64, String> {
         let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
         let onward = self.onward.vectors(self.frame.lattice());
-        let more = self.more(ways, &before, &onward)?;
-        let near = self.near(ways, more, memory_limit)?;
+        let more = self.more(displacements, &before, &onward)?;
+        let near = self.near(displacements, more, memory_limit)?;
         let is_tunnelled = |pair: &ImagePair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
             let [ri, rj] = [pair.i, pair.j].map(|k| particle(self.last.scene(), k).1);
@@ -86,15 +86,15 @@ impl<'a> Through<'a> {
     /// adds.
     fn more(
         &self,
-        ways: &[f64],
+        displacements: &[f64],
         before: &[[f64; 3]; 3],
         onward: &[[f64; 3]; 3],
     ) -> Result<f64, String> {
-        let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
+        let longest = displacements.iter().fold(0.0f64, |most, &step| most.max(step));
         let reach = 2.0 * (self.last.scene().largest_radius() + longest);
         let (mut wide, mut share) = (0.0, 0.0);
         for v in (0..3).filter(|&v| before[v] != onward[v]) {
-            let moved = way(&onward[v], &before[v]);
+            let moved = distance_bound(&onward[v], &before[v]);
             let dual = self.last.lattice().dual(v);
             let along = |at: &[f64; 3]| -> f64 { (0..3).map(|k| dual[k] * at[k]).sum() };
             let (low, high) = self
@@ -105,7 +105,7 @@ impl<'a> Through<'a> {
                     (low.min(x), high.max(x))
                 });
             wide += moved * (high - low + ROUNDING * (high.abs() + low.abs() + 1.0));
-            share += moved * way(&dual, &[0.0; 3]);
+            share += moved * distance_bound(&dual, &[0.0; 3]);
         }
         if share < 0.5 {
             Ok((reach + wide) / (1.0 - share) * (1.0 + ROUNDING) - reach)
@@ -114,8 +114,14 @@ impl<'a> Through<'a> {
         }
     }
 
-    fn near(&self, ways: &[f64], more: f64, memory_limit: u64) -> Result<Vec<ImagePair>, String> {
-        let wider = ways.iter().map(|way| (way + 0.5 * more) * (1.0 + ROUNDING)).collect();
+    fn near(
+        &self,
+        displacements: &[f64],
+        more: f64,
+        memory_limit: u64,
+    ) -> Result<Vec<ImagePair>, String> {
+        let wider =
+            displacements.iter().map(|step| (step + 0.5 * more) * (1.0 + ROUNDING)).collect();
         let wider: AnyScene<'static> = match self.last.scene() {
             AnyScene::Plane(scene) => wider_by(&scene.widened(), wider)?.into(),
             AnyScene::Space(scene) => wider_by(&scene.widened(), wider)?.into(),

@@ -49,8 +49,8 @@ pub const PACK_D: Generator = of_book(
     |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| {
-            let couple = (i / 2.0).floor();
-            [couple * (1.0 + s) + (i - 2.0 * couple), 2.0 * j]
+            let pair = (i / 2.0).floor();
+            [pair * (1.0 + s) + (i - 2.0 * pair), 2.0 * j]
         })
     },
 );

@@ -22,25 +22,25 @@ fn in_box(text: &str) -> (Periodic<'static>, Vec<ImagePair>) {
 }
 
 /// Returns the squared distance and the squared sum of radii of each pair.
-fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
+fn pairs(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
     let scene = scene.stored(Arithmetic::F64).unwrap();
     with_scene!(&scene, scene => {
-        let mut couples = Vec::new();
+        let mut pairs = Vec::new();
         for i in 0..scene.len() {
             for j in 0..i {
                 let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
                 let difference = a.iter().zip(b).map(|(p, q)| p.wide() - q.wide());
                 let square: f64 = difference.map(|x| x * x).sum();
                 let reach = scene.radius(i).wide() + scene.radius(j).wide();
-                couples.push([square, reach * reach]);
+                pairs.push([square, reach * reach]);
             }
         }
-        couples
+        pairs
     })
 }
 
 fn coordination(scene: &AnyScene<'static>) -> f64 {
-    let contacts = couples(scene).iter().filter(|[d, r]| d <= r).count() as u64;
+    let contacts = pairs(scene).iter().filter(|[d, r]| d <= r).count() as u64;
     stats(&scene.clone().into(), contacts).coordination
 }
 
@@ -128,8 +128,8 @@ fn packings_and_lattices_have_their_neighbours() {
         assert!(mean <= inner && mean > 0.75 * inner, "{text}: {mean}");
     }
     for dim in [2, 3] {
-        let couples = couples(&make(&format!("packed:n=500,dim={dim},jitter=0,spacing=0.75")));
-        let least = couples.iter().fold(9.0, |a: f64, b| a.min(b[0]));
+        let pairs = pairs(&make(&format!("packed:n=500,dim={dim},jitter=0,spacing=0.75")));
+        let least = pairs.iter().fold(9.0, |a: f64, b| a.min(b[0]));
         assert!((least.sqrt() - 0.75).abs() < 1e-12, "{least}");
     }
     let cubic =
@@ -219,8 +219,8 @@ fn clusters_have_their_width_and_number() {
         assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
     }
     // Width 0 makes 3 clusters of 30 coincident particles; the other 10 coincide with none.
-    let couples = couples(&make("clustered:n=100,per-cluster=30,width=0"));
-    assert_eq!(couples.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
+    let pairs = pairs(&make("clustered:n=100,per-cluster=30,width=0"));
+    assert_eq!(pairs.iter().filter(|[square, _]| *square == 0.0).count(), 3 * 30 * 29 / 2);
 }
 
 /// Returns the radii in generated order, for a largest radius of 1.
@@ -276,7 +276,7 @@ fn settled_particles_overlap_up_to_the_limit() {
         ("settled:n=3000,dim=3,fraction=0.5,size-ratio=20,sizes=power,exponent=-3", 0.05),
         ("settled:n=3000,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,overlap=0.2", 0.2),
     ] {
-        let part = couples(&make(text)).into_iter().map(|[square, reach]| (square / reach).sqrt());
+        let part = pairs(&make(text)).into_iter().map(|[square, reach]| (square / reach).sqrt());
         let deepest = part.fold(2.0, f64::min);
         // Some pairs are nearly at the least allowed distance, because the box is nearly full.
         let near = 1.0 - overlap - 1e-12..1.05 - overlap;
@@ -345,11 +345,11 @@ fn book_packs_touch_exactly() {
             ("pack-d:s=3,", halves),
             ("pack-d:s=1,", along),
         ] {
-            let couples = couples(&make(&format!("{pack}n={n},diameter={diameter}")));
+            let pairs = pairs(&make(&format!("{pack}n={n},diameter={diameter}")));
             let least = diameter * diameter;
-            let exact = couples.iter().filter(|[square, _]| *square == least).count();
+            let exact = pairs.iter().filter(|[square, _]| *square == least).count();
             assert_eq!(exact, touching, "{pack}n={n}, diameter {diameter}");
-            assert!(couples.iter().all(|[square, _]| *square >= least));
+            assert!(pairs.iter().all(|[square, _]| *square >= least));
         }
     }
     let places = plane("pack-d:n=10,s=3,diameter=2,order=generated");

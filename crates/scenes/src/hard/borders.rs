@@ -51,12 +51,12 @@ pub const MAKERS: &[Maker] = &[
     // Cells begin at 0, with an edge of 1 or a few millionths more. The pair of direction v lies
     // across the face, edge or corner of a cell in that direction.
     ("every-neighbour", |dim| {
-        let couple = |(k, v): (usize, Place)| {
+        let pair = |(k, v): (usize, Place)| {
             let middle = plus(site(k + 1, 4.0), 1.0, v.map(|x| if x == 0.0 { 4.5 } else { 4.0 }));
             [plus(middle, -0.25, v), plus(middle, 0.25, v)]
         };
-        let couples = neighbours(dim).into_iter().enumerate().flat_map(couple);
-        uniform(dim, [[0.0; 3]].into_iter().chain(couples), 0.5)
+        let pairs = neighbours(dim).into_iter().enumerate().flat_map(pair);
+        uniform(dim, [[0.0; 3]].into_iter().chain(pairs), 0.5)
     }),
     ("all-neighbours-of-one", |dim| {
         let block = lattice(dim, [3; 2], |k| 4.5 + 0.5625 * (k - 1.0));

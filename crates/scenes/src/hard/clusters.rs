@@ -46,8 +46,8 @@ pub const MAKERS: &[Maker] = &[
     ("organ-pipe-input", |dim| {
         in_order(dim, |k| if k < ROW / 2 { 2 * k } else { 2 * (ROW - 1 - k) + 1 })
     }),
-    ("only-the-last-two", |dim| one_couple(dim, 199, 198)),
-    ("only-the-first-two", |dim| one_couple(dim, 0, 1)),
+    ("only-the-last-two", |dim| one_pair(dim, 199, 198)),
+    ("only-the-first-two", |dim| one_pair(dim, 0, 1)),
 ];
 
 const ROW: u32 = 1500;
@@ -58,7 +58,7 @@ fn in_order(dim: u32, place: impl Fn(u32) -> u32) -> Steps {
 }
 
 /// Returns 200 separate particles, except that particle `moved` is moved to touch particle `other`.
-fn one_couple(dim: u32, moved: usize, other: usize) -> Steps {
+fn one_pair(dim: u32, moved: usize, other: usize) -> Steps {
     let mut places: Vec<Place> = (0..200).map(|k| site(k, 3.0)).collect();
     places[moved] = plus(places[other], 1.0, [0.0, 1.0, 0.0]);
     uniform(dim, places, 0.5)

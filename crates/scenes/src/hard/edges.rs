@@ -6,11 +6,11 @@ use crate::hard::build::*;
 pub const MAKERS: &[Maker] = &[
     ("at-xmax", |dim| uniform(dim, lines(dim, &[0.0, 1.0, 63.0, 64.0], 32.0), 0.5)),
     ("couples-in-the-corners", |dim| {
-        let couple = |corner: Place| {
+        let pair = |corner: Place| {
             let place = corner.map(|x| 8.0 + 8.0 * x);
             [place, plus(place, -1.0, [corner[0], 0.0, 0.0])]
         };
-        uniform(dim, corners(dim).into_iter().flat_map(couple), 0.5)
+        uniform(dim, corners(dim).into_iter().flat_map(pair), 0.5)
     }),
     ("not-a-multiple", |dim| {
         uniform(dim, lines(dim, &[0.0, 1.0, 2.0, 8.0, 9.0, 10.0, 10.3], 5.0), 0.5)

@@ -36,11 +36,8 @@ pub const MAKERS: &[Maker] = &[
         // There are three pairs: one in touch; one 2^-1074 apart across the line; and one like the
         // second, but with a radius large enough to touch.
         let (least, more) = (two_to(-1074), 0.5f64.next_up());
-        let couple = |x, y, r| [([x, 0.0, 0.0], 0.5), ([x + 1.0, y, 0.0], r)];
-        each(
-            dim,
-            [couple(0.0, 0.0, 0.5), couple(4.0, least, 0.5), couple(8.0, least, more)].concat(),
-        )
+        let pair = |x, y, r| [([x, 0.0, 0.0], 0.5), ([x + 1.0, y, 0.0], r)];
+        each(dim, [pair(0.0, 0.0, 0.5), pair(4.0, least, 0.5), pair(8.0, least, more)].concat())
     }),
 ];
 

@@ -10,15 +10,15 @@ use crate::hard::Maker;
 use crate::hard::build::*;
 
 pub const MAKERS: &[Maker] = &[
-    ("two-couples-1e9-apart", |dim| two_couples(dim, 1e9)),
-    ("two-couples-1e12-apart", |dim| two_couples(dim, 1e12)),
-    ("two-couples-1e300-apart", |dim| two_couples(dim, 1e300)),
-    ("just-below-2-to-31-cells", |dim| two_couples(dim, two_to(31) - 64.0)),
-    ("just-above-2-to-31-cells", |dim| two_couples(dim, two_to(31) + two_to(15))),
-    ("two-to-the-32-cells", |dim| two_couples(dim, two_to(32))),
+    ("two-couples-1e9-apart", |dim| two_pairs(dim, 1e9)),
+    ("two-couples-1e12-apart", |dim| two_pairs(dim, 1e12)),
+    ("two-couples-1e300-apart", |dim| two_pairs(dim, 1e300)),
+    ("just-below-2-to-31-cells", |dim| two_pairs(dim, two_to(31) - 64.0)),
+    ("just-above-2-to-31-cells", |dim| two_pairs(dim, two_to(31) + two_to(15))),
+    ("two-to-the-32-cells", |dim| two_pairs(dim, two_to(32))),
     ("thin-diagonal", |dim| {
-        let couple = |k| [1000.0 * f64::from(k), 1000.0 * f64::from(k) + 0.5].map(|x| [x; 3]);
-        uniform(dim, (0..100).flat_map(couple), 0.5)
+        let pair = |k| [1000.0 * f64::from(k), 1000.0 * f64::from(k) + 0.5].map(|x| [x; 3]);
+        uniform(dim, (0..100).flat_map(pair), 0.5)
     }),
     ("product-over-2-to-32", |dim| {
         let at = |x: f64, y: f64| [[x, y, y], [x + 0.5, y, y]];
@@ -44,7 +44,7 @@ pub const MAKERS: &[Maker] = &[
 
 /// Returns two touching pairs, one at the origin and one at `far` on every axis. If doubles are too
 /// coarse at `far`, the two particles there coincide.
-fn two_couples(dim: u32, far: f64) -> Steps {
+fn two_pairs(dim: u32, far: f64) -> Steps {
     uniform(dim, [[0.0; 3], [1.0, 0.0, 0.0], [far; 3], [far + 1.0, far, far]], 0.5)
 }
 

@@ -14,13 +14,13 @@ use crate::hard::Maker;
 use crate::hard::build::*;
 
 pub const MAKERS: &[Maker] = &[
-    ("radius-at-each-border", |dim| each(dim, couples(1.0, |border| border))),
+    ("radius-at-each-border", |dim| each(dim, pairs(1.0, |border| border))),
     ("radius-a-last-bit-above-each-border", |dim| {
-        each(dim, couples(1.0, |border| if border < 1.0 { border.next_up() } else { border }))
+        each(dim, pairs(1.0, |border| if border < 1.0 { border.next_up() } else { border }))
     }),
-    ("radius-a-last-bit-below-each-border", |dim| each(dim, couples(1.0, f64::next_down))),
-    ("borders-at-a-tiny-scale", |dim| each(dim, couples(two_to(-1000), |border| border))),
-    ("borders-at-a-huge-scale", |dim| each(dim, couples(two_to(1000), |border| border))),
+    ("radius-a-last-bit-below-each-border", |dim| each(dim, pairs(1.0, f64::next_down))),
+    ("borders-at-a-tiny-scale", |dim| each(dim, pairs(two_to(-1000), |border| border))),
+    ("borders-at-a-huge-scale", |dim| each(dim, pairs(two_to(1000), |border| border))),
     ("all-radii-at-one-border", |dim| {
         beside(dim, of_size(lattice(dim, [12, 6], |k| k), 0.5), ([-100.0, 0.0, 0.0], 1.0))
     }),
@@ -77,11 +77,11 @@ pub const MAKERS: &[Maker] = &[
     }),
     ("classes-in-turn", |dim| each(dim, chain(64, |k| two_to(-3 * (k as i32 % 4))))),
     ("smallest-numbers-beside-a-giant", |dim| {
-        let couple = |k: i32| {
+        let pair = |k: i32| {
             let (r, y) = (two_to(-1070 - k), 8.0 * f64::from(k));
             [([0.0, y, 0.0], two_to(-1070)), ([two_to(-1070) + r, y, 0.0], r)]
         };
-        each(dim, [([-100.0, 0.0, 0.0], 1.0)].into_iter().chain((0..5).flat_map(couple)))
+        each(dim, [([-100.0, 0.0, 0.0], 1.0)].into_iter().chain((0..5).flat_map(pair)))
     }),
     ("forty-classes-in-a-crowd", |dim| {
         let places = lattice(dim, [20, 8], |k| k / 8.0).into_iter();
@@ -95,7 +95,7 @@ fn beside(dim: u32, bodies: impl Iterator<Item = Body>, last: Body) -> Steps {
 
 /// Returns 13 pairs for the borders 2^-k, k = 0 to 12. The particles of a pair are (1 + 2^-k)·scale
 /// apart; their radii are `scale` and `radius(2^-k)`·scale.
-fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> {
+fn pairs(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> {
     (0..13).flat_map(move |k| {
         let (border, y) = (two_to(-k), 8.0 * f64::from(k) * scale);
         [([0.0, y, 0.0], scale), ([(1.0 + border) * scale, y, 0.0], radius(border) * scale)]

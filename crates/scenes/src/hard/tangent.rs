@@ -24,12 +24,12 @@ pub const MAKERS: &[Maker] = &[
             [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
             [3.0, 4.0, 5.0, two_to(27) - 19.0],
         ];
-        let couples = triples.into_iter().flat_map(|[x, y, length, scale]| {
+        let pairs = triples.into_iter().flat_map(|[x, y, length, scale]| {
             let radii = [0.5 * length * scale; 2];
             let all = orientations(dim, [x * scale, y * scale, 0.0]);
-            all.into_iter().map(move |v| Couple { v, outward: 0, radii })
+            all.into_iter().map(move |v| Pair { v, outward: 0, radii })
         });
-        together(dim, two_to(38), couples)
+        together(dim, two_to(38), pairs)
     }),
     ("one-ulp-in-x", |dim| {
         let (triple, r) = by_dim(dim, [([3.0, 4.0, 0.0], 2.5), ([4.0, 4.0, 7.0], 4.5)]);
@@ -54,19 +54,17 @@ pub const MAKERS: &[Maker] = &[
         let (triple, length) = by_dim(dim, [([3.0, 4.0, 0.0], 5.0), ([2.0, 3.0, 6.0], 7.0)]);
         // For each scale: a pair exactly in touch, one nearer by 2^-20 of its distance, one farther
         // by the same, and in 3D one with exchanged axes.
-        let couples = (-10..=10).flat_map(|k| {
+        let pairs = (-10..=10).flat_map(|k| {
             let (v, radii) = (triple.map(|x| two_to(k) * x), [0.5 * two_to(k) * length; 2]);
             let near = v.map(|x| x * (1.0 - two_to(-20)));
             let far = v.map(|x| x * (1.0 + two_to(-20)));
             let turned = (dim == 3).then_some([v[2], v[0], v[1]]);
             let all = [Some(v), Some(near), turned, Some(far)].into_iter().flatten();
-            all.map(move |v| Couple { v, outward: 0, radii })
+            all.map(move |v| Pair { v, outward: 0, radii })
         });
-        together(dim, two_to(15), couples)
+        together(dim, two_to(15), pairs)
     }),
-    ("dyadic-offset", |dim| {
-        uniform(dim, couples(dim, [3.0, 4.0, 0.0], [two_to(44); 3], 16.0), 2.5)
-    }),
+    ("dyadic-offset", |dim| uniform(dim, pairs(dim, [3.0, 4.0, 0.0], [two_to(44); 3], 16.0), 2.5)),
     ("kissing-crown", |dim| {
         let (length, r) = (by_dim(dim, [65, 9]), 0.5);
         let centre = ([0.0; 3], f64::from(length) - r);
@@ -75,25 +73,25 @@ pub const MAKERS: &[Maker] = &[
     ("sum-of-radii-rounds", |dim| {
         let r = two_to(-53);
         // Each axis has two pairs 1 + 2^-53 apart: one in touch, and one with a gap of 2^-106.
-        let couple = |k: usize| {
+        let pair = |k: usize| {
             let (axis, small) = (k / 2, [r, r.next_down()][k % 2]);
             let at = |x| on_axis(axis, x, 8.0 * (k + 1) as f64);
             [(at(-r), small), (at(1.0), 1.0)]
         };
-        each(dim, (0..2 * dim as usize).flat_map(couple))
+        each(dim, (0..2 * dim as usize).flat_map(pair))
     }),
 ];
 
 /// Two particles. The second is at the first plus `v`, then moved outward by `outward` units in the
 /// last place along the first axis on which `v` is not 0.
-struct Couple {
+struct Pair {
     v: Place,
     outward: i32,
     radii: [f64; 2],
 }
 
-fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> Steps {
-    let bodies = couples.into_iter().enumerate().flat_map(|(k, Couple { v, outward, radii })| {
+fn together(dim: u32, gap: f64, pairs: impl IntoIterator<Item = Pair>) -> Steps {
+    let bodies = pairs.into_iter().enumerate().flat_map(|(k, Pair { v, outward, radii })| {
         let first = site(k, gap);
         let mut second = plus(first, 1.0, v);
         if let Some(axis) = v.iter().position(|&x| x != 0.0) {
@@ -109,18 +107,18 @@ fn together(dim: u32, gap: f64, couples: impl IntoIterator<Item = Couple>) -> St
 
 /// Returns pairs in all directions of the triple `v`, each in all `forms` (units outward, radii).
 fn turned<const N: usize>(dim: u32, v: Place, gap: f64, forms: [(i32, [f64; 2]); N]) -> Steps {
-    let of = |v| forms.map(|(outward, radii)| Couple { v, outward, radii });
+    let of = |v| forms.map(|(outward, radii)| Pair { v, outward, radii });
     together(dim, gap, orientations(dim, v).into_iter().flat_map(of))
 }
 
 /// Returns pairs in all directions of the triple `v`, with equal radii and exactly in touch.
 fn ties(dim: u32, v: Place, length: f64, scale: f64) -> Steps {
-    let couples = couples(dim, v.map(|x| x * scale), [-3.0; 3], 4.0 * length * scale);
-    uniform(dim, couples, 0.5 * length * scale)
+    let pairs = pairs(dim, v.map(|x| x * scale), [-3.0; 3], 4.0 * length * scale);
+    uniform(dim, pairs, 0.5 * length * scale)
 }
 
 /// Returns pairs in all directions of `v`, at positions `gap` apart that begin at `corner`.
-fn couples(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
+fn pairs(dim: u32, v: Place, corner: Place, gap: f64) -> impl Iterator<Item = Place> {
     orientations(dim, v).into_iter().enumerate().flat_map(move |(k, v)| {
         let first = plus(corner, 1.0, site(k, gap));
         [first, plus(first, 1.0, v)]

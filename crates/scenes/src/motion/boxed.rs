@@ -61,11 +61,11 @@ impl<const D: usize> Boxed<D> {
         (height > 0.0).then_some((height, self.first.origin()[1]))
     }
 
-    /// Returns the position of a particle in the box after the displacement `way` from `first`.
-    pub fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
-        let mut at = Point::from(std::array::from_fn(|k| first[k] + way[k]));
+    /// Returns the position of a particle in the box after the displacement `displacement` from `first`.
+    pub fn gone(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {
+        let mut at = Point::from(std::array::from_fn(|k| first[k] + displacement[k]));
         for Wall { normal, low, extent } in &self.walls {
-            let (from, gone) = (dot(normal, array(first)), dot(normal, way));
+            let (from, gone) = (dot(normal, array(first)), dot(normal, displacement));
             let to = low + between_walls(from - low + gone, *extent);
             let back = to - (from + gone);
             (0..D).for_each(|k| at[k] += normal[k] * back);

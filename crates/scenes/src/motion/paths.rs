@@ -103,7 +103,11 @@ impl<const D: usize> Paths<D> {
                 .collect(),
             Kind::Brownian => {
                 self.walk_to(k, first.len());
-                first.iter().zip(&self.walk.at).map(|(at, way)| self.gone(at, way)).collect()
+                first
+                    .iter()
+                    .zip(&self.walk.at)
+                    .map(|(at, displacement)| self.gone(at, displacement))
+                    .collect()
             }
             Kind::Jitter => {
                 let mut draw = Draw::of_motion(self.seed, k);
@@ -145,21 +149,21 @@ impl<const D: usize> Paths<D> {
         })
     }
 
-    fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
+    fn gone(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {
         match &self.boxed {
-            None => self.reflected(first, way),
-            Some(boxed) => boxed.gone(first, way),
+            None => self.reflected(first, displacement),
+            Some(boxed) => boxed.gone(first, displacement),
         }
     }
 
-    /// Returns the position after the displacement `way` in open space, reflected at the walls.
-    fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
+    /// Returns the position after the displacement `displacement` in open space, reflected at the walls.
+    fn reflected(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
-            if way[k] == 0.0 || extent == 0.0 {
+            if displacement[k] == 0.0 || extent == 0.0 {
                 return first[k];
             }
-            let on = between_walls(first[k] - low + way[k], extent);
+            let on = between_walls(first[k] - low + displacement[k], extent);
             (low + on).min(low + extent)
         };
         Point::from(std::array::from_fn(along))

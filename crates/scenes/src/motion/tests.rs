@@ -22,11 +22,11 @@ pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
 /// Returns the longest displacement of a particle between two frames; the diameter is 1.
 fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     let (a, b) = (coordinates(a), coordinates(b));
-    let ways = a
+    let displacements = a
         .chunks(dim)
         .zip(b.chunks(dim))
         .map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt());
-    ways.fold(0.0, f64::max)
+    displacements.fold(0.0, f64::max)
 }
 
 /// Returns scenes in open space and in boxes, each with a motion that it supports.

@@ -45,12 +45,12 @@ pub fn company(
     }
     sample.sort_unstable();
     for class in sample.chunk_by(|a, b| a.0 == b.0) {
-        let couples: usize =
+        let pairs: usize =
             class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-        if couples > CHANCE {
+        if pairs > CHANCE {
             // Scale the pairs in the sample to the whole class.
             let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
-            company[class[0].0] = couples as f64 / asked * (all / asked);
+            company[class[0].0] = pairs as f64 / asked * (all / asked);
         }
     }
     company

@@ -194,7 +194,7 @@ struct Around<'r, W: Wide, const D: usize> {
     place: usize,
     ranges: &'r Ranges,
     shifts: &'r [[W::Floats; D]; 5],
-    couples: &'r [[W::Floats; D]; 2],
+    halves: &'r [[W::Floats; D]; 2],
     limits: Limits<W>,
 }
 
@@ -208,7 +208,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
         }
         let used = ranges_used::<F, D>();
         let limits = self.limits(w);
-        let (shifts, couples) = (self.shifts(w), self.shifts_of_couples(w));
+        let (shifts, halves) = (self.shifts(w), self.half_shifts(w));
         let mut first = self.places.start;
         while first < self.places.end {
             let most = BLOCK.min(self.places.end - first);
@@ -219,7 +219,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 let longest = ranges.iter().fold(0, |all, &(_, len)| all | len);
                 let mut found = Found { at: kept, odd: 0, counts: 0 };
                 let around =
-                    Around { place, ranges: &ranges, shifts: &shifts, couples: &couples, limits };
+                    Around { place, ranges: &ranges, shifts: &shifts, halves: &halves, limits };
                 let mut odd = 0;
                 if longest < LANES as u32 {
                     // Most ranges are short, so two are tested at a time.
@@ -325,13 +325,13 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     /// Returns offsets for two ranges tested together: the first range in the lower half of the
     /// lanes, the second in the upper half.
     #[inline(always)]
-    fn shifts_of_couples<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
-        let couple = |r: usize| {
+    fn half_shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
+        let half = |r: usize| {
             let last = ranges_used::<F, D>() - 1;
             let (low, high) = (self.shift(r.min(last)), self.shift(last.min(r + 1)));
             std::array::from_fn(|k| w.load_two(&[low[k]; HALF], &[high[k]; HALF]))
         };
-        [couple(0), couple(2)]
+        [half(0), half(2)]
     }
 
     /// Returns the particle at `place`, with coordinates relative to the cells of a range.
@@ -383,7 +383,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (low, valid) = self.range(a.ranges[r], r);
         let (high, valid_high) = self.range(a.ranges[r + 1], r + 1);
-        let query = self.query(w, a.place, &a.couples[r / 2]);
+        let query = self.query(w, a.place, &a.halves[r / 2]);
         self.keep(w, TwoRuns8([low, high]), valid | valid_high << HALF, &query, a.limits, found);
     }
 

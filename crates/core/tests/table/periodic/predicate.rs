@@ -42,7 +42,7 @@ fn truth_of<const D: usize>(
 
 /// Two particles, the box, and the image of the second particle.
 #[derive(Clone, Copy, Debug)]
-struct Couple {
+struct Pair {
     a: [f64; 3],
     b: [f64; 3],
     radii: [f64; 2],
@@ -56,7 +56,7 @@ const WHOLE: [([i64; 3], i64); 5] =
 
 /// Returns two particles that are tangent through an image, but for one number that may be off by
 /// one rounding step. The other numbers are integers times a power of two and add up exactly.
-fn couple(random: &mut ChaCha8Rng) -> Couple {
+fn pair(random: &mut ChaCha8Rng) -> Pair {
     let unit = [1.0, 2f64.powi(-20), 2f64.powi(-900), 2f64.powi(900)][random.random_range(0..4)];
     let bits = [3, 10, 20][random.random_range(0..3)];
     let range = 1i64 << bits;
@@ -73,7 +73,7 @@ fn couple(random: &mut ChaCha8Rng) -> Couple {
     });
     let first = random.random_range(0..=length * scale);
     let double = |x: i64| x as f64 * unit;
-    let mut couple = Couple {
+    let mut pair = Pair {
         a: a.map(double),
         b: b.map(double),
         radii: [double(first), double(length * scale - first)],
@@ -85,15 +85,15 @@ fn couple(random: &mut ChaCha8Rng) -> Couple {
     let k = random.random_range(0..3);
     match random.random_range(0..5) {
         0 => {}
-        1 => step(&mut couple.a[k]),
-        2 => step(&mut couple.b[k]),
-        3 => step(&mut couple.vectors[random.random_range(0..3)][k]),
+        1 => step(&mut pair.a[k]),
+        2 => step(&mut pair.b[k]),
+        3 => step(&mut pair.vectors[random.random_range(0..3)][k]),
         _ => {
-            let radius = &mut couple.radii[k % 2];
+            let radius = &mut pair.radii[k % 2];
             *radius = if up { radius.next_up() } else { radius.next_down().max(0.0) };
         }
     }
-    couple
+    pair
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn pairs_one_step_from_tangency_through_an_image() {
     let random = &mut ChaCha8Rng::seed_from_u64(11);
     let mut seen = [0; 3];
     for _ in 0..20_000 {
-        let c = couple(random);
+        let c = pair(random);
         let shift = Shift { image: c.image, vectors: &c.vectors };
         let truth = truth_of(&c.a, &c.b, c.radii[0], c.radii[1], shift);
         let [ra, rb] = c.radii;

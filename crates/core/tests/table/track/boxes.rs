@@ -63,7 +63,7 @@ impl Course {
             (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
         };
         // Positions as fractions of the box, displacements per frame, and random images.
-        let (first, ways, names) = (points(0.5), points(0.04), points(3.0));
+        let (first, displacements, names) = (points(0.5), points(0.04), points(3.0));
         let radii = match sizes {
             true => Radii::Each((0..n).map(|k| 0.1 + 0.4 * (k % 5) as f64 / 4.0).collect()),
             false => Radii::Uniform(0.5),
@@ -84,7 +84,7 @@ impl Course {
             let place = |i: usize| -> [f64; 3] {
                 let of = vectors(sheared);
                 let sum = |axis: usize| (0..3).map(|v| first[i][v] * of[v][axis]).sum::<f64>();
-                std::array::from_fn(|axis| sum(axis) + age * ways[i][axis])
+                std::array::from_fn(|axis| sum(axis) + age * displacements[i][axis])
             };
             let brought = |i: usize| -> [f64; 3] {
                 let at = place(i);

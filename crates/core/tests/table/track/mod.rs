@@ -125,7 +125,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
 /// frame on, for any skin.
 #[test]
 fn a_fresh_list_contains_pairs_that_rounding_accepts() {
-    let couple = |x: [f64; 2], r: f64| -> AnyScene<'static> {
+    let pair = |x: [f64; 2], r: f64| -> AnyScene<'static> {
         let centres = x.map(|x| Point::from([x, 0.0])).to_vec();
         Scene::new(centres, Radii::Uniform(r)).unwrap().into()
     };
@@ -135,7 +135,7 @@ fn a_fresh_list_contains_pairs_that_rounding_accepts() {
         ([0.0, 1e-25], 0.0, Arithmetic::F32),
         ([0.0, 1e-170], 0.0, Arithmetic::Textbook),
     ] {
-        let frames = [couple(x, r), couple(x, r)];
+        let frames = [pair(x, r), pair(x, r)];
         for rule in ["half-skin", "top-two", "summed"] {
             let text = format!("verlet(direct,skin=0,rule={rule})");
             let found = missed(&mut *tracker(&text), &frames, arithmetic);
@@ -143,7 +143,7 @@ fn a_fresh_list_contains_pairs_that_rounding_accepts() {
         }
         // A list made for the exact test cannot be used for a test that rounds.
         let mut tracker = tracker("verlet(direct,skin=0)");
-        let frame = couple(x, r).stored(arithmetic).unwrap();
+        let frame = pair(x, r).stored(arithmetic).unwrap();
         let step = |tracker: &mut dyn Tracker, test| {
             let mut pairs = Vec::new();
             (tracker.step(&frame, test, None, &mut pairs).unwrap().built, pairs.len())

@@ -73,7 +73,7 @@ struct Next {
     contact: f64,
 }
 
-struct Way {
+struct Placing {
     place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
     beside: bool,
     /// Whether the position is moved by some units in the last place afterwards.
@@ -81,15 +81,15 @@ struct Way {
 }
 
 /// Methods of placing a particle; the lowest three bits of its first byte choose one.
-const WAYS: [Way; 8] = [
-    Way { place: lattice, beside: false, nudged: true },
-    Way { place: along_an_axis, beside: true, nudged: true },
-    Way { place: along_a_hypotenuse, beside: true, nudged: true },
-    Way { place: almost_there, beside: true, nudged: false },
-    Way { place: raw, beside: false, nudged: false },
-    Way { place: subnormal, beside: false, nudged: false },
-    Way { place: huge, beside: false, nudged: false },
-    Way { place: diameters_away, beside: true, nudged: true },
+const PLACINGS: [Placing; 8] = [
+    Placing { place: lattice, beside: false, nudged: true },
+    Placing { place: along_an_axis, beside: true, nudged: true },
+    Placing { place: along_a_hypotenuse, beside: true, nudged: true },
+    Placing { place: almost_there, beside: true, nudged: false },
+    Placing { place: raw, beside: false, nudged: false },
+    Placing { place: subnormal, beside: false, nudged: false },
+    Placing { place: huge, beside: false, nudged: false },
+    Placing { place: diameters_away, beside: true, nudged: true },
 ];
 
 fn lattice(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
@@ -194,7 +194,7 @@ impl<'a> Maker<'a> {
         let how = self.bytes.next()?;
         let radius = self.radius()?;
         let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
-        let Way { place, beside, nudged: moved } = &WAYS[usize::from(how % 8)];
+        let Placing { place, beside, nudged: moved } = &PLACINGS[usize::from(how % 8)];
         let mut next = Next { how, dim, beside: [self.offset; 3], contact: 2.0 * radius };
         if n > 0 && *beside {
             let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
