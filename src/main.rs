@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use contactbench::cli::{Cli, process};
-use contactbench::run::alloc::Counting;
+use contactbench::run::runner::alloc::Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

@@ -13,7 +13,7 @@ use contactbench_record::record::ledger::Ledger;
 use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::Writer;
 use contactbench_record::record::{ledger, merge, provenance, row};
-use contactbench_run::run::disk;
+use contactbench_run::run::machine::disk;
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]

@@ -22,7 +22,7 @@ use contactbench_run::recommend::race::{self, Question};
 use contactbench_run::recommend::subject::{Race, RacedSubject, fastest};
 use contactbench_run::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use contactbench_run::recommend::words;
-use contactbench_run::run::interrupt;
+use contactbench_run::run::machine::interrupt;
 use contactbench_scenes::spec::Spec;
 use contactbench_terms::number::{number, plural, with_interval};
 

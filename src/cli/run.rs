@@ -12,7 +12,7 @@ use crate::cli::shared::values;
 use contactbench_record::experiment::shard::Part;
 use contactbench_record::record::row;
 use contactbench_run::plan::{builtin, detectors};
-use contactbench_run::run::interrupt::{self, Interrupted};
+use contactbench_run::run::machine::interrupt::{self, Interrupted};
 use contactbench_run::run::session::{self, Asked};
 
 #[derive(clap::Args, Default)]

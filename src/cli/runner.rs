@@ -6,7 +6,7 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::values;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
-use contactbench_run::run::server::Server;
+use contactbench_run::run::runner::server::Server;
 
 #[derive(clap::Args)]
 pub struct Serve {

@@ -5,7 +5,7 @@ use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find, parse};
 use contactbench::detect::{Options, Refusal};
 use contactbench::periodic::{Contacts, Finder, Periodic};
-use contactbench::run::alloc::{Usage, measure};
+use contactbench::run::runner::alloc::{Usage, measure};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Lattice, Real};
 use contactbench::sink::Count;

@@ -3,7 +3,7 @@
 use std::io::{BufReader, Read, Write};
 
 use contactbench::io::{self, Options};
-use contactbench::run::alloc;
+use contactbench::run::runner::alloc;
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 

@@ -6,7 +6,7 @@ mod files;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use contactbench::run::alloc::Counting;
+use contactbench::run::runner::alloc::Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

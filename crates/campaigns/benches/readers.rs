@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use contactbench_io as io;
 use contactbench_io::{Options, write};
-use contactbench_run::run::alloc;
-use contactbench_run::run::alloc::Counting;
+use contactbench_run::run::runner::alloc;
+use contactbench_run::run::runner::alloc::Counting;
 use contactbench_scenes::spec::Spec;
 
 #[global_allocator]

@@ -6,7 +6,7 @@
 
 use std::alloc::{GlobalAlloc, Layout};
 
-use contactbench_run::run::alloc::Counting;
+use contactbench_run::run::runner::alloc::Counting;
 
 /// The counting allocator `Counting`, with large pages.
 pub struct Pages;

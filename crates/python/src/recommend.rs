@@ -8,7 +8,7 @@ use contactbench_core::memory::limit_for;
 use contactbench_run::recommend::race::{self, Question};
 use contactbench_run::recommend::verdict::Verdict;
 use contactbench_run::recommend::words::as_json;
-use contactbench_run::run::server::Server;
+use contactbench_run::run::runner::server::Server;
 use contactbench_scenes::Given;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;

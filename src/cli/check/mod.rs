@@ -19,7 +19,7 @@ use crate::cli::shared::{terminal, values};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
 use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, subject};
-use contactbench_run::run::interrupt;
+use contactbench_run::run::machine::interrupt;
 
 #[derive(clap::Args)]
 pub struct Check {

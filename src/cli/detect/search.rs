@@ -18,7 +18,7 @@ use contactbench_core::periodic::{
 use contactbench_core::sink::normalise_by;
 use contactbench_io::Given;
 use contactbench_io::write::Style;
-use contactbench_run::run::alloc;
+use contactbench_run::run::runner::alloc;
 use contactbench_scenes::doubts::Touching;
 
 /// A detector that keeps its buffers from scene to scene.

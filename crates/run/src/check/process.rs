@@ -12,10 +12,10 @@ use tempfile::TempDir;
 
 use crate::check::subject::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
-use crate::run::client::{self, Client, NO_REPLY, Start};
-use crate::run::disk;
-use crate::run::protocol::{self, Reply, Request};
-use crate::run::trajectory::Trajectory;
+use crate::run::machine::disk;
+use crate::run::runner::client::{self, Client, NO_REPLY, Start};
+use crate::run::runner::protocol::{self, Reply, Request};
+use crate::run::runner::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::memory::most_of_one;
 use contactbench_core::periodic::Contacts;

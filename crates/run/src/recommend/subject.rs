@@ -5,7 +5,7 @@ use contactbench_core::oracle::Errors;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
 
-use crate::run::client::{Failure, Start};
+use crate::run::runner::client::{Failure, Start};
 
 #[derive(Clone)]
 pub struct RacedSubject {

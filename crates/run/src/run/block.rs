@@ -7,11 +7,11 @@
 
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::run::client::{Client, Failure};
 use crate::run::judge::Judge;
+use crate::run::machine::pulse::pulse;
 use crate::run::passes::{Running, SHORTEST_SAMPLE_NS, sample};
-use crate::run::protocol::Sample;
-use crate::run::pulse::pulse;
+use crate::run::runner::client::{Client, Failure};
+use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 

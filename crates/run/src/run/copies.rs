@@ -10,11 +10,11 @@
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::run::client::{Client, Failure, Start};
 use crate::run::judge::Judge;
+use crate::run::machine::processors;
 use crate::run::passes::{Running, fresh, sample, say};
-use crate::run::processors;
-use crate::run::protocol::Sample;
+use crate::run::runner::client::{Client, Failure, Start};
+use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 

@@ -10,7 +10,7 @@ use std::time::SystemTime;
 use anyhow::Context;
 use sha2::{Digest, Sha256};
 
-use crate::run::client::Client;
+use crate::run::runner::client::Client;
 use crate::run::subject::Subject;
 use contactbench_record::record::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;

@@ -7,15 +7,15 @@
 
 use std::rc::Rc;
 
-use crate::run::client::{Client, Failure, Start};
-use crate::run::interrupt;
 use crate::run::judge::{Judge, Said, Tracked};
+use crate::run::machine::interrupt;
+use crate::run::machine::processors;
 use crate::run::plan::describe;
-use crate::run::processors;
-use crate::run::protocol::{Found, Hello, Reply, Request, Sample, Steps};
+use crate::run::runner::client::{Client, Failure, Start};
+use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
+use crate::run::runner::trajectory::Trajectory;
 use crate::run::stage::Stage;
 use crate::run::subject::Subject;
-use crate::run::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};

@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 use serde_json::Value;
 
 use crate::plan::specs;
-use crate::run::disk;
+use crate::run::machine::disk;
 use crate::run::subject::subjects;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 
 use crate::plan::{builtin, detectors};
-use crate::run::disk;
-use crate::run::interrupt;
+use crate::run::machine::disk;
+use crate::run::machine::interrupt;
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};

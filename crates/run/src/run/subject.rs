@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::plan::{self, THREADS, detectors, memory_limit, says_threads};
-use crate::run::client::{Client, Failure, Start};
+use crate::run::runner::client::{Client, Failure, Start};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::scene::AnyScene;
 use contactbench_core::track::{self, TrackerSpec};

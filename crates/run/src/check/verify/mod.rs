@@ -21,7 +21,7 @@ pub use mistake::{Mistake, Reading, rounded_up};
 use search::Search;
 
 use crate::run::judge::{Judge, Said};
-use crate::run::protocol::Found;
+use crate::run::runner::protocol::Found;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, Causes, Errors, NoTruth};
 use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};

@@ -11,9 +11,9 @@ use anyhow::Context;
 use frame::{Differs, Frame, Truths};
 
 use crate::moving::{Builds, Late, Moved, Names, Survey};
-use crate::run::interrupt;
-use crate::run::protocol::Found;
-use crate::run::trajectory::Trajectory;
+use crate::run::machine::interrupt;
+use crate::run::runner::protocol::Found;
+use crate::run::runner::trajectory::Trajectory;
 use crate::truth::depth;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{Causes, Errors, NoTruth};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
-use crate::run::interrupt;
+use crate::run::machine::interrupt;
 use contactbench_core::scene::Lattice;
 use contactbench_io::Given;
 use contactbench_io::exchange;

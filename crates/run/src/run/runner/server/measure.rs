@@ -3,10 +3,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::run::alloc::Meter;
-use crate::run::possible::MOST_CALLS;
-use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
-use crate::run::server::{Answer, Server, refused};
+use crate::run::runner::alloc::Meter;
+use crate::run::runner::possible::MOST_CALLS;
+use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
+use crate::run::runner::server::{Answer, Server, refused};
 use contactbench_core::probe::Tally;
 use contactbench_core::searcher::Searcher;
 use contactbench_core::track::Step;

@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 #[cfg(unix)]
-use crate::run::family;
+use crate::run::runner::family;
 
 /// Number of the first signal; 0 before it arrives.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);

@@ -1,7 +1,7 @@
 //! Tests with runners in shell: how they end, and how they get one frame at a time.
 
 use super::*;
-use crate::run::trajectory::Trajectory;
+use crate::run::runner::trajectory::Trajectory;
 
 /// Starts a shell script as a runner; `HELLO` in the script stands for the first line.
 fn shell(script: &str) -> Client {

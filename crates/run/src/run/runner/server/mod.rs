@@ -16,8 +16,8 @@ use std::time::Instant;
 use anyhow::Context;
 
 use crate::plan::detectors;
-use crate::run::protocol::{Hello, Reply, Request, VERSION};
-use crate::run::trajectory::Trajectory;
+use crate::run::runner::protocol::{Hello, Reply, Request, VERSION};
+use crate::run::runner::trajectory::Trajectory;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, Refusal};
 use contactbench_core::periodic::{Contacts, ImagePair};

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::run::trajectory::Trajectory;
+use crate::run::runner::trajectory::Trajectory;
 use contactbench_core::sink::{Digest, splitmix64};
 use contactbench_core::track::Step;
 use contactbench_terms::text::line;

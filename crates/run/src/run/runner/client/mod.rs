@@ -10,11 +10,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::run::client::output::{Begun, Line};
-use crate::run::possible::{self, Asked};
-use crate::run::protocol::{Hello, Reply, Request, VERSION};
-use crate::run::trajectory::Trajectory;
-use crate::run::{family, interrupt, processors};
+use crate::run::machine::{interrupt, processors};
+use crate::run::runner::client::output::{Begun, Line};
+use crate::run::runner::family;
+use crate::run::runner::possible::{self, Asked};
+use crate::run::runner::protocol::{Hello, Reply, Request, VERSION};
+use crate::run::runner::trajectory::Trajectory;
 use contactbench_core::periodic::Contacts;
 use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;

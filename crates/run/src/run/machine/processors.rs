@@ -36,14 +36,14 @@ fn allowed() -> Vec<usize> {
     Vec::new()
 }
 
-pub(super) fn keep(process: u32, processor: Option<usize>) {
+pub(crate) fn keep(process: u32, processor: Option<usize>) {
     #[cfg(target_os = "linux")]
     keep_on(rustix::process::Pid::from_raw(process as i32), processor);
     #[cfg(not(target_os = "linux"))]
     let _ = (process, processor);
 }
 
-pub(super) fn keep_this_thread(processor: Option<usize>) {
+pub(crate) fn keep_this_thread(processor: Option<usize>) {
     #[cfg(target_os = "linux")]
     keep_on(None, processor);
     #[cfg(not(target_os = "linux"))]

@@ -1,7 +1,7 @@
 //! Detects impossible numbers in replies, which break the protocol, for `run`, `recommend` and
 //! `check`.
 
-use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
+use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 use contactbench_core::probe::Op;
 
 /// Minimum number of detections of a sample that may be shorter than requested, because a detection

@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::Instant;
 
-use crate::run::processors;
+use crate::run::machine::processors;
 use contactbench_core::sink::splitmix64;
 
 /// Memory that the loop reads, in bytes: more than the caches of one core on most machines. In a
