@@ -11,7 +11,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use crate::Notice;
-use crate::lines::{Lines, number, shown};
+use crate::raw::lines::{Lines, number, shown};
 use contactbench_core::scene::Lattice;
 
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -21,24 +21,17 @@
 //! **Memory.** Lists of particles grow by a quarter at a time, as bytes are read, whatever number
 //! the header announces. Nothing else is kept.
 
-mod arrays;
 pub mod boxes;
-mod chosen;
 mod columns;
-mod counted;
 pub mod exchange;
 mod formats;
 mod frames;
 mod given;
-mod lines;
 mod notice;
 mod options;
 pub mod pairs;
 mod particles;
-mod room;
-mod scalars;
-mod series;
-mod units;
+mod raw;
 mod without;
 pub mod write;
 
@@ -48,20 +41,20 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 pub use boxes::{Boundaries, Declared};
-pub use chosen::Chosen;
+pub use columns::chosen::Chosen;
 use formats::gzip::{self, Unpacking};
 pub use formats::{FORMATS, Format};
 use frames::Choice;
+pub use frames::series::exists;
 pub use frames::{Frame, Frames};
 pub use given::Given;
-pub use lines::LONGEST_LINE;
-use lines::Source;
-pub use lines::short;
 pub use notice::{Notice, Place};
 pub use options::{FileOption, OPTIONS, Options};
 pub use particles::Particles;
-pub use room::room;
-pub use series::exists;
+pub use raw::lines::LONGEST_LINE;
+use raw::lines::Source;
+pub use raw::lines::short;
+pub use raw::room::room;
 pub use without::{Groups, Without};
 
 use contactbench_core::scene::AnyScene;
@@ -135,7 +128,9 @@ pub fn frames<T>(
     options: Options,
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let Some(series) = series::of(path, options)? else { return opened(path, options, body) };
+    let Some(series) = frames::series::of(path, options)? else {
+        return opened(path, options, body);
+    };
     options.check()?;
     let choice = Choice::new(options.frame, options.survey);
     let (reader, name) = (Box::new(series), &*path.display().to_string());

@@ -5,10 +5,10 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use crate::Frame;
-use crate::chosen::Word;
-use crate::lines::{listed, number};
+use crate::columns::chosen::Word;
 use crate::particles::Columns;
-use crate::room::{room, room_for};
+use crate::raw::lines::{listed, number};
+use crate::raw::room::{room, room_for};
 
 /// Leaves out contacts of particles with a given value in a column: all of them, or only contacts
 /// with particles of a second value.

@@ -4,8 +4,8 @@ use anyhow::ensure;
 
 use super::{Column, Columns};
 use crate::Notice;
-use crate::lines::short;
-use crate::units::{known, split, suffixed};
+use crate::columns::units::{known, split, suffixed};
+use crate::raw::lines::short;
 
 /// Names of columns next to which r or d is not a size; the doubtful name and its likely meaning.
 const BESIDE: [(&[&str], &str, &str); 5] = [

@@ -1,13 +1,16 @@
 //! Columns of a text file: their meaning, and particles from their rows.
 
+pub(super) mod chosen;
+pub(super) mod counted;
 mod doubts;
 mod rows;
+pub(super) mod units;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{MINUS, decoded, number, short, shown, whole};
+use crate::columns::units::shifted;
 use crate::particles::{Particles, digits, unused_sizes};
-use crate::units::{self, shifted};
+use crate::raw::lines::{MINUS, decoded, number, short, shown, whole};
 use crate::{Notice, Options, RadiusSource};
 use contactbench_terms::number::plural;
 pub use rows::Rows;

@@ -4,9 +4,9 @@ use anyhow::{Context, ensure};
 
 use super::{Column, Columns};
 use crate::Loaded;
-use crate::lines::{Lines, Separator, Source, listed, short};
 use crate::particles::{Particles, loaded};
-use crate::scalars::Kind;
+use crate::raw::lines::{Lines, Separator, Source, listed, short};
+use crate::raw::scalars::Kind;
 
 pub struct Rows {
     pub columns: Columns,

@@ -17,8 +17,8 @@ use anyhow::{Context, bail, ensure};
 use crate::boxes::{bound, in_order};
 use crate::formats::Opened;
 use crate::frames::Framed;
-use crate::lines::{Lines, Separator, Source, number, short, step_of};
 use crate::particles::{Column, Columns, Particles, Rows};
+use crate::raw::lines::{Lines, Separator, Source, number, short, step_of};
 use crate::{About, Declared, Loaded, Notice, Options};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {

@@ -13,9 +13,9 @@ use anyhow::{Context, bail, ensure};
 
 use crate::formats::Opened;
 use crate::frames::Framed;
-use crate::lines::Source;
 use crate::particles::{Column, Particles, loaded};
-use crate::room::room_for;
+use crate::raw::lines::Source;
+use crate::raw::room::room_for;
 use crate::{About, Declared, Loaded, Notice, Options, RadiusSource};
 
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";

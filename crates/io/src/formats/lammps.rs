@@ -15,8 +15,8 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::bound;
-use crate::lines::{Lines, Source, short, shown, words};
 use crate::particles::{Column, Columns, Rows};
+use crate::raw::lines::{Lines, Source, short, shown, words};
 use crate::{About, Declared, Loaded, Notice, Options};
 
 /// Columns of each style; image flags may follow.

@@ -10,8 +10,8 @@ use anyhow::{Context, bail, ensure};
 use crate::boxes::in_order;
 use crate::formats::Opened;
 use crate::frames::Framed;
-use crate::lines::{Lines, Source, number, words};
 use crate::particles::{Columns, Particles, Rows};
+use crate::raw::lines::{Lines, Source, number, words};
 use crate::{About, Declared, Loaded, Options};
 
 const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";

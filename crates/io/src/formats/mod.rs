@@ -19,8 +19,8 @@ use anyhow::{bail, ensure};
 pub(crate) use csv::names_a_frame;
 
 use crate::frames::{Once, Reader};
-use crate::lines::{Source, number, words};
 use crate::pairs::fstat;
+use crate::raw::lines::{Source, number, words};
 use crate::{Loaded, Notice, Options};
 
 pub struct Format {

@@ -6,10 +6,10 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::arrays::Cells;
-use crate::lines::{Lines, Source, short, texts};
 use crate::particles::{Column, Columns, Rows};
-use crate::scalars::Kind;
+use crate::raw::arrays::Cells;
+use crate::raw::lines::{Lines, Source, short, texts};
+use crate::raw::scalars::Kind;
 use crate::{Loaded, Options};
 
 struct Element {

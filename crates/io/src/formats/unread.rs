@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 
-use crate::lines::{number, words};
+use crate::raw::lines::{number, words};
 
 const ASE: &str = "convert it to extended XYZ with ASE (python: ase.io.write('p.xyz', \
                    ase.io.read('FILE'))), and give --radius";

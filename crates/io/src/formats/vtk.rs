@@ -7,9 +7,9 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::arrays::{Arrays, Cells, Of};
-use crate::lines::{Lines, Source, short, shown, texts};
-use crate::scalars::{Kind, Target};
+use crate::raw::arrays::{Arrays, Cells, Of};
+use crate::raw::lines::{Lines, Source, short, shown, texts};
+use crate::raw::scalars::{Kind, Target};
 use crate::{Loaded, Options};
 
 pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {

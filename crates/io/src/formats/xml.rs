@@ -6,7 +6,7 @@ use std::io::Read;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::lines::{Source, short, shown};
+use crate::raw::lines::{Source, short, shown};
 
 const LONGEST_TAG: usize = 1 << 16;
 

@@ -12,9 +12,9 @@ use crate::Frame;
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
 use crate::frames::{Choice, Reader};
-use crate::lines::{Source, listed, short};
 use crate::notice::Notice;
-use crate::room::room;
+use crate::raw::lines::{Source, listed, short};
+use crate::raw::room::room;
 
 /// Names that numpy.savez gives to unnamed arrays.
 const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];

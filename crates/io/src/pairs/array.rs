@@ -14,9 +14,9 @@ use super::list::List;
 use super::{Rows, push};
 use crate::formats::npy::{self, Header};
 use crate::frames::Choice;
-use crate::lines::Source;
 use crate::notice::Notice;
-use crate::room::room;
+use crate::raw::lines::Source;
+use crate::raw::room::room;
 
 const ROWS: u64 = 4096;
 

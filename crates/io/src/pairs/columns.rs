@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use anyhow::{Context, ensure};
 
-use crate::lines::{Lines, among, listed, short, shown, whole};
 use crate::pairs::{List, push};
+use crate::raw::lines::{Lines, among, listed, short, shown, whole};
 
 const PAIRS: [[&str; 2]; 5] =
     [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];

@@ -5,7 +5,7 @@ use anyhow::{Context, bail, ensure};
 use super::columns::Columns;
 use super::list::List;
 use crate::frames::{Choice, Reader, Step};
-use crate::lines::{Lines, listed, short, step_of, words};
+use crate::raw::lines::{Lines, listed, short, step_of, words};
 
 pub(super) struct Dump<'a> {
     lines: Lines<'a>,

@@ -7,7 +7,7 @@ use anyhow::{Context, ensure};
 use super::list::List;
 use super::push;
 use crate::frames::{Choice, Reader, Step};
-use crate::lines::{Lines, number, shown, whole, words};
+use crate::raw::lines::{Lines, number, shown, whole, words};
 use contactbench_core::sink::splitmix64;
 
 const FORMAT: &str = "MercuryDPM fstat";

@@ -3,8 +3,8 @@
 use anyhow::ensure;
 
 use super::Other;
-use crate::lines::short;
 use crate::notice::Notice;
+use crate::raw::lines::short;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct List {
@@ -84,6 +84,6 @@ impl List {
 }
 
 pub fn columns_of(names: &[&str]) -> String {
-    let listed = crate::lines::listed(names);
+    let listed = crate::raw::lines::listed(names);
     format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })
 }

@@ -12,11 +12,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 
 use crate::Frame;
+use crate::Notice;
 use crate::formats::{npy, unread};
+use crate::frames::series;
 use crate::frames::{Choice, Once, Reader, Step, chosen};
-use crate::lines::{Lines, Source};
-use crate::room::room;
-use crate::{Notice, series};
+use crate::raw::lines::{Lines, Source};
+use crate::raw::room::room;
 
 mod archive;
 mod array;

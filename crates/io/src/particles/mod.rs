@@ -10,8 +10,8 @@ use nalgebra::Point;
 use crate::Given;
 use crate::boxes::along;
 pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, Rows, is_decimal_comma};
-use crate::lines::{listed, short};
-use crate::room::{room, room_for};
+use crate::raw::lines::{listed, short};
+use crate::raw::room::{room, room_for};
 use crate::{About, Groups, Loaded, Notice, Options, RadiusSource};
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::room::room;
+use crate::raw::room::room;
 use contactbench_core::contact::depth::depth;
 use contactbench_core::periodic::{self, ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Real, array};

@@ -3,11 +3,11 @@
 use anyhow::{Context, bail, ensure};
 
 use super::split::{self, Blocks, Split};
-use crate::chosen::Chosen;
-use crate::lines::{
+use crate::columns::chosen::Chosen;
+use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
+use crate::raw::lines::{
     Lines, Separator, decoded, is_comment, number, short, step_of, uncommented, words,
 };
-use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::{Declared, Notice, Options};
 
 #[derive(Default)]

@@ -21,12 +21,12 @@ mod split;
 use anyhow::{anyhow, ensure};
 pub(crate) use split::{maybe_frames, names_a_frame};
 
-use crate::counted::Counted;
+use crate::columns::counted::Counted;
 use crate::formats::Opened;
 use crate::formats::csv::header::Table;
 use crate::frames::{Choice, Reader, Step};
-use crate::lines::{Lines, Separator, Source, is_comment, number, uncommented};
 use crate::particles::{Columns, Particles, loaded};
+use crate::raw::lines::{Lines, Separator, Source, is_comment, number, uncommented};
 use crate::{Loaded, Notice, Options, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {

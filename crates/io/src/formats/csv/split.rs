@@ -8,9 +8,9 @@ use std::cmp::Ordering;
 
 use anyhow::{bail, ensure};
 
-use crate::lines::{Lines, among, number, short, shown, step_of};
+use crate::columns::units;
 use crate::particles::{Column, Columns};
-use crate::units;
+use crate::raw::lines::{Lines, among, number, short, shown, step_of};
 use crate::{Notice, Options};
 
 /// Names of splitting columns, in lower case and without signs.

@@ -4,9 +4,9 @@ use anyhow::{Context, bail, ensure};
 
 use super::Header;
 use crate::Options;
-use crate::lines::{Source, short};
 use crate::particles::{Column, Columns, Rows};
-use crate::scalars::Kind;
+use crate::raw::lines::{Source, short};
+use crate::raw::scalars::Kind;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {

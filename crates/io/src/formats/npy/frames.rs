@@ -3,11 +3,11 @@
 use anyhow::{Context, bail, ensure};
 
 use super::{Header, any_header, particles, records};
-use crate::counted::Counted;
+use crate::columns::counted::Counted;
 use crate::formats::Opened;
 use crate::frames::{Choice, Reader, Step};
-use crate::lines::Source;
 use crate::particles::loaded;
+use crate::raw::lines::Source;
 use crate::{Loaded, Options};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use anyhow::{Context, bail, ensure};
 
 use super::fields::{self, Field};
-use crate::lines::{Source, short};
-use crate::scalars::Kind;
+use crate::raw::lines::{Source, short};
+use crate::raw::scalars::Kind;
 
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 

@@ -15,9 +15,9 @@ mod header;
 
 use anyhow::{bail, ensure};
 
-use crate::lines::Source;
 use crate::particles::{Column, Particles};
-use crate::room::{numbered, room};
+use crate::raw::lines::Source;
+use crate::raw::room::{numbered, room};
 use crate::{Options, RadiusSource};
 pub use fields::records;
 pub use frames::frames;

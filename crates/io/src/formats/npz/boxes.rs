@@ -4,8 +4,8 @@ use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{self, Declared};
 use crate::formats::npy::{self, Header};
-use crate::lines::{Source, among, short};
 use crate::particles::Column;
+use crate::raw::lines::{Source, among, short};
 use crate::{Notice, Options};
 
 const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";

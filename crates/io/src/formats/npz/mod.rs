@@ -20,7 +20,7 @@ use std::io::{BufReader, Read};
 use anyhow::{Context, bail, ensure};
 use flate2::bufread::DeflateDecoder;
 
-use crate::lines::{Source, short};
+use crate::raw::lines::{Source, short};
 pub use scenes::frames;
 
 struct Local {

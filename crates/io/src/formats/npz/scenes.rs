@@ -4,14 +4,14 @@ use anyhow::{Context, bail, ensure};
 
 use super::boxes::Cell;
 use super::members;
-use crate::arrays::one_of;
 use crate::formats::Opened;
 use crate::formats::npy::{self, Header};
 use crate::frames::{Choice, Reader, Step};
-use crate::lines::{Source, short};
 use crate::particles::{Column, Particles, loaded, unused_sizes};
-use crate::room::{room, room_for};
-use crate::scalars::{Ids, Kind, Size};
+use crate::raw::arrays::one_of;
+use crate::raw::lines::{Source, short};
+use crate::raw::room::{room, room_for};
+use crate::raw::scalars::{Ids, Kind, Size};
 use crate::{About, Chosen, Loaded, Notice, Options, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {

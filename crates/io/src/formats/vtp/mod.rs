@@ -9,11 +9,11 @@ mod numbers;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::arrays::{Arrays, Cells, Of};
 use crate::formats::xml::{Base64, Tag, Xml};
-use crate::lines::{Source, short};
-use crate::room::{numbered, room};
-use crate::scalars::{Kind, Target};
+use crate::raw::arrays::{Arrays, Cells, Of};
+use crate::raw::lines::{Source, short};
+use crate::raw::room::{numbered, room};
+use crate::raw::scalars::{Kind, Target};
 use crate::{Loaded, Options};
 use numbers::{Array, Counting, Layout, numbers, text};
 

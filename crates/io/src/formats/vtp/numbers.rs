@@ -7,8 +7,8 @@ use flate2::bufread::ZlibDecoder;
 
 use crate::formats::gzip::Unpacking;
 use crate::formats::xml::Xml;
-use crate::lines::{number, short, shown};
-use crate::scalars::{Kind, Target};
+use crate::raw::lines::{number, short, shown};
+use crate::raw::scalars::{Kind, Target};
 
 #[derive(Default)]
 pub(super) struct Layout {
@@ -122,7 +122,7 @@ pub(super) fn numbers(
     // The list grows as lengths are read, because the announced number may be false.
     let mut packed = Vec::new();
     for _ in 0..blocks {
-        crate::room::room(&mut packed)?;
+        crate::raw::room::room(&mut packed)?;
         packed.push(length(bytes)?);
     }
     for (k, &packed) in packed.iter().enumerate() {

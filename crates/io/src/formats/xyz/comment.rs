@@ -11,7 +11,7 @@
 
 use anyhow::bail;
 
-use crate::lines::short;
+use crate::raw::lines::short;
 
 /// Keys that change which contacts are found, and other names that users may write for them.
 const DECIDE: [(&str, &[&str]); 3] = [
@@ -257,7 +257,7 @@ impl Pair {
 
     /// Parses finite numbers; their count must be one of `counts`.
     pub fn numbers(&self, counts: &[usize], what: &str) -> anyhow::Result<Vec<f64>> {
-        let number = |cell: &String| crate::lines::number(cell.as_bytes());
+        let number = |cell: &String| crate::raw::lines::number(cell.as_bytes());
         let numbers: Option<Vec<f64>> = self.cells.iter().map(number).collect();
         let fits = |numbers: &Vec<f64>| {
             counts.contains(&numbers.len()) && numbers.iter().all(|x| x.is_finite())

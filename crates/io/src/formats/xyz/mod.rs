@@ -18,8 +18,8 @@ use comment::Comment;
 
 use crate::formats::Opened;
 use crate::frames::Framed;
-use crate::lines::{Lines, Source, number, short, shown, step_of, words};
 use crate::particles::{Column, Columns};
+use crate::raw::lines::{Lines, Source, number, short, shown, step_of, words};
 use crate::{About, Boundaries, Declared, Loaded, Notice, Options, boxes};
 
 const MOST_COLUMNS: usize = 10_000;

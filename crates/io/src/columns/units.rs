@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::lines::among;
+use crate::raw::lines::among;
 
 /// Names of units, their family and power of ten. Units of different families cannot be converted.
 const UNITS: [(&str, &str, i32); 16] = [
@@ -61,7 +61,7 @@ pub fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lines::number;
+    use crate::raw::lines::number;
 
     #[test]
     fn a_power_of_ten_is_rounded_once() {

@@ -3,10 +3,10 @@
 use anyhow::{bail, ensure};
 use nalgebra::Point;
 
-use crate::lines::short;
 use crate::particles::{Column, Particles, loaded, unused_sizes};
-use crate::room::{room, room_for};
-use crate::scalars::{Ids, Kind, Size, Target};
+use crate::raw::lines::short;
+use crate::raw::room::{room, room_for};
+use crate::raw::scalars::{Ids, Kind, Size, Target};
 use crate::{Chosen, Loaded, Notice, Options, RadiusSource};
 use contactbench_terms::number::plural;
 

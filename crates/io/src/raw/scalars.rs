@@ -4,10 +4,10 @@
 use anyhow::{bail, ensure};
 use nalgebra::Point;
 
-use crate::arrays::Cells;
-use crate::lines::{Source, among, short};
 use crate::particles::Column;
-use crate::room::{room, room_for};
+use crate::raw::arrays::Cells;
+use crate::raw::lines::{Source, among, short};
+use crate::raw::room::{room, room_for};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {

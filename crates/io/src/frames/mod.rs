@@ -1,8 +1,10 @@
 //! The frames of a file, and the choice among them.
 
+pub(crate) mod series;
+
 use anyhow::{anyhow, bail, ensure};
 
-use crate::lines::Lines;
+use crate::raw::lines::Lines;
 use crate::{About, Loaded, Notice, Options, Particles};
 
 /// A choice among the frames of a file, which are numbered from 0.
@@ -280,7 +282,7 @@ impl Frames<'_> {
     ) -> anyhow::Result<Loaded> {
         let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
         let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
-        super::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
+        crate::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
     }
 }
 

@@ -10,9 +10,9 @@ use std::str::FromStr;
 
 use anyhow::{bail, ensure};
 
-use crate::lines::listed;
+use crate::columns::units::split;
 use crate::particles::{Column, Columns};
-use crate::units::split;
+use crate::raw::lines::listed;
 
 /// The chosen columns for x, y, z, r, d, id and frame, each by its number from 1 or by its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -14,7 +14,7 @@ use anyhow::{Context, bail, ensure};
 use crate::formats::gzip::Unpacking;
 use crate::formats::xml::{Tag, Xml};
 use crate::frames::{Choice, Frame, Reader, Step};
-use crate::lines::{Source, number, short};
+use crate::raw::lines::{Source, number, short};
 use crate::{About, Loaded, Notice, Options, opened, room};
 
 struct Member {
@@ -64,7 +64,7 @@ pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
 
 /// Returns the files that match a pattern, and a notice if there are several; `None` if `path` is
 /// not a pattern.
-pub(super) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Option<Notice>)>> {
+pub(crate) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Option<Notice>)>> {
     let Some(files) = pattern(path) else { return Ok(None) };
     ensure!(!files.is_empty(), "no file matches the pattern {}", path.display());
     let name = |path: &PathBuf| short(&path.file_name().unwrap_or_default().to_string_lossy());

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use anyhow::{Context, bail, ensure};
 
 use crate::formats::gzip::Unpacking;
-use crate::room::numbered;
+use crate::raw::room::numbered;
 
 /// Maximum length of a line in bytes. A longer line means that the file is not text.
 pub const LONGEST_LINE: usize = 1 << 20;
