@@ -4,6 +4,7 @@ pub mod doubts;
 pub mod generate;
 pub mod hard;
 pub mod motion;
+pub mod neighbours;
 pub mod order;
 pub mod origin;
 pub mod spec;

@@ -8,6 +8,7 @@ use serde_json::Value;
 pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
 use crate::generate::{Inputs, file, hard, table};
 use crate::motion::{self, Frames, Motion};
+use crate::neighbours::{NEIGHBOURS, scaled};
 pub use crate::order::Order;
 use crate::order::{morton, shuffled};
 use contactbench_core::scene::AnyScene;
@@ -156,7 +157,12 @@ impl Spec {
 
     /// Makes the scene with its periodic box, if it has one.
     pub fn given(&self) -> anyhow::Result<Given> {
-        Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
+        let given = self.by(|generator, inputs| {
+            let given = (generator.make)(inputs)?;
+            let wanted = inputs.params.get(NEIGHBOURS.name).and_then(Value::as_f64);
+            if let Some(wanted) = wanted { scaled(given, wanted) } else { Ok(given) }
+        })?;
+        Ok(self.ordered(given))
     }
 
     /// Prepares the frames of a motion and returns them with their number, or `None` for a scene

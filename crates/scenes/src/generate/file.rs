@@ -45,7 +45,7 @@ pub const GENERATOR: Generator = Generator {
     name: NAME,
     summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD",
     own_n: true,
-    params: &[&PARAMS],
+    params: &[&PARAMS, &[crate::neighbours::NEIGHBOURS]],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
         let mut options = io::Options::NONE;

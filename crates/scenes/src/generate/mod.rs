@@ -75,6 +75,7 @@ const OF_BODIES: &[Parameter] = &[
     sizes::GRADING,
     boxes::PERIODIC,
     boxes::TILT,
+    crate::neighbours::NEIGHBOURS,
 ];
 
 /// Returns the edge, in diameters, of the square or cube that the particles fill to `fraction`.

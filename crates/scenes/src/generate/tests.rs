@@ -1,5 +1,6 @@
 use crate::spec::{GENERATORS, Spec};
 use crate::stats::{hash, stats};
+use crate::touching::{contacts, in_any_box, resized};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::{self, ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Radii, Real, Stored, array};
@@ -69,6 +70,9 @@ fn the_bits_of_every_generator_are_fixed() {
         ("pack-b:n=1000,s=1.5", "0xc733b23789d05212"),
         ("pack-c:n=1000,s=200", "0x527e55c942cbfea8"),
         ("pack-d:n=1000,s=3", "0x79c787aa6020bd27"),
+        ("packed:n=1000,dim=3,jitter=0,neighbours=40", "0xe8dcc23cc27beefe"),
+        ("settled:n=1000,dim=3,periodic=true,tilt=0.3,neighbours=113", "0x1313a06fb5631186"),
+        ("loose:n=1000,dim=3,size-ratio=4,neighbours=6.5", "0x37d8557ef5798e05"),
     ];
     let found = golden.map(|(text, _)| (text, hash(&given(text))));
     assert_eq!(found, golden.map(|(text, hash)| (text, hash.to_string())));
@@ -309,6 +313,30 @@ fn settled_particles_overlap_up_to_the_limit() {
     assert!(through_faces > 100, "{through_faces}");
 }
 
+/// Random places have the number of pairs that was asked for, and lattices that of the nearest
+/// shell. No pair just touches, so lists with `<` and with `<=` are equal.
+#[test]
+fn neighbours_are_as_many_as_asked_for() {
+    let lattice = "packed:n=864,dim=3,jitter=0,periodic=true";
+    let random = "settled:n=150,dim=3,periodic=true,tilt=-0.3,fraction=0.2";
+    for (text, neighbours) in [
+        (lattice, &[(6.0, 12.0), (14.0, 12.0), (40.0, 42.0), (64.0, 54.0), (113.0, 134.0)][..]),
+        ("packed:n=36,jitter=0,periodic=true,offset=1e3", &[(2.9, 0.0), (3.0, 6.0), (13.0, 12.0)]),
+        (random, &[(0.5, 0.5), (40.0, 40.0), (816.0, 816.0)]),
+        ("loose:n=300,periodic=x,size-ratio=3", &[(6.0, 6.0), (250.0, 250.0)]),
+        ("clustered:n=200,dim=3,diameter=1e-3", &[(14.0, 14.0), (199.0, 199.0)]),
+    ] {
+        for &(wanted, expected) in neighbours {
+            let scene = in_any_box(&given(&format!("{text},neighbours={wanted}"))).unwrap();
+            for by in [1.0 - 1e-10, 1.0, 1.0 + 1e-10] {
+                let pairs = contacts(&resized(&scene, |r| r * by).unwrap(), 1 << 30).unwrap();
+                let each = 2.0 * pairs.len() as f64 / scene.scene().len() as f64;
+                assert_eq!(each, expected, "{text}, {wanted}, {by}");
+            }
+        }
+    }
+}
+
 #[test]
 fn impossible_scenes_are_refused() {
     for (text, words) in [
@@ -317,6 +345,8 @@ fn impossible_scenes_are_refused() {
         ("loose:size-ratio=2,sizes=power", &["sizes=power needs exponent"]),
         ("packed:size-ratio=2,sizes=binary", &["sizes=binary needs share"]),
         ("loose:size-ratio=2,sizes=giants", &["sizes=giants needs giants"]),
+        ("loose:n=100,neighbours=99.5", &["neighbours is 99.5", "open space has at most 99"]),
+        ("loose:n=4000000,dim=3,neighbours=1e5", &["makes 2.000e11 pairs", "take fewer"]),
         ("loose:size-ratio=2,exponent=-3", &["exponent belongs to sizes=power"]),
         ("loose:size-ratio=2,sizes=lognormal,share=0.5", &["share belongs to sizes=binary"]),
     ] {
