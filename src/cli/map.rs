@@ -10,7 +10,7 @@ use contactbench_record::experiment::{MapAxes, Where, claims};
 use contactbench_record::findings::conditions::Conditions;
 use contactbench_record::findings::map;
 use contactbench_record::record::merge::{self, Part};
-use contactbench_record::record::provenance;
+use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row::Row;
 use contactbench_report::figure::style::Styles;
 use contactbench_report::table::csv;

@@ -9,10 +9,12 @@ use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::terminal;
 use contactbench_record::experiment::shard::Shard;
-use contactbench_record::record::ledger::Ledger;
+use contactbench_record::record::folder::ledger;
+use contactbench_record::record::folder::ledger::Ledger;
 use contactbench_record::record::merge::Part;
+use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row::Writer;
-use contactbench_record::record::{ledger, merge, provenance, row};
+use contactbench_record::record::{merge, row};
 use contactbench_run::run::machine::disk;
 use contactbench_terms::number::plural;
 

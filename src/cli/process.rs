@@ -8,15 +8,15 @@ use clap::error::{ContextKind as Kind, ContextValue, ErrorKind};
 use contactbench_core::refusal::no_memory;
 
 use crate::cli::{say, shell};
-use contactbench_record::record::built::{self, Build};
 use contactbench_record::record::faults::Damaged;
+use contactbench_record::record::origin::built::{self, Build};
 use contactbench_run::check::subject;
 
 /// Expands to the `Build` of the crate, from variables that its build script sets.
 #[macro_export]
 macro_rules! build {
     () => {
-        $crate::record::built::Build {
+        $crate::record::origin::built::Build {
             revision: env!("CONTACTBENCH_REVISION"),
             dirty: env!("CONTACTBENCH_DIRTY"),
             features: env!("CONTACTBENCH_FEATURES"),

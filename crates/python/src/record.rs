@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use contactbench_record::record::column::COLUMNS;
 use contactbench_record::record::folder;
-use contactbench_record::record::provenance;
+use contactbench_record::record::origin::provenance;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Record, Row};
 use contactbench_record::record::value::AxisValue;

@@ -22,7 +22,7 @@ use crate::rank::{Failure, Rank, failed, together};
 use crate::share::Share;
 use crate::world::World;
 use contactbench::io::Given;
-use contactbench::record::provenance;
+use contactbench::record::origin::provenance;
 use contactbench::stats::interval::{Interval, interval, median};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;

@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use contactbench::record::seal;
+use contactbench::record::folder::seal;
 use serde_json::Value;
 
 use crate::common::{Ended, Place, Template};

@@ -12,7 +12,9 @@ mod partial;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use contactbench::record::{ledger, provenance, row, seal};
+use contactbench::record::folder::{ledger, seal};
+use contactbench::record::origin::provenance;
+use contactbench::record::row;
 use serde_json::Value;
 
 use crate::common::{Place, Template};

@@ -4,9 +4,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use contactbench::record::ledger::{self, Entry, Ledger, Span};
+use contactbench::record::folder::ledger::{self, Entry, Ledger, Span};
+use contactbench::record::folder::seal;
+use contactbench::record::origin::provenance;
 use contactbench::record::row::{Outcome, Pass, Row};
-use contactbench::record::{provenance, seal};
 use contactbench::wide::Level;
 use serde_json::Value;
 use sha2::{Digest, Sha256};

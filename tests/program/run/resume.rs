@@ -5,7 +5,7 @@ use std::process::Stdio;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use contactbench::record::provenance;
+use contactbench::record::origin::provenance;
 use contactbench::record::row::{self, Measurement};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

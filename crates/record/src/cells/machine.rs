@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::record::hardware::size_of;
+use crate::record::origin::hardware::size_of;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {

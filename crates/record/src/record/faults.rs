@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
 use crate::record::column::{COLUMNS, Column};
+use crate::record::folder::ledger::{self, Ledger};
+use crate::record::folder::{done, file};
 use crate::record::id::Projection;
-use crate::record::ledger::{self, Ledger};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::record::row::{Course, Row};
-use crate::record::{done, file};
 use contactbench_terms::errors::Errors;
 use contactbench_terms::number::plural;
 use contactbench_terms::text;

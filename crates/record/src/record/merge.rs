@@ -7,13 +7,15 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::record::column::COLUMNS;
-use crate::record::done::Began;
+use crate::record::folder;
+use crate::record::folder::done::Began;
+use crate::record::folder::ledger::Ledger;
+use crate::record::folder::{copies, done, file};
 use crate::record::id::Projection;
-use crate::record::ledger::Ledger;
-use crate::record::machines::{Labels, Machine, described};
+use crate::record::origin::machines::{Labels, Machine, described};
+use crate::record::origin::provenance;
 use crate::record::outcome::Pass;
 use crate::record::row::{Measurement, Row};
-use crate::record::{copies, done, file, folder, provenance};
 
 const NAME: &str = "name a result folder, as contactbench run writes them";
 

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, exists, read, unpacked};
+pub use crate::record::folder::file::{
+    FILE, Record, SCHEMA, WriteError, Writer, exists, read, unpacked,
+};
 use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
@@ -176,7 +178,7 @@ mod tests {
         let names = lines.filter_map(|line| line.strip_prefix("| `")?.split('`').next());
         let documented: BTreeSet<String> = names.map(String::from).collect();
         let mut known: BTreeSet<String> =
-            ["schema", crate::record::seal::NAME].map(String::from).into();
+            ["schema", crate::record::folder::seal::NAME].map(String::from).into();
         for (part, names) in [
             ("", fields::<CellId>()),
             ("", Row::FIELDS),

@@ -25,8 +25,8 @@ use contactbench_record::findings::failures::{Culprit, Culprits};
 use contactbench_record::findings::ratios::Ratios;
 use contactbench_record::findings::verdicts::Matrix;
 use contactbench_record::findings::winners::{Winners, winners};
-use contactbench_record::record::ledger::Ledger;
-use contactbench_record::record::provenance;
+use contactbench_record::record::folder::ledger::Ledger;
+use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row::Row;
 
 pub struct Report {

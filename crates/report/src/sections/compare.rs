@@ -3,8 +3,8 @@ use contactbench_record::findings::compare::{
     Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
 };
 use contactbench_record::findings::noise::{Noise, Twin};
-use contactbench_record::record::hardware::size_of;
-use contactbench_record::record::machines::Machine;
+use contactbench_record::record::origin::hardware::size_of;
+use contactbench_record::record::origin::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};
 use contactbench_terms::number::{number, percent, plural, with_ends};
 

@@ -1,6 +1,6 @@
 use contactbench_record::cells::state::SLOW;
 use contactbench_record::findings::conditions::{Conditions, Load, percent};
-use contactbench_record::record::ledger::{Ledger, Process};
+use contactbench_record::record::folder::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, plural};
 
 pub fn sentence(conditions: &Conditions) -> Option<String> {

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 
 use crate::run::runner::client::Client;
 use crate::run::subject::Subject;
-use contactbench_record::record::ledger::{Entry, Executed, Process, Span, Writer};
+use contactbench_record::record::folder::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;
 
 pub struct Origins {

@@ -14,9 +14,11 @@ use crate::run::stage::{Log, Progress, Stage};
 use crate::run::subject::is_build;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
-use contactbench_record::record::done::{Index, TooSlow};
+use contactbench_record::record::folder::done::{Index, TooSlow};
+use contactbench_record::record::folder::{copies, ledger};
+use contactbench_record::record::origin::{machines, provenance};
 use contactbench_record::record::row::{Record, Row, WriteError, Writer};
-use contactbench_record::record::{copies, folder, ledger, machines, provenance, row};
+use contactbench_record::record::{folder, row};
 
 pub struct Asked {
     pub experiments: Vec<(Experiment, String)>,

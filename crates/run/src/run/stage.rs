@@ -32,7 +32,7 @@ use contactbench_core::sink::splitmix64;
 use contactbench_io::Given;
 use contactbench_io::Place;
 use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
-use contactbench_record::record::done::{Index, TooSlow};
+use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
 use contactbench_scenes::doubts::{Touching, doubts};

@@ -19,7 +19,7 @@ use crate::cells::{AxisValue, Cell, cells, ids};
 use crate::findings::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
-use crate::record::machines::Machine;
+use crate::record::origin::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
 use contactbench_terms::arithmetic::Arithmetic;
 

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use anyhow::ensure;
 use serde_json::Value;
 
-use crate::record::machines::Machine;
 use crate::record::merge::Part;
+use crate::record::origin::machines::Machine;
 use crate::record::row::Row;
 
 pub fn machines(part: &Part) -> BTreeSet<String> {

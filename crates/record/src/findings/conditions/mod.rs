@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::Value;
 
 use crate::cells::state::States;
-use crate::record::ledger::{Ledger, Span};
+use crate::record::folder::ledger::{Ledger, Span};
 use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
 use contactbench_terms::number::plural;

@@ -2,7 +2,7 @@ use serde_json::json;
 
 use super::*;
 use crate::cells::testing::Lab;
-use crate::record::ledger::{Executed, Process};
+use crate::record::folder::ledger::{Executed, Process};
 
 /// One row per span: seconds, cores used by others, cores taken by the host.
 fn timed(spans: &[(f64, f64, f64)]) -> (Vec<Row>, Ledger) {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::cells::CellId;
 use crate::experiment::Planned;
-use crate::record::done::FILE;
+use crate::record::folder::done::FILE;
 use crate::record::id::Projection;
 
 /// The common key of a planned cell and its measurement. Files and hard cases determine their own

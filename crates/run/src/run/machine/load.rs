@@ -9,7 +9,7 @@
 use std::time::{Instant, SystemTime};
 
 use contactbench_core::sink::splitmix64;
-use contactbench_record::record::ledger::Span;
+use contactbench_record::record::folder::ledger::Span;
 
 pub(crate) struct Watch {
     pub id: String,

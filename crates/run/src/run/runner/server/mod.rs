@@ -25,8 +25,8 @@ use contactbench_core::probe::Tally;
 use contactbench_core::searcher::{Loaded, Searcher};
 use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
 use contactbench_io::exchange;
-use contactbench_record::record::built::build;
-use contactbench_record::record::provenance;
+use contactbench_record::record::origin::built::build;
+use contactbench_record::record::origin::provenance;
 
 pub struct Server {
     name: String,

@@ -1,6 +1,6 @@
 use super::*;
 use crate::record::faults::Damaged;
-use crate::record::ledger::{self, Entry, Process};
+use crate::record::folder::ledger::{self, Entry, Process};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::record::row::Course;
@@ -143,7 +143,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
 /// A damaged line has no schema, so the lines after it keep theirs.
 #[test]
 fn one_damaged_line_is_one_fault() {
-    let text = include_str!("../../../../../tests/records/schema-3/samples.jsonl");
+    let text = include_str!("../../../../../../tests/records/schema-3/samples.jsonl");
     let whole = read_text(text).unwrap().rows.len();
     for line in [1, 3] {
         let mut lines: Vec<String> = text.lines().map(String::from).collect();

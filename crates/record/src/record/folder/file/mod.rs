@@ -8,10 +8,10 @@ use flate2::read::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
-use crate::record::ledger::Ledger;
-use crate::record::provenance;
+use crate::record::folder::ledger::Ledger;
+use crate::record::folder::seal::{self, Flaw};
+use crate::record::origin::provenance;
 use crate::record::row::Row;
-use crate::record::seal::{self, Flaw};
 
 pub const FILE: &str = "samples.jsonl";
 

@@ -5,10 +5,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use crate::record::built::build;
-use crate::record::hardware::Hardware;
+use crate::record::folder::seal;
+use crate::record::origin::built::build;
+use crate::record::origin::hardware::Hardware;
 use crate::record::row::SCHEMA;
-use crate::record::seal;
 
 pub const FILE: &str = "provenance.json";
 

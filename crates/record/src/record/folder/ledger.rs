@@ -11,7 +11,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::seal;
+use crate::record::folder::seal;
 
 pub const FILE: &str = "provenance.jsonl";
 

@@ -6,9 +6,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::record::hardware::Hardware;
+use crate::record::folder::{copies, file};
 use crate::record::merge::Part;
-use crate::record::{copies, file, provenance};
+use crate::record::origin::hardware::Hardware;
+use crate::record::origin::provenance;
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
@@ -48,7 +49,7 @@ pub fn label_here(folder: &Path) -> String {
 
 /// The label of every machine: its own name, with a number if the name is taken.
 #[derive(Default)]
-pub(super) struct Labels(Vec<(Machine, String)>);
+pub(crate) struct Labels(Vec<(Machine, String)>);
 
 impl Labels {
     pub fn label(&mut self, machine: Machine, name: &str) -> String {

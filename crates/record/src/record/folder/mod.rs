@@ -1,13 +1,19 @@
-//! Checks the files of a result folder other than its record.
+//! The files of a result folder, and checks of those other than its record.
+
+pub mod copies;
+pub mod done;
+pub mod file;
+pub mod ledger;
+pub mod seal;
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use crate::record::faults::{self, Damaged, Fault, is_word};
-use crate::record::file::SEALED;
-use crate::record::seal::{self, Flaw};
-use crate::record::{copies, ledger, provenance};
+use crate::record::folder::file::SEALED;
+use crate::record::folder::seal::Flaw;
+use crate::record::origin::provenance;
 
 pub const EXPERIMENTS: &str = "experiments";
 const FOLDERS: [&str; 2] = [EXPERIMENTS, "figures"];

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::record::faults::Fault;
-use crate::record::{folder, provenance};
+use crate::record::folder;
+use crate::record::origin::provenance;
 
 /// The field of a provenance with the SHA-256 of each copy, by name.
 pub const FIELD: &str = "experiments_sha256";
@@ -38,7 +39,7 @@ pub fn unsealed<'a>(folder: &Path, provenances: impl Iterator<Item = &'a Value>)
     })
 }
 
-pub(super) fn faults(folder: &Path) -> Vec<Fault> {
+pub(crate) fn faults(folder: &Path) -> Vec<Fault> {
     let provenances = provenance::all(folder);
     if !are_sealed(provenances.iter()) {
         return Vec::new();
