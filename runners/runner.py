@@ -2,10 +2,12 @@
 
 Write a function that takes a scene and returns a function without arguments. The latter is one
 detection, from raw coordinates to the pairs. It returns an array of shape (pairs, 2), or two arrays
-of indices, with each pair once, and i and j in any order. It may have two attributes:
+of indices, with each pair once, and i and j in any order. It may have three attributes:
 
 * `reset`, if a detection keeps more than buffers for the next one: a function that drops the rest.
   A sample is a number of passes over the trajectory, and each begins with a reset.
+* `finish`, if the library's answer has another form: a function that turns it into pairs, after the
+  clock has stopped.
 * `report`, if another program takes the time: a function that takes the least nanoseconds of a
   sample and returns the number of detections, their nanoseconds, those of the first (or 0), and the
   pairs. `build` of `serve` then names that clock.
@@ -178,7 +180,9 @@ def timed(detect, passes):
         if reset:
             reset()
         pairs = detect()
-    return time.perf_counter_ns() - start, pairs
+    elapsed = time.perf_counter_ns() - start
+    finish = getattr(detect, "finish", None)
+    return elapsed, finish(pairs) if finish else pairs
 
 
 def at_rest(frames, dim, n, radius, box, boxes):

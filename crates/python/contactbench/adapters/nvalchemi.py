@@ -1,0 +1,34 @@
+"""nvalchemiops.jax.neighbors, cell_list and naive_neighbor_list: Warp kernels called by JAX on the
+CPU, in f64 (JAX is set to f64 for the whole process). Rows that exceed `max_neighbors` are cut, so
+it grows until each row has a free place."""
+
+import numpy as np
+
+from ._systems import complete
+
+
+def prepare(positions, cell, pbc, cutoff, method="cell_list"):
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    from nvalchemiops.jax import neighbors
+
+    cell, _ = complete(positions, cell, pbc, cutoff)
+    arrays = {"cell": jax.numpy.asarray(cell[None]), "pbc": jax.numpy.asarray(pbc[None])}
+    places = jax.numpy.asarray(positions)
+    capacity = 64
+
+    def search():
+        nonlocal capacity
+        while True:
+            call = getattr(neighbors, method)
+            matrix, count, shifts = map(
+                np.asarray, call(places, cutoff, max_neighbors=capacity, **arrays)
+            )
+            if count.max(initial=0) < capacity:
+                break
+            capacity = 2 * max(capacity, int(count.max()))
+        filled = np.arange(matrix.shape[1]) < count[:, None]
+        return np.nonzero(filled)[0], matrix[filled], shifts[filled]
+
+    return search

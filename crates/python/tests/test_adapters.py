@@ -1,0 +1,93 @@
+"""Each adapter of a library, on small systems, against all pairs of all images in fractions."""
+
+import itertools
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from contactbench.adapters import ADAPTERS, available
+
+SKEWED = [[5, 0, 0], [1.5, 5, 0], [-1, 2, 6]]
+ROTATED = [[5, 1, 0.5], [1.5, 5, -0.3], [-1, 2, 6]]
+LEFT = [[0, 5, 0], [5, 0, 0], [0, 0, 6]]
+random = np.random.default_rng(1).random((40, 3))
+lattice = np.array(list(itertools.product(range(4), repeat=3)), float)
+
+# Positions, cell, periodic axes, cutoff.
+SYSTEMS = {
+    "open": (random * 4, np.zeros((3, 3)), "", 1.3),
+    "periodic": (random * 5, np.eye(3) * 5, "xyz", 1.7),
+    "atoms outside": (random * 20 - 10, np.eye(3) * 5, "xyz", 1.7),
+    "smaller than the cutoff": (random[:5] * 2, np.eye(3) * 2, "xyz", 3.1),
+    "slab": (random * 5, np.diag([5, 5, 9]), "xy", 1.7),
+    "wire": (random * 5, np.diag([9, 5, 9]), "y", 1.7),
+    "skewed": (random @ SKEWED, SKEWED, "xyz", 1.7),
+    "rotated": (random @ ROTATED, ROTATED, "xyz", 1.7),
+    "left-handed": (random @ LEFT, LEFT, "xyz", 1.7),
+    "two at one place": ([[1, 1, 1], [1, 1, 1], [2, 1, 1]], np.eye(3) * 4, "xyz", 1.5),
+    "one atom": ([[0, 0, 0]], np.eye(3), "xyz", 1.5),
+    "no atoms": (np.zeros((0, 3)), np.eye(3), "xyz", 0.4),
+    "periodic lattice of ties": (lattice, np.eye(3) * 4, "xyz", 1.0),
+    "open lattice of ties": (lattice, np.zeros((3, 3)), "", 1.0),
+}
+# Atoms outside the cell: pairs are missed, and no error is reported.
+WRONG = {("mdtraj", "atoms outside")}
+
+
+def all_pairs(x, cell, pbc, cutoff, rule):
+    """The full list, decided in fractions."""
+    cell = np.where(pbc[:, None], cell, 0.0)
+    exact = np.vectorize(lambda value: Fraction(float(value)), otypes=[object])
+    far = [range(0, 1)] * 3
+    if pbc.any() and len(x):
+        inverse = np.linalg.pinv(cell)
+        most = np.ptp(x @ inverse, axis=0) + cutoff * np.linalg.norm(inverse, axis=0) + 1
+        far = [range(-int(m), int(m) + 1) if p else range(1) for m, p in zip(most, pbc)]
+    found = set()
+    for S in itertools.product(*far):
+        near = ((x[None] - x[:, None] + S @ cell) ** 2).sum(axis=2) < 1.01 * cutoff**2
+        for i, j in np.argwhere(near):
+            d = exact(x[j]) - exact(x[i]) + np.array(S, object) @ exact(cell)
+            over = d @ d - Fraction(cutoff) ** 2
+            if (i != j or any(S)) and (over < 0 or rule == "<=" and over == 0):
+                found.add((int(i), int(j), *S))
+    return found
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("name", ADAPTERS)
+def test_a_library_lists_all_pairs(name, system):
+    adapter = ADAPTERS[name]
+    if adapter.missing:
+        pytest.skip(adapter.missing)
+    if "ties" in system and adapter.division == "tolerant":
+        pytest.skip("rounding decides ties")
+    x, cell, axes, cutoff = SYSTEMS[system]
+    x, cell, pbc = np.array(x, float), np.array(cell, float), np.array([a in axes for a in "xyz"])
+    try:
+        i, j, S = adapter(x, cell, pbc, cutoff)
+    except NotImplementedError as refusal:
+        pytest.skip(str(refusal))
+    assert i.shape == j.shape and S.shape == (len(i), 3)
+    rows = [tuple(map(int, row)) for row in np.column_stack([i, j, S])]
+    if adapter.half:
+        rows += [(j, i, -a, -b, -c) for i, j, a, b, c in rows]
+    expected = all_pairs(x, cell, pbc, cutoff, adapter.rule)
+    if not adapter.self_images:
+        expected = {row for row in expected if row[0] != row[1]}
+    right = len(rows) == len(set(rows)) and set(rows) == expected
+    assert right == ((name, system) not in WRONG), (
+        f"missing {sorted(expected - set(rows))[:5]}, extra {sorted(set(rows) - expected)[:5]}, "
+        f"{len(rows) - len(set(rows))} repeated"
+    )
+
+
+def test_each_adapter_is_available_or_names_the_reason():
+    table = available()
+    assert list(table) == list(ADAPTERS)
+    assert table["openmm"].startswith("unavailable: ")
+    for name, adapter in ADAPTERS.items():
+        assert (table[name] == f"unavailable: {adapter.missing}") == bool(adapter.missing)
+        assert adapter.rule in ("<", "<=") and adapter.division in ("exact", "tolerant")

@@ -1,0 +1,56 @@
+"""The neighbour list of a library, by its adapter: ``python3 runners/neighbours.py NAME``.
+
+The names are those of crates/python/contactbench/adapters. The clock has the library's
+call alone. Afterwards, a full list is halved, and shifts are added if the library returns none. All
+libraries are for 3D: in 2D, z is 0 and the box is open along z.
+"""
+
+import os
+import sys
+
+from runner import Refusal, np, serve, unavailable
+
+root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+sys.path.insert(0, os.path.join(root, "crates", "python", "contactbench"))
+from adapters import ADAPTERS, shifts
+
+if len(sys.argv) != 2 or sys.argv[1] not in ADAPTERS:
+    sys.exit(f"give one of the libraries {', '.join(ADAPTERS)}")
+name = sys.argv[1]
+adapter = ADAPTERS[name]
+if adapter.missing:
+    unavailable(name, f"pip install {adapter.package}", adapter.missing)
+
+
+def prepare(scene):
+    if scene.reach == 0.0:
+        raise Refusal("neighbour lists need a cutoff above 0")
+    points, d = scene.in_space(), scene.dim
+    cell, periodic = np.zeros((3, 3)), np.zeros(3, bool)
+    if scene.box:
+        cell[:d, :d], periodic[:d] = scene.box.vectors, scene.box.periodic
+    cutoff = scene.reach if adapter.rule == "<=" else float(np.nextafter(scene.reach, np.inf))
+    try:
+        search = adapter.prepare(points, cell, periodic, cutoff)
+    except NotImplementedError as refusal:
+        raise Refusal(str(refusal)) from refusal
+
+    def finish(found):
+        i, j, images = shifts(points, cell, periodic, *found)
+        if not adapter.half:
+            first = images[np.arange(len(images)), (images != 0).argmax(axis=1)]
+            once = (i < j) | ((i == j) & (first > 0))
+            i, j, images = i[once], j[once], images[once]
+        return (i, j, images[:, :d]) if scene.box else (i, j)
+
+    def detect():
+        found = search()
+        # The contact test of different radii is inside the clock.
+        return found if scene.radii is None else scene.touching(*finish(found))
+
+    if scene.radii is None:
+        detect.finish = finish
+    return detect
+
+
+serve(name, adapter.version, prepare, boxes=True)
