@@ -13,11 +13,12 @@ use contactbench_record::findings::compare::{
     Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell, control,
     floors, pooled, records,
 };
-use contactbench_record::findings::conditions::Conditions;
+use contactbench_record::findings::trust::conditions::Conditions;
 use contactbench_record::record::merge::Part;
 use contactbench_record::stats::interval::Interval;
 use contactbench_report::document::indented;
-use contactbench_report::sections::{compare as words, conditions as doubtful};
+use contactbench_report::sections::compare as words;
+use contactbench_report::sections::trust::conditions as doubtful;
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]

@@ -7,8 +7,8 @@ use anyhow::{bail, ensure};
 use crate::cli::shared::terminal;
 use contactbench_record::cells;
 use contactbench_record::experiment::{MapAxes, Where, claims};
-use contactbench_record::findings::conditions::Conditions;
 use contactbench_record::findings::map;
+use contactbench_record::findings::trust::conditions::Conditions;
 use contactbench_record::record::merge::{self, Part};
 use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row::Row;
@@ -81,7 +81,8 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     for folder in folders {
         let part = Part::read(folder)?;
         let doubts = Conditions::new(&provenance::all(folder), &part.ledger, &part.rows);
-        let said = part.warnings.iter().cloned().chain(sections::conditions::sentence(&doubts));
+        let said =
+            part.warnings.iter().cloned().chain(sections::trust::conditions::sentence(&doubts));
         warnings.extend(said.map(|warning| format!("{}: {warning}", folder.display())));
         let same = |group: &&mut Vec<Part>| group[0].experiments == part.experiments;
         match groups.iter_mut().find(same) {

@@ -10,14 +10,14 @@ use crate::cli::shared::ci::{self, Case, Outputs};
 use crate::cli::shared::terminal::{self, quoted};
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::claim;
-use contactbench_record::findings::failures::Culprit;
+use contactbench_record::findings::trust::failures::Culprit;
 use contactbench_record::record::faults::{self, Fault};
 use contactbench_record::record::folder;
 use contactbench_record::record::folder::copies;
 use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::{Outcome, Record};
 use contactbench_report::sections::claims::evidence;
-use contactbench_report::sections::failures;
+use contactbench_report::sections::trust::failures;
 use contactbench_report::{document, report};
 use contactbench_run::plan;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::cells::Cell;
-use crate::findings::every::{Scene, every};
+use crate::findings::claim::every::{Scene, every};
 use crate::findings::winners::{by_ratio, time};
 use crate::record::row::Outcome;
 use crate::stats::interval::Interval;

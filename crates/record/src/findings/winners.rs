@@ -18,8 +18,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
 use crate::cells::{Cell, series};
-use crate::findings::every::{Scene, every};
-use crate::findings::noise::Noise;
+use crate::findings::claim::every::{Scene, every};
+use crate::findings::trust::noise::Noise;
 use crate::record::row::Outcome;
 use crate::stats::interval::{Interval, median};
 use contactbench_terms::arithmetic::Arithmetic;

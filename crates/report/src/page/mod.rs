@@ -23,7 +23,7 @@ use crate::report::{Facts, Part};
 use crate::sections;
 use crate::sections::map::Drawn;
 use contactbench_record::findings::claim::{Status, Verdict};
-use contactbench_record::findings::failures::failures;
+use contactbench_record::findings::trust::failures::failures;
 use contactbench_terms::text;
 use contactbench_terms::text::html as escape;
 
@@ -125,7 +125,7 @@ fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
             out += &answer::table(&part.winners, marks);
         }
         if let Some(matrix) = &part.matrix {
-            let blocks = document::html(&sections::verdicts::blocks(matrix));
+            let blocks = document::html(&sections::claims::verdicts::blocks(matrix));
             out += &details("Who is right, case by case", &blocks, !contests);
         }
         out += "</article>\n";
@@ -192,7 +192,7 @@ fn figures(parts: &[Part<'_>]) -> String {
 fn outcomes(parts: &[Part<'_>]) -> String {
     let found = parts.iter().map(|part| failures(&part.cells));
     let tables = found.filter(|found| !found.is_empty());
-    match &*tables.map(|found| sections::failures::table(&found)).collect::<Vec<_>>() {
+    match &*tables.map(|found| sections::trust::failures::table(&found)).collect::<Vec<_>>() {
         [] => "<p>Every cell has a right answer.</p>".into(),
         blocks => document::html(blocks),
     }

@@ -4,7 +4,7 @@ use contactbench_record::cells::Cell;
 use contactbench_record::cells::testing::{self, Lab};
 use contactbench_record::experiment::Document;
 use contactbench_record::findings::claim::*;
-use contactbench_record::findings::coverage::{Coverage, Scope};
+use contactbench_record::findings::trust::coverage::{Coverage, Scope};
 use contactbench_record::record::row::{Outcome, Pass};
 
 fn lab() -> Lab {

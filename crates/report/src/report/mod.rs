@@ -18,12 +18,12 @@ use crate::{csv as files, figure, page};
 use contactbench_record::cells::machine::Machine;
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::{Experiment, Table};
+use contactbench_record::findings::claim::verdicts::Matrix;
 use contactbench_record::findings::claim::{self, Verdict};
-use contactbench_record::findings::conditions::Conditions;
-use contactbench_record::findings::coverage::{Coverage, Scope, Summary};
-use contactbench_record::findings::failures::{Culprit, Culprits};
 use contactbench_record::findings::ratios::Ratios;
-use contactbench_record::findings::verdicts::Matrix;
+use contactbench_record::findings::trust::conditions::Conditions;
+use contactbench_record::findings::trust::coverage::{Coverage, Scope, Summary};
+use contactbench_record::findings::trust::failures::{Culprit, Culprits};
 use contactbench_record::findings::winners::{Winners, winners};
 use contactbench_record::record::folder::ledger::Ledger;
 use contactbench_record::record::origin::provenance;
@@ -102,10 +102,10 @@ pub fn write(
     };
     let parts: Vec<Part<'_>> = experiments.iter().map(part).collect();
     let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
-    let wrong: Vec<String> = culprits.all.iter().map(sections::failures::culprit).collect();
-    let doubts = sections::conditions::sentence(&origin.conditions);
+    let wrong: Vec<String> = culprits.all.iter().map(sections::trust::failures::culprit).collect();
+    let doubts = sections::trust::conditions::sentence(&origin.conditions);
     let (whole, partial) =
-        sections::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
+        sections::trust::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
     let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
     let facts = Facts {
         verdicts: parts.iter().flat_map(|part| part.verdicts.clone()).collect(),
@@ -133,7 +133,7 @@ pub fn write(
         std::fs::write(&path, csv(&tables))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    let optional = culprits.absent.iter().map(sections::failures::culprit);
+    let optional = culprits.absent.iter().map(sections::trust::failures::culprit);
     warnings.extend(optional.map(|it| format!("{it} (it is optional)")));
     let figures = facts.parts.iter().flat_map(|part| &part.figures).map(|it| it.1.clone());
     Ok(Report {
@@ -183,7 +183,9 @@ impl<'a> Part<'a> {
             tables.extend(section.blocks);
             files.extend(section.csv);
         }
-        files.extend(matrix.iter().map(|_| ("verdicts.csv", sections::verdicts::rows(&own))));
+        files.extend(
+            matrix.iter().map(|_| ("verdicts.csv", sections::claims::verdicts::rows(&own))),
+        );
         let found = experiment.ratios_to.as_deref().and_then(|to| Ratios::new(&own, to));
         let compared = found.filter(|found| !found.libraries.is_empty());
         Part {

@@ -1,12 +1,12 @@
 use crate::sections::claims::evidence;
-use crate::sections::coverage::partial;
+use crate::sections::trust::coverage::partial;
 use contactbench_record::cells;
 use contactbench_record::cells::Cell;
 use contactbench_record::cells::testing::{self, Lab};
 use contactbench_record::experiment::{Claim, Experiment, Planned};
 use contactbench_record::findings::claim::Status::{self, *};
 use contactbench_record::findings::claim::{Verdict, verdicts};
-use contactbench_record::findings::coverage::*;
+use contactbench_record::findings::trust::coverage::*;
 use contactbench_record::record::row::{Outcome, Pass};
 use serde_json::{Value, json};
 

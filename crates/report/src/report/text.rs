@@ -47,7 +47,7 @@ impl Facts<'_> {
         out.extend(self.alerts.iter().cloned());
         for part in &self.parts {
             let mut said =
-                part.matrix.as_ref().map(sections::verdicts::terminal).unwrap_or_default();
+                part.matrix.as_ref().map(sections::claims::verdicts::terminal).unwrap_or_default();
             said.extend(part.answers(false));
             if !said.is_empty() {
                 let experiment = part.experiment;
@@ -160,7 +160,7 @@ impl Part<'_> {
         out.push(Block::Paragraph(reading.plain(format!(" {}", experiment.reading))));
         if let Some(matrix) = &self.matrix {
             out.push(Block::heading(3, "Who is right"));
-            out.extend(sections::verdicts::blocks(matrix));
+            out.extend(sections::claims::verdicts::blocks(matrix));
         }
         let figures = self.figures.iter().cloned();
         out.extend(figures.map(|(title, path)| Block::Figure { title, path }));

@@ -2,7 +2,7 @@ use crate::table::Table;
 use contactbench_record::findings::compare::{
     Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
 };
-use contactbench_record::findings::noise::{Noise, Twin};
+use contactbench_record::findings::trust::noise::{Noise, Twin};
 use contactbench_record::record::origin::hardware::size_of;
 use contactbench_record::record::origin::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};

@@ -3,19 +3,15 @@
 pub mod answer;
 pub mod claims;
 pub mod compare;
-pub mod conditions;
 mod courses;
-pub mod coverage;
 pub mod errors;
-pub mod failures;
 pub mod map;
-mod noise;
 mod operations;
 mod overhead;
 pub mod ratios;
 mod scenes;
 pub mod threads;
-pub mod verdicts;
+pub mod trust;
 pub mod winners;
 
 use crate::document::Block;
@@ -55,9 +51,9 @@ pub const DETAILS: &[Make] = &[
     courses::sections,
     |about| Vec::from_iter(operations::section(about)),
     scenes::sections,
-    |about| Vec::from_iter(failures::section(about)),
+    |about| Vec::from_iter(trust::failures::section(about)),
     |about| Vec::from_iter(errors::section(about)),
-    |about| Vec::from_iter(noise::section(about)),
+    |about| Vec::from_iter(trust::noise::section(about)),
 ];
 
 impl Section {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::plan::parse;
 use contactbench_record::cells::{self, Cell};
-use contactbench_record::findings::coverage::{Coverage, Scope, Why};
-use contactbench_record::findings::every;
+use contactbench_record::findings::claim::every;
+use contactbench_record::findings::trust::coverage::{Coverage, Scope, Why};
 use contactbench_record::record::role::Role;
 
 fn error(text: &str) -> String {

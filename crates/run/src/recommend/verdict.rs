@@ -2,7 +2,7 @@
 //! it and has a similar median.
 
 use crate::recommend::subject::{Race, RacedSubject, fastest};
-use contactbench_record::findings::noise::Noise;
+use contactbench_record::findings::trust::noise::Noise;
 use contactbench_record::stats::interval::{Interval, interval, ratio};
 
 /// Largest median of a detector chosen for its memory, as a multiple of the shortest. On a noisy

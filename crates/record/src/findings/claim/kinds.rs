@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::cells::label::{over, place, varying};
 use crate::cells::{Cell, CellId};
 use crate::findings::claim::Status;
-use crate::findings::noise::Noise;
+use crate::findings::trust::noise::Noise;
 use crate::record::id::Projection;
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice, LIMIT, Model, Tail};

@@ -4,7 +4,9 @@
 //! makes the claim fail, because a detector that loses contacts cannot be compared. Controls are
 //! used only if `where` names them.
 
+pub mod every;
 mod kinds;
+pub mod verdicts;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +16,7 @@ use crate::cells::label::{place, varying};
 use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
-use crate::findings::coverage::{Coverage, Uncovered};
+use crate::findings::trust::coverage::{Coverage, Uncovered};
 use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 

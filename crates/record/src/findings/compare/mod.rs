@@ -16,7 +16,7 @@ pub use twins::{SEEN, pooled};
 
 use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
-use crate::findings::noise::{Noise, nine_in_ten};
+use crate::findings::trust::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
 use crate::record::origin::machines::Machine;

@@ -20,8 +20,8 @@ use variable::{Place, Variable};
 
 use crate::cells::{AxisValue, Cell, label, select};
 use crate::experiment::{MapAxes, Where};
-use crate::findings::every::Scene;
-use crate::findings::noise::Noise;
+use crate::findings::claim::every::Scene;
+use crate::findings::trust::noise::Noise;
 use crate::findings::winners::{self, Contest};
 use crate::record::id::{self, MACHINE, OVER, Projection, THREADS};
 use crate::record::row::{Outcome, Pass};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::cells::series::{BySize, Group, Line};
 use crate::cells::{Cell, series};
-use crate::findings::every;
-use crate::findings::noise::Noise;
+use crate::findings::claim::every;
+use crate::findings::trust::noise::Noise;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use contactbench_record::findings::coverage::{Gap, Short, Summary, Uncovered, Why};
+use contactbench_record::findings::trust::coverage::{Gap, Short, Summary, Uncovered, Why};
 use contactbench_record::record::value::AxisValue;
 use contactbench_terms::number::plural;
 

@@ -24,7 +24,7 @@ pub struct Noise {
     pub twins: Vec<Twin>,
     /// Factor within which nine in ten cells of the twins are of the original; 1 without twins.
     pub floor: f64,
-    pub(super) floors: BTreeMap<u64, f64>,
+    pub(in crate::findings) floors: BTreeMap<u64, f64>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +106,7 @@ impl Noise {
 }
 
 /// Returns the factor within which nine in ten of these logarithms lie; 1 if there are none.
-pub(super) fn nine_in_ten(logs: &[f64]) -> f64 {
+pub(in crate::findings) fn nine_in_ten(logs: &[f64]) -> f64 {
     let mut logs = logs.to_vec();
     logs.sort_by(f64::total_cmp);
     let ninth = (logs.len() * 9 / 10).min(logs.len().saturating_sub(1));

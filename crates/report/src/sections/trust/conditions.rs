@@ -1,5 +1,5 @@
 use contactbench_record::cells::state::SLOW;
-use contactbench_record::findings::conditions::{Conditions, Load, percent};
+use contactbench_record::findings::trust::conditions::{Conditions, Load, percent};
 use contactbench_record::record::folder::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, plural};
 

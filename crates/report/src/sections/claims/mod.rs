@@ -1,5 +1,7 @@
+pub mod verdicts;
+
 use crate::document::Block;
-use crate::sections::coverage::uncovered;
+use crate::sections::trust::coverage::uncovered;
 use crate::table::Table;
 use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;

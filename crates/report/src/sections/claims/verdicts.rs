@@ -1,7 +1,7 @@
 use crate::document::{Block, Text};
 use crate::table::Table;
 use contactbench_record::cells::{Cell as Measured, label};
-use contactbench_record::findings::verdicts::{Answer, CaseLine, Matrix, case, judged};
+use contactbench_record::findings::claim::verdicts::{Answer, CaseLine, Matrix, case, judged};
 use contactbench_record::record::column;
 use contactbench_terms::number::plural;
 
@@ -99,7 +99,7 @@ mod tests {
     use crate::document::{markdown, plain};
     use crate::table::csv;
     use contactbench_record::cells;
-    use contactbench_record::findings::verdicts::testing::lab;
+    use contactbench_record::findings::claim::verdicts::testing::lab;
 
     #[test]
     fn report_terminal_and_file_agree() {

@@ -16,7 +16,7 @@ use crate::cells::select::may_match;
 use crate::cells::{AxisValue, Cell, CellId};
 use crate::experiment::shard::Shard;
 use crate::experiment::{Claim, ClaimKind, Experiment};
-use crate::findings::every;
+use crate::findings::claim::every;
 use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};

@@ -1,6 +1,6 @@
-use super::{About, Section};
 use crate::document::Block;
-use contactbench_record::findings::noise::{Noise, Twin};
+use crate::sections::{About, Section};
+use contactbench_record::findings::trust::noise::{Noise, Twin};
 use contactbench_terms::number::{percent, plural, with_interval};
 
 pub fn section(about: &About<'_>) -> Option<Section> {

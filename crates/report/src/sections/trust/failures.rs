@@ -1,7 +1,7 @@
-use super::{About, Section};
 use crate::document::Block;
+use crate::sections::{About, Section};
 use crate::table::Table;
-use contactbench_record::findings::failures::{Culprit, Failure, failures};
+use contactbench_record::findings::trust::failures::{Culprit, Failure, failures};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::plural;
 

@@ -1,0 +1,6 @@
+//! How far the numbers can be trusted: conditions, plan, failures and noise.
+
+pub mod conditions;
+pub mod coverage;
+pub mod failures;
+pub mod noise;
