@@ -51,7 +51,7 @@ def test_a_list_that_is_meant_otherwise_has_a_hint():
     half = contactbench.verify(x, 0.05, both[1:], both_sides=True)
     assert len(half.one_sided) == 1 and not half
     wide, _ = contactbench.contacts(x, 0.1)
-    assert "(diameters?)" in contactbench.verify(x, 0.05, wide).hint
+    assert "(diameters taken for radii?)" in contactbench.verify(x, 0.05, wide).hint
     skin, _ = contactbench.contacts(x, 0.052)
     near = contactbench.verify(x, 0.05, skin, skin=0.004 + 1e-9)
     assert near and near.within_skin == len(skin) - len(pairs)

@@ -66,7 +66,8 @@ fn all(
     for frame in frames {
         let (particles, about) = frame?;
         progress.frame(about.frame);
-        told.of_reader(&name, &particles, &about);
+        let which = input::place(&name, &about);
+        told.tell(&which, &particles.notices);
         let place = || format!("{name}: {}", about.which());
         let ids = particles.ids_copied()?;
         let ids = if options.needs_ids() { options.ids(&place(), ids)? } else { ids };
@@ -84,7 +85,6 @@ fn all(
         let periodic = given.periodic().with_context(place)?;
         let found = search.find(&given, periodic.as_ref()).with_context(place)?;
         let (scene, source) = (&given.scene, given.source.as_ref());
-        let which = input::place(&name, &about);
         told.of_contacts(&which, scene, source, options.arithmetic, Some(&found.touching));
         let style = style(options, &given, periodic.as_ref(), ids, by_id);
         out.frame(about.frame, &style, found.pairs.iter()).with_context(place)?;

@@ -259,11 +259,6 @@ pub struct Told {
 }
 
 impl Told {
-    /// Prints what the reader of the file assumed about a frame.
-    pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
-        self.tell(&place(name, about), &particles.notices);
-    }
-
     /// Prints what looks wrong in a frame.
     pub fn of_contacts(
         &mut self,
@@ -300,7 +295,8 @@ impl Told {
         }
     }
 
-    fn tell(&mut self, name: &str, notices: &[Notice]) {
+    /// Prints notices, for example of what a reader assumed, unless they were printed before.
+    pub fn tell(&mut self, name: &str, notices: &[Notice]) {
         for notice in notices {
             if !self.notices.iter().any(|told| told.is_like(notice)) {
                 tell(name, std::slice::from_ref(notice), Place::Argument);

@@ -68,9 +68,14 @@ impl Mistake {
             }
             Mistake::Tangent => "any answer for pairs that are tangent to the last digits".into(),
             Mistake::Skin(gap) => format!("pairs up to {} apart (a skin)", rounded_up(gap)),
-            Mistake::Radii(2.0) => "radii 2 times as large (diameters?)".into(),
-            Mistake::Radii(0.5) => "radii 0.5 times as large: radii taken for diameters?".into(),
-            Mistake::Radii(by) => format!("radii {} times as large", number(by)),
+            Mistake::Radii(by) => {
+                let why = match by {
+                    2.0 => " (diameters taken for radii?)",
+                    0.5 => " (radii taken for diameters?)",
+                    _ => "",
+                };
+                format!("radii {} times as large{why}", number(by))
+            }
             Mistake::Open => "open boundaries (no contact across the box)".into(),
             Mistake::WithoutOwn => "no contact of a particle with its own image".into(),
             Mistake::Nearest => "no image but the nearest of each pair (minimum image)".into(),

@@ -6,9 +6,12 @@
 //! In open space, each contact has image 0.
 
 mod compare;
+pub mod frame;
+pub mod frames;
 mod guess;
 mod listing;
 mod mistake;
+mod other;
 pub mod paired;
 mod rows;
 mod search;

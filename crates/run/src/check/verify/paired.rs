@@ -17,11 +17,18 @@ pub struct Paired<'a, 'b> {
     names: [&'a str; 2],
     next: Option<List>,
     begun: bool,
-    by_step: bool,
     stepless: bool,
     renumbered: bool,
     /// Steps of the first few particle frames, and step of the last one read.
     steps: (Vec<i64>, Option<i64>),
+    pub matched: Matched,
+}
+
+/// How frames and lists were matched.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Matched {
+    pub by_step: bool,
+    /// Frames without a list, which are not compared.
     pub left_out: Vec<u64>,
     /// Number of frames for which the list has no rows; they have no contacts.
     pub without_rows: u64,
@@ -35,17 +42,11 @@ impl<'a, 'b> Paired<'a, 'b> {
             names,
             next: None,
             begun: false,
-            by_step: false,
             stepless: false,
             renumbered: false,
             steps: (Vec::new(), None),
-            left_out: Vec::new(),
-            without_rows: 0,
+            matched: Matched::default(),
         }
-    }
-
-    pub fn is_by_step(&self) -> bool {
-        self.by_step
     }
 
     /// Returns the next frame that has a list, with the list. Fails if a file is broken, a list has
@@ -82,8 +83,8 @@ impl<'a, 'b> Paired<'a, 'b> {
     fn list_of(&mut self, about: &About) -> anyhow::Result<Option<List>> {
         let [particles, lists] = self.names;
         let listed = self.next.as_ref().and_then(|list| list.step);
-        self.by_step |= listed.is_some() && about.step.is_some();
-        let at = if self.by_step { Some(self.step(about)?) } else { None };
+        self.matched.by_step |= listed.is_some() && about.step.is_some();
+        let at = if self.matched.by_step { Some(self.step(about)?) } else { None };
         let order = self.next.as_ref().map(|list| match list.step.zip(at) {
             Some((step, at)) => step.cmp(&at),
             None => list.frame.unwrap_or_default().cmp(&about.frame),
@@ -92,7 +93,7 @@ impl<'a, 'b> Paired<'a, 'b> {
             (Some(Ordering::Equal), Some(list)) => {
                 self.next = self.lists.next().transpose()?;
                 let next = self.next.as_ref().and_then(|next| next.step);
-                if let (true, Some(a), Some(b)) = (self.by_step, list.step, next) {
+                if let (true, Some(a), Some(b)) = (self.matched.by_step, list.step, next) {
                     ensure!(a < b, "{lists}: step {b} stands after step {a}; write them in order");
                 }
                 self.stepless |= list.step.is_none();
@@ -106,13 +107,13 @@ impl<'a, 'b> Paired<'a, 'b> {
             }
             (_, next) if self.lists.is_sparse() => {
                 self.next = next;
-                self.without_rows += 1;
+                self.matched.without_rows += 1;
                 let (frame, step) = (Some(about.frame), about.step);
                 Ok(Some(List { format: "rows", frame, step, sparse: true, ..List::default() }))
             }
-            (_, next) if self.by_step => {
+            (_, next) if self.matched.by_step => {
                 self.next = next;
-                self.left_out.push(about.frame);
+                self.matched.left_out.push(about.frame);
                 self.hold_numbers(false)?;
                 Ok(None)
             }
@@ -131,7 +132,7 @@ impl<'a, 'b> Paired<'a, 'b> {
         let [particles, lists] = self.names;
         self.renumbered |= !same;
         ensure!(
-            !(self.by_step && self.stepless && self.renumbered),
+            !(self.matched.by_step && self.stepless && self.renumbered),
             "{lists}: a list without rows has no step, and lists cannot be matched by number, \
              because not every frame of {particles} has one; write a list for each frame"
         );
@@ -158,7 +159,7 @@ impl<'a, 'b> Paired<'a, 'b> {
 
     fn without_particles<T>(&self, list: &List) -> anyhow::Result<T> {
         let [particles, lists] = self.names;
-        match list.step.filter(|_| self.by_step) {
+        match list.step.filter(|_| self.matched.by_step) {
             Some(step) => {
                 let (first, last) = &self.steps;
                 let mut there: Vec<String> = first.iter().map(i64::to_string).collect();
@@ -213,7 +214,7 @@ mod tests {
         while let Some((_, about, list)) = paired.next_frame()? {
             told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
         }
-        Ok((told, paired.left_out, paired.without_rows))
+        Ok((told, paired.matched.left_out, paired.matched.without_rows))
     }
 
     const ALL: Frame = Frame::All;

@@ -1,0 +1,223 @@
+//! Compares the contact lists of all chosen frames, one frame after the other.
+
+use std::cell::OnceCell;
+use std::collections::HashMap;
+
+use anyhow::bail;
+
+use crate::check::verify::frame::{Asked, Hint, Verified};
+use crate::check::verify::other::{self, Shift};
+use crate::check::verify::paired::Matched;
+use crate::check::verify::{Meaning, Taken, Verification, WORST};
+use crate::moving::Late;
+use contactbench_core::oracle::Errors;
+use contactbench_core::periodic::depth;
+use contactbench_io::pairs::List;
+use contactbench_io::{About, Particles};
+use contactbench_terms::number::plural;
+
+/// Bytes of memory for a missed pair while later frames are searched for it.
+const FOLLOWED: u64 = 128;
+
+/// The result for one frame.
+pub struct Row {
+    pub frame: u64,
+    pub step: Option<i64>,
+    pub particles: usize,
+    pub contacts: u64,
+    pub listed: usize,
+    pub errors: Errors,
+    /// Number of pairs with unknown particles.
+    pub unknown: usize,
+    /// Number of pairs listed from one side only.
+    pub one_sided: usize,
+    pub within_skin: u64,
+}
+
+impl Row {
+    pub fn wrong(&self) -> u64 {
+        self.errors.wrong() + (self.unknown + self.one_sided) as u64
+    }
+
+    pub fn is_same(&self) -> bool {
+        self.wrong() == 0
+    }
+}
+
+/// The results for all frames.
+#[derive(Default)]
+pub struct All {
+    /// Whether contacts are followed from frame to frame. If not, there is one frame.
+    pub several: bool,
+    pub rows: Vec<Row>,
+    /// The frame compared last.
+    pub last: Option<Verified>,
+    /// Late contacts, named by ids or else by the numbers in file order.
+    pub late: Late<[i64; 2]>,
+    pub matched: Matched,
+    /// Format of the list, how it names particles, and how pairs in a box were compared.
+    pub read: Option<(&'static str, Meaning, Option<Taken>)>,
+    /// Number of contacts with walls.
+    pub walls: u64,
+    /// Numbers of contacts and of listed pairs left out by `--without`.
+    pub left_out_pairs: [u64; 2],
+    pub both_sides: bool,
+    /// Names of ignored columns.
+    pub others: Vec<String>,
+    /// The first wrong frame and its hint.
+    pub hint: Option<(String, Hint)>,
+    shift: Shift,
+}
+
+impl All {
+    pub fn new(several: bool) -> All {
+        All { several, ..All::default() }
+    }
+
+    /// Compares a frame with its list.
+    ///
+    /// # Errors
+    /// Fails if the list does not fit the particles, or without memory to follow missed contacts.
+    pub fn compare(
+        &mut self,
+        asked: &Asked<'_>,
+        particles: Particles,
+        about: &About,
+        list: List,
+    ) -> anyhow::Result<&Verified> {
+        let (which, list_frame) = (about.which(), list.frame.unwrap_or(about.frame));
+        let memory = (asked.limit)(particles.len());
+        let kept = match self.several {
+            true => usize::try_from(memory / FOLLOWED).unwrap_or(usize::MAX).max(1),
+            false => WORST,
+        };
+        let explain = self.hint.is_none() && self.is_same();
+        let mut verified = Verified::new(asked, list, particles, about, kept, explain)
+            .map_err(|error| if self.several { error.context(which.clone()) } else { error })?;
+        if !self.several {
+            other::look(asked, &mut verified, about.frame);
+        } else if verified.found.errors.missed > kept as u64 {
+            bail!(
+                "{which}: the list misses {}, more than can be followed in {memory} bytes; look at \
+                 that frame alone (--frame {} --pairs-frame {list_frame}), or give a larger \
+                 --memory-limit",
+                counted(verified.found.errors.missed, "contact"),
+                about.frame
+            );
+        } else {
+            self.follow(&verified);
+        }
+        if let Some(hint) = verified.hint.take() {
+            self.hint = Some((which, hint));
+        }
+        self.add(&verified, about);
+        Ok(self.last.insert(verified))
+    }
+
+    fn add(&mut self, verified: &Verified, about: &About) {
+        let Verified { list, found, .. } = verified;
+        // The first list with pairs shows how lists are read; empty lists do not.
+        if self.rows.iter().all(|row| row.listed == 0) {
+            let taken = verified.lattice().map(|_| found.taken);
+            self.read = Some((list.format, verified.naming, taken));
+        }
+        self.walls += list.walls;
+        self.left_out_pairs.iter_mut().zip(found.left_out).for_each(|(all, of)| *all += of);
+        self.both_sides |= list.both_sides;
+        for other in &list.others {
+            if !self.others.contains(&other.name) {
+                self.others.push(other.name.clone());
+            }
+        }
+        self.rows.push(Row {
+            frame: about.frame,
+            step: about.step,
+            particles: verified.scene().len(),
+            contacts: found.truth.len(),
+            listed: list.pairs.len(),
+            errors: found.errors,
+            unknown: found.unknown.len(),
+            one_sided: found.one_sided.len(),
+            within_skin: found.within_skin,
+        });
+    }
+
+    /// Records the missed contacts of a frame, to see which later frames report them.
+    fn follow(&mut self, verified: &Verified) {
+        let Verification { missed, truth, .. } = &verified.found;
+        let ids = verified.ids.as_deref();
+        let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
+        let pair = |[a, b]: [i64; 2]| [a.min(b), a.max(b)];
+        let mut names: Vec<[i64; 2]> =
+            missed.iter().map(|(it, _)| pair([name(it.i), name(it.j)])).collect();
+        names.sort_unstable();
+        names.dedup();
+        let places: OnceCell<HashMap<i64, u32>> = OnceCell::new();
+        let place = |name: i64| match ids {
+            None => u32::try_from(name).ok().filter(|&k| (k as usize) < verified.scene().len()),
+            Some(ids) => {
+                let of = || ids.iter().zip(0..).map(|(&id, k)| (id, k)).collect();
+                places.get_or_init(of).get(&name).copied()
+            }
+        };
+        let depth_of = |names: &[i64; 2]| {
+            let (i, j) = (place(names[0])?, place(names[1])?);
+            let images = truth.of([i.min(j), i.max(j)]);
+            images.map(|contact| depth(&verified.space, contact)).reduce(f64::max)
+        };
+        self.late.note(self.rows.len() as u64, &names, depth_of);
+        if !verified.found.is_same() || !self.is_same() {
+            self.shift.note(verified);
+        }
+    }
+
+    /// Completes the results after the last frame.
+    pub fn end(&mut self) {
+        self.late.end();
+        if let Some(sentence) = self.shift.sentence() {
+            let hint = Hint { sentence, flags: String::new(), wrong: 0 };
+            self.hint = Some(("all frames".into(), hint));
+        }
+    }
+
+    pub fn is_same(&self) -> bool {
+        self.rows.iter().all(Row::is_same)
+    }
+
+    pub fn errors(&self) -> Errors {
+        let mut errors = Errors::default();
+        self.rows.iter().for_each(|row| errors.add(&row.errors));
+        errors
+    }
+
+    /// Returns the first wrong frame and the worst frame; `None` if all are right.
+    pub fn worst(&self) -> Option<[&Row; 2]> {
+        let first = self.rows.iter().find(|row| !row.is_same())?;
+        let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
+        Some([first, worst])
+    }
+
+    /// Returns at most `most` frames: all, else all wrong ones, else the first wrong one and the
+    /// worst.
+    pub fn shown(&self, most: usize) -> Vec<&Row> {
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        if rows.len() <= most {
+            return rows;
+        }
+        rows.retain(|row| !row.is_same());
+        let first = rows.first().copied();
+        rows.sort_by_key(|row| std::cmp::Reverse(row.wrong()));
+        rows.truncate(most);
+        if let Some(first) = first.filter(|first| rows.iter().all(|row| row.frame != first.frame)) {
+            rows.truncate(most - 1);
+            rows.push(first);
+        }
+        rows.sort_by_key(|row| row.frame);
+        rows
+    }
+}
+
+/// Returns a count with its noun.
+pub fn counted(count: u64, what: &str) -> String {
+    plural(usize::try_from(count).unwrap_or(usize::MAX), what)
+}
