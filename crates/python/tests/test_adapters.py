@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from contactbench.adapters import ADAPTERS, available
+from contactbench.adapters import ADAPTERS, available, external
 
 SKEWED = [[5, 0, 0], [1.5, 5, 0], [-1, 2, 6]]
 ROTATED = [[5, 1, 0.5], [1.5, 5, -0.3], [-1, 2, 6]]
@@ -62,6 +62,8 @@ def test_a_library_lists_all_pairs(name, system):
     adapter = ADAPTERS[name]
     if adapter.missing:
         pytest.skip(adapter.missing)
+    if adapter.command == "cargo" and not (external.CACHE / "list-rs").exists():
+        pytest.skip("its program is not compiled, which takes minutes; call the adapter once")
     if "ties" in system and adapter.division == "tolerant":
         pytest.skip("rounding decides ties")
     x, cell, axes, cutoff = SYSTEMS[system]
@@ -82,6 +84,19 @@ def test_a_library_lists_all_pairs(name, system):
         f"missing {sorted(expected - set(rows))[:5]}, extra {sorted(set(rows) - expected)[:5]}, "
         f"{len(rows) - len(set(rows))} repeated"
     )
+
+
+def test_a_program_that_fails_reports_its_last_line():
+    failing = external.program(["sh", "-c", "cat > /dev/null; echo no memory >&2; exit 3"])
+    with pytest.raises(RuntimeError, match="sh ended with the status 3: no memory"):
+        failing(lattice, np.eye(3), [True] * 3, 1.0)
+
+
+def test_a_program_reads_all_digits():
+    echo = "read n c p; read x; printf '%s\\n' 0 1 0 0 0; [ \"$n$c$x\" = 20.10.30000000000000004 ]"
+    cell = np.eye(3) * (0.1 + 0.2)
+    answer = external.program(["bash", "-c", echo])(np.zeros((2, 3)), cell, [0] * 3, 0.1)
+    assert [part.tolist() for part in answer] == [[0], [1], [[0, 0, 0]]]
 
 
 def test_each_adapter_is_available_or_names_the_reason():

@@ -13,6 +13,7 @@ not support a system. Importing this package imports no library.
 from __future__ import annotations
 
 import importlib
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata, util
@@ -20,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from . import external as external
 from ._systems import nearest
 
 
@@ -30,7 +32,7 @@ class Adapter:
     Attributes
     ----------
     package : str
-        The package that ``pip install`` installs.
+        The package that ``pip install`` installs; empty for a crate.
     needs : str
         The module that the adapter imports.
     module : str
@@ -45,6 +47,8 @@ class Adapter:
         The systems that the library does not support; the adapter refuses them.
     self_images : bool
         Whether an atom and its own image are a pair of the list.
+    command : str
+        The compiler that the adapter starts at its first call.
     absent : str
         The reason why the list cannot be had at all.
     """
@@ -57,6 +61,7 @@ class Adapter:
     division: str = "exact"
     refuses: str = ""
     self_images: bool = True
+    command: str = ""
     absent: str = ""
 
     @property
@@ -68,14 +73,18 @@ class Adapter:
     @property
     def version(self) -> str:
         """The version of the installed package."""
-        return metadata.version(self.package)
+        return metadata.version(self.package) if self.package else "0.5.0"
 
     @property
     def missing(self) -> str:
         """The reason why the library cannot be used here, or an empty string."""
-        if self.absent or util.find_spec(self.needs) is not None:
+        if self.absent:
             return self.absent
-        return f"not installed: pip install {self.package}"
+        if self.command and not shutil.which(self.command):
+            return f"the command {self.command} is not installed"
+        if self.needs and util.find_spec(self.needs) is None:
+            return f"not installed: pip install {self.package}"
+        return ""
 
     def prepare(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Callable[[], Any]:
         """Convert the input and return the library's call, which returns (i, j, S). S is None if
@@ -148,6 +157,10 @@ ADAPTERS = {
     "mdtraj": Adapter(
         "mdtraj", "mdtraj", "mdtraj", division="tolerant",
         refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangles",
+    ),
+    "vesin-cpp": Adapter("vesin", "vesin", "vesin_cpp", command="c++"),
+    "zelll-rust": Adapter(
+        "", "", "zelll_rust", half=True, command="cargo", refuses="periodic cells"
     ),
     "openmm": Adapter(
         "openmm", "openmm", "", absent="its interface for Python returns no neighbour list"
