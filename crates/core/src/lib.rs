@@ -74,24 +74,23 @@
 
 pub mod contact;
 mod contacts;
-pub mod crowd;
 pub mod detect;
-pub mod event;
 pub mod filter;
-pub mod memory;
-mod normalise;
+mod limits;
 pub mod oracle;
-pub mod pair_list;
+mod pairs;
 mod parallel;
 pub mod periodic;
 pub mod probe;
 mod radix;
-pub mod refusal;
 pub mod scene;
 pub mod searcher;
-pub mod sink;
 pub mod track;
 pub mod wide;
 
 pub use contacts::{Contacts, Error, contacts};
-pub use refusal::Refusal;
+pub use limits::refusal::Refusal;
+pub use limits::{crowd, memory, refusal};
+use pairs::normalise;
+pub use pairs::{pair_list, sink};
+pub use probe::event;

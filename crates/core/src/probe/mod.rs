@@ -5,6 +5,8 @@
 //! instructions equals that of a hand-written twin. The counts of [`Tally`] are exact and equal on
 //! every machine. All detectors use the same set of operations, so that counts are comparable.
 
+pub mod event;
+
 pub use contactbench_terms::op::Op;
 
 use crate::event::Event;

@@ -1,0 +1,5 @@
+//! Limits: memory, numbers of pairs, and refusals with a remedy.
+
+pub mod crowd;
+pub mod memory;
+pub mod refusal;

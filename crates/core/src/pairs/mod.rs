@@ -1,0 +1,5 @@
+//! Where detectors pass pairs: receivers, lists with a limit, and the order of lists.
+
+pub mod normalise;
+pub mod pair_list;
+pub mod sink;
