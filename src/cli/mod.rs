@@ -1,4 +1,4 @@
-//! The command line: one file per verb.
+//! The command line: one file per verb. Folders group verbs as the help does.
 
 // Output goes through `say!` and `terminal::out`.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
@@ -6,32 +6,27 @@
 #[macro_use]
 pub mod shared;
 
-pub mod check;
-pub mod compare;
 pub mod detect;
 pub mod draw;
 mod help;
 pub mod inspect;
 pub mod list;
-pub mod map;
-pub mod merge;
-pub mod new_detector;
+pub mod measuring;
 pub mod process;
 pub mod recommend;
-pub mod report;
-pub mod run;
-pub mod runner;
 pub mod satellite;
 pub mod scene;
 pub mod shell;
-pub mod trace;
 pub mod track;
 pub mod verify;
+pub mod your_detector;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use measuring::{compare, map, merge, report, run};
 pub use shared::terminal::say;
+use your_detector::{check, new_detector, runner, trace};
 
 /// Which contact detection algorithm suits which scene: time, memory, error
 #[derive(Parser)]

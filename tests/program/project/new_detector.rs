@@ -14,11 +14,11 @@ use contactbench::{contact, sink};
 
 use crate::common::Place;
 
-#[path = "../../../src/cli/template.rs"]
+#[path = "../../../src/cli/your_detector/template.rs"]
 mod written;
 use written::NewDetector;
 
-const TEMPLATE: &str = include_str!("../../../src/cli/template.rs");
+const TEMPLATE: &str = include_str!("../../../src/cli/your_detector/template.rs");
 const FOLDER: &str = "crates/core/src/detect";
 
 static ENTRY: Entry = Entry {

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use crate::cli::report::finish;
+use crate::cli::measuring::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::terminal::{self, quoted};
