@@ -23,13 +23,17 @@ from ._contacts import Detector, Verlet, contacts
 from ._recommending import Recommendation, recommend
 from ._records import load, provenance, scene
 from ._verifying import Pairs, Verification, verify
+from .kit import Convention, NeighbourCheck, NeighbourFailure, check_neighbours
 
 __all__ = [
     "DETECTORS",
     "Box",
     "Check",
+    "Convention",
     "Detector",
     "Failure",
+    "NeighbourCheck",
+    "NeighbourFailure",
     "Pairs",
     "Recommendation",
     "Refused",
@@ -37,6 +41,7 @@ __all__ = [
     "Verlet",
     "__version__",
     "check",
+    "check_neighbours",
     "contacts",
     "load",
     "provenance",

@@ -1,0 +1,132 @@
+"""Calls the function under test and judges its answers."""
+
+from __future__ import annotations
+
+import inspect
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+from .compare import Difference, compare, failed
+from .convention import ASE, Convention, Malformed
+from .systems import System
+from .truth import fair, half_list
+
+#: Names under which functions take a limit for the neighbours of an atom.
+LIMITS = ("max_neighbours", "max_neighbors", "max_num_neighbors")
+
+
+class Refusal(Exception):
+    """A system that the function declines, or that cannot be judged, with the reason."""
+
+
+class Hang(Exception):
+    """A call that has not returned in time."""
+
+
+@contextmanager
+def deadline(seconds: float) -> Iterator[None]:
+    """Raise `Hang` in this block after some time: in Python code, in the main thread, on Unix."""
+    if not hasattr(signal, "setitimer") or (
+        threading.current_thread() is not threading.main_thread()
+    ):
+        yield
+        return
+
+    def ring(signum: int, frame: FrameType | None) -> None:
+        raise Hang(f"no answer after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def limit_of(f: Callable[..., Any]) -> str | None:
+    """Return the keyword by which a function takes a capacity, or None."""
+    try:
+        parameters = inspect.signature(f).parameters
+    except (TypeError, ValueError):
+        return None
+    return next((name for name in LIMITS if name in parameters), None)
+
+
+@dataclass
+class Asker:
+    """A function under test, its convention, and how its answers are judged."""
+
+    f: Callable[..., Any]
+    refuses: tuple[type[BaseException], ...] = (NotImplementedError,)
+    tolerant: bool = False
+    convention: Convention = ASE
+    call_seconds: float = 30.0
+    band: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self.limit = limit_of(self.f)
+
+    def call(self, system: System, convention: Convention) -> Any:
+        """Return the answer of the function; raise what it raises."""
+        x, cell, pbc, cutoff = system.given()
+        if convention.cell == "columns":
+            cell = np.ascontiguousarray(cell.T)
+        before = x.copy(), cell.copy(), pbc.copy()
+        more: dict[str, Any] = {}
+        if system.capacity is not None and self.limit is not None:
+            more[self.limit] = system.capacity
+        with deadline(self.call_seconds):
+            answer = self.f(x, cell, pbc, cutoff, **more)
+        for name, old, new in zip(
+            ("positions", "cell", "pbc"), before, (x, cell, pbc), strict=True
+        ):
+            if not np.array_equal(old, new):
+                raise Malformed(f"it changes its argument {name}")
+        return answer
+
+    def wrong(self, system: System) -> Difference | None:
+        """Return what is wrong on a system, or None; raise `Refusal` if it cannot be judged."""
+        exceeded = False
+        if system.capacity is not None:
+            if self.limit is None:
+                raise Refusal("the function takes no capacity")
+            counts = np.bincount(half_list(system)[:, :2].ravel(), minlength=len(system))
+            exceeded = int(counts.max(initial=0)) > system.capacity
+        tolerant = self.tolerant or system.dtype == "float32"
+        for k in range(system.calls):
+            try:
+                answer = self.call(system, self.convention)
+                found, width = compare(answer, system, self.convention, tolerant)
+                self.band = max(self.band, width)
+            except self.refuses as why:
+                raise Refusal(f"{type(why).__name__}: {why}") from None
+            except Malformed as why:
+                found = failed(str(why))
+            except Exception as error:
+                if exceeded:
+                    return None
+                if system.optional:
+                    raise Refusal(f"{type(error).__name__}: {error}") from None
+                found = failed(f"it raises {type(error).__name__}: {error}")
+            if found is not None:
+                if not tolerant and not found.text and not fair(system):
+                    raise Refusal("pairs are so near the cutoff that rounding decides them")
+                if k > 0:
+                    return failed(f"call {k + 1} differs from the calls before: {found}")
+                return found
+        return None
+
+    def fails(self, system: System) -> bool:
+        """Return whether the function is wrong on a system; not if it refuses."""
+        try:
+            return self.wrong(system) is not None
+        except Refusal:
+            return False
