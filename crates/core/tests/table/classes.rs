@@ -37,7 +37,7 @@ fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
             ("form=dense", 1),
             ("form=flat", 1),
             ("form=sparse", 1),
-            ("form=dense,form=portable", 1),
+            ("form=dense,level=portable", 1),
         ] {
             let spec = table::parse(&format!("streamed-nbs:{form}")).unwrap();
             let mut pairs = Vec::new();

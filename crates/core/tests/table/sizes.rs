@@ -55,7 +55,7 @@ fn specs() -> Vec<String> {
     let streamed =
         ["form=auto", "form=dense", "form=flat", "form=sparse", "form=dense,level=portable"];
     let nbs = std::iter::once("nbs:levels=auto".to_string());
-    hgrid.chain(nbs).chain(streamed.map(|way| format!("streamed-nbs:{way}"))).collect()
+    hgrid.chain(nbs).chain(streamed.map(|form| format!("streamed-nbs:{form}"))).collect()
 }
 
 #[test]
