@@ -138,7 +138,7 @@ impl<'a> Style<'a> {
         let mut direction = [0.0; 3];
         with_scene!(self.scene, scene => {
             let [a, b] = [i, j].map(|k| array(&scene.centres()[k as usize]).map(|x| x.wide()));
-            direction.iter_mut().zip(a.iter().zip(&b)).for_each(|(direction, (a, b))| *direction = b - a);
+            direction.iter_mut().zip(a.iter().zip(&b)).for_each(|(x, (a, b))| *x = b - a);
         });
         if let Some(periodic) = self.periodic {
             for (vector, times) in periodic.lattice().vectors().iter().zip(image) {

@@ -61,7 +61,7 @@ impl<const D: usize> Boxed<D> {
         (height > 0.0).then_some((height, self.first.origin()[1]))
     }
 
-    /// Returns the position of a particle in the box after the displacement `displacement` from `first`.
+    /// Returns the position of a particle in the box after this displacement from `first`.
     pub fn gone(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {
         let mut at = Point::from(std::array::from_fn(|k| first[k] + displacement[k]));
         for Wall { normal, low, extent } in &self.walls {

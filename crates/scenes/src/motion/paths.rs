@@ -156,7 +156,7 @@ impl<const D: usize> Paths<D> {
         }
     }
 
-    /// Returns the position after the displacement `displacement` in open space, reflected at the walls.
+    /// Returns the position in open space after this displacement, reflected at the walls.
     fn reflected(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
