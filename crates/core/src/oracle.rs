@@ -98,7 +98,7 @@ pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTr
 /// variants of [`NoTruth`] describe the other errors.
 pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Truth, NoTruth> {
     let test = test.safe();
-    if test == Test::Exact && !scene.is_f64() {
+    if test.is_exact() && !scene.is_f64() {
         let stored = scene.as_stored(Arithmetic::F64)?;
         return truth_as_stored(&stored, test, limit);
     }

@@ -26,6 +26,8 @@ pub enum Arithmetic {
     Textbook,
     /// Stored as f64; |xi - xj|² <= (ri + rj)² is evaluated in f64.
     F64,
+    /// Like [`Arithmetic::Exact`] with the open rule: pairs at exactly ri + rj do not touch.
+    ExactOpen,
     /// Stored as f64 and decided by the exact sign of |xi - xj|² - (ri + rj)².
     #[default]
     Exact,
@@ -33,18 +35,24 @@ pub enum Arithmetic {
 
 impl Arithmetic {
     /// All arithmetics, from the least to the most accurate.
-    pub const ALL: [Arithmetic; 5] = [
+    pub const ALL: [Arithmetic; 6] = [
         Arithmetic::F32,
         Arithmetic::F32Cell,
         Arithmetic::Textbook,
         Arithmetic::F64,
+        Arithmetic::ExactOpen,
         Arithmetic::Exact,
     ];
 
     /// The arithmetics in which every detector must find exactly the pairs that the contact test
     /// accepts; all but [`Arithmetic::Textbook`].
-    pub const SAFE: [Arithmetic; 4] =
-        [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64, Arithmetic::Exact];
+    pub const SAFE: [Arithmetic; 5] = [
+        Arithmetic::F32,
+        Arithmetic::F32Cell,
+        Arithmetic::F64,
+        Arithmetic::ExactOpen,
+        Arithmetic::Exact,
+    ];
 
     /// Name, summary, storage and contact test.
     const fn entry(self) -> (&'static str, &'static str, Storage, Test) {
@@ -66,6 +74,10 @@ impl Arithmetic {
             Arithmetic::F64 => {
                 let words = "scene stored and contacts decided in f64";
                 ("f64", words, Storage::F64, Test::Rounded)
+            }
+            Arithmetic::ExactOpen => {
+                let words = "like exact, but pairs at exactly the distance ri + rj do not touch";
+                ("exact-open", words, Storage::F64, Test::Open)
             }
             Arithmetic::Exact => {
                 let words = "scene stored in f64, contacts decided exactly (the default)";
@@ -97,6 +109,19 @@ impl Arithmetic {
     /// The number format in which a scene is stored for this arithmetic.
     pub const fn storage(self) -> Storage {
         self.entry().2
+    }
+
+    /// The exact arithmetic with the same rule for pairs at exactly ri + rj: it states the truth.
+    pub const fn exact(self) -> Arithmetic {
+        match self {
+            Arithmetic::ExactOpen => Arithmetic::ExactOpen,
+            _ => Arithmetic::Exact,
+        }
+    }
+
+    /// Whether contacts are decided without rounding.
+    pub fn is_exact(self) -> bool {
+        self == self.exact()
     }
 
     /// Whether this is one of [`Arithmetic::SAFE`].
@@ -161,8 +186,11 @@ pub enum Test {
     Rounded,
     /// A rounded test, with filters that have no safety margin.
     Textbook,
-    /// The exact sign of |xi - xj|² - (ri + rj)² for the stored numbers.
+    /// The exact sign of |xi - xj|² - (ri + rj)² for the stored numbers; particles touch if it is
+    /// negative or 0.
     Exact,
+    /// The same sign; particles touch if it is negative. This is the rule of most neighbour lists.
+    Open,
 }
 
 impl Test {
@@ -171,8 +199,13 @@ impl Test {
         match self {
             Test::Rounded => Some(Margin::Safe),
             Test::Textbook => Some(Margin::Textbook),
-            Test::Exact => None,
+            Test::Exact | Test::Open => None,
         }
+    }
+
+    /// Whether contacts are decided without rounding.
+    pub fn is_exact(self) -> bool {
+        self.margin().is_none()
     }
 
     /// The same contact test, but with filters that lose no pair. It judges answers.

@@ -184,7 +184,7 @@ where
 {
     match test.margin() {
         Some(margin) => rounded(scene, margin, then),
-        None => exact(scene, then),
+        None => exact(scene, test, then),
     }
 }
 
@@ -201,7 +201,7 @@ where
         + WithBodies<f64, D, Output = Result<O, Refusal>>
         + WithBodies<CellF32, D, Output = Result<O, Refusal>>,
 {
-    let Some(margin) = test.margin() else { return exact(&scene.widened(), then) };
+    let Some(margin) = test.margin() else { return exact(&scene.widened(), test, then) };
     match scene {
         Stored::F32(scene) => rounded(scene, margin, then),
         Stored::F64(scene) => rounded(scene, margin, then),
@@ -228,17 +228,17 @@ where
     }
 }
 
-fn exact<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> O
+fn exact<const D: usize, W, O>(scene: &Scene<'_, f64, D>, test: Test, then: W) -> O
 where
     W: WithBodies<f64, D, Output = O>,
 {
     let envelope = Envelope::exact(scene.largest_radius());
     match scene.radii() {
         Radii::Uniform(r) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), ExactUniform::new(*r)))
+            then.call(envelope.with(scene.centres(), scene.radii(), ExactUniform::new(*r, test)))
         }
         Radii::Each(radii) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), ExactEach { radii }))
+            then.call(envelope.with(scene.centres(), scene.radii(), ExactEach { radii, test }))
         }
     }
 }
@@ -264,8 +264,10 @@ fn any_rule<'a, T: Real>(
         None => Envelope::exact(largest),
     };
     let rule = match (test, radii) {
-        (Test::Exact, Radii::Uniform(r)) => AnyRule::ExactUniform(ExactUniform::new(r.wide())),
-        (Test::Exact, Radii::Each(radii)) => AnyRule::ExactEach(radii),
+        (Test::Exact | Test::Open, Radii::Uniform(r)) => {
+            AnyRule::ExactUniform(ExactUniform::new(r.wide(), test))
+        }
+        (Test::Exact | Test::Open, Radii::Each(radii)) => AnyRule::ExactEach(radii, test),
         (_, Radii::Uniform(r)) => AnyRule::RoundedUniform(RoundedUniform::new(*r)),
         (_, Radii::Each(radii)) => AnyRule::RoundedEach(RoundedEach { radii }),
     };

@@ -1,7 +1,8 @@
 //! The contact test: how a scene is stored, and how |xi - xj| <= ri + rj is decided.
 //!
-//! **One predicate.** Two particles touch when |xi - xj| <= ri + rj. The test is closed, as in
-//! Munjiza's book ("touch or overlap"). Every detector decides through [`Bodies::touch`], which
+//! **One predicate.** Two particles touch when |xi - xj| <= ri + rj. This *closed* rule is that of
+//! Munjiza's book ("touch or overlap"). Neighbour lists use an *open* rule: |xi - xj| < cutoff. The
+//! cutoff is ri + rj for two equal radii, which are exact as halves. Every detector decides through [`Bodies::touch`], which
 //! counts its calls. There are two ways to evaluate it:
 //!
 //! * *rounded*: |xi - xj|² <= (ri + rj)² in the floating-point arithmetic of the scene's own
@@ -21,7 +22,9 @@
 //!   overflow means s² < 2^1024(1 - 9u): apart.
 //! * An overflowing s2 never decides.
 //!
-//! Exact arithmetic decides all other pairs. Finite input never yields NaN.
+//! Exact arithmetic decides all other pairs. Finite input never yields NaN. All limits above are
+//! strict: the filter accepts only d² < s² and refuses only d² > s². So only the exact comparison
+//! sees ties, d² = s². There the rule is one bit ([`Test::Open`]), and filters cost the same.
 //!
 //! [`slack`] derives the largest distance of two accepted particles. [`crate::filter`] derives what
 //! cells, boxes and keys must add to that distance.

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::{Slack, exact};
+use super::{Slack, Test, exact};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Real};
 
@@ -89,12 +89,18 @@ fn band(square: f64) -> (f64, f64) {
     (overlap, square * (1.0 + BAND) + FLOOR)
 }
 
+/// Returns whether particles touch by an exact test, from the order of |a - b|² and (ra + rb)².
+pub(crate) fn touches(test: Test, order: Ordering) -> bool {
+    order == Ordering::Less || order == Ordering::Equal && test != Test::Open
+}
+
 #[inline(always)]
 fn decide<const D: usize, P: Probe>(
     a: &[f64; D],
     b: &[f64; D],
     radii: impl Fn() -> (f64, f64),
     band: (f64, f64),
+    test: Test,
     probe: &mut P,
 ) -> bool {
     let square = square_distance(a, b);
@@ -106,7 +112,7 @@ fn decide<const D: usize, P: Probe>(
     }
     probe.count(Op::ExactTest);
     let (ra, rb) = radii();
-    exact::compare(a, b, ra, rb) != Ordering::Greater
+    touches(test, exact::compare(a, b, ra, rb))
 }
 
 /// The exact test for particles of one radius; the limits of the filter are computed once.
@@ -114,19 +120,20 @@ fn decide<const D: usize, P: Probe>(
 pub struct ExactUniform {
     radius: f64,
     band: (f64, f64),
+    test: Test,
 }
 
 impl ExactUniform {
-    pub(super) fn new(radius: f64) -> ExactUniform {
+    pub(super) fn new(radius: f64, test: Test) -> ExactUniform {
         let diameter = 2.0 * radius;
-        ExactUniform { radius, band: band(diameter * diameter) }
+        ExactUniform { radius, band: band(diameter * diameter), test }
     }
 }
 
 impl Rule<f64> for ExactUniform {
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
-        decide(of.a, of.b, || (self.radius, self.radius), self.band, probe)
+        decide(of.a, of.b, || (self.radius, self.radius), self.band, self.test, probe)
     }
 }
 
@@ -134,12 +141,13 @@ impl Rule<f64> for ExactUniform {
 #[derive(Clone, Copy)]
 pub struct ExactEach<'a> {
     pub(super) radii: &'a [f64],
+    pub(super) test: Test,
 }
 
 impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
-        decide_each(of.a, of.b, of.each(|k| self.radii[k]), probe)
+        decide_each(of.a, of.b, of.each(|k| self.radii[k]), self.test, probe)
     }
 }
 
@@ -148,10 +156,11 @@ fn decide_each<const D: usize, P: Probe>(
     a: &[f64; D],
     b: &[f64; D],
     (ra, rb): (f64, f64),
+    test: Test,
     probe: &mut P,
 ) -> bool {
     let sum = ra + rb;
-    decide(a, b, || (ra, rb), band(sum * sum), probe)
+    decide(a, b, || (ra, rb), band(sum * sum), test, probe)
 }
 
 /// A test of approximate positions. A callback decides the pairs that the positions leave open.
@@ -214,7 +223,7 @@ pub enum AnyRule<'a, T: Real> {
     /// Exact test for particles of one radius.
     ExactUniform(ExactUniform),
     /// Exact test for particles with individual radii.
-    ExactEach(&'a [T]),
+    ExactEach(&'a [T], Test),
     /// Test of approximate positions with a callback, for one radius or one per particle.
     Asked(Asked<'a>, &'a Radii<'a, T>),
 }
@@ -231,9 +240,9 @@ impl<T: Real> Rule<T> for AnyRule<'_, T> {
                 let (a, b) = exact();
                 rule.touch(Couple { ids: of.ids, a: &a, b: &b }, probe)
             }
-            AnyRule::ExactEach(radii) => {
+            AnyRule::ExactEach(radii, test) => {
                 let (a, b) = exact();
-                decide_each(&a, &b, of.each(|k| radii[k].wide()), probe)
+                decide_each(&a, &b, of.each(|k| radii[k].wide()), *test, probe)
             }
             AnyRule::Asked(asked, radii) => {
                 let ((a, b), (r, s)) = (exact(), of.each(|k| radii.get(k).wide()));

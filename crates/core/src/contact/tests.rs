@@ -41,6 +41,8 @@ fn tangency_is_contact_and_one_ulp_apart_is_not() {
         let d = f64::hypot(x, y);
         assert_eq!(touch([[0.0, 0.0], [x, y]], [d / 2.0, d / 2.0], Test::Exact), (true, 1));
         assert!(touch([[0.0, 0.0], [x, y]], [d / 4.0, d * 0.75], Test::Exact).0);
+        assert_eq!(touch([[0.0, 0.0], [x, y]], [d / 2.0, d / 2.0], Test::Open), (false, 1));
+        assert!(touch([[0.0, 0.0], [x, y.next_down()]], [d / 2.0, d / 2.0], Test::Open).0);
         assert!(!touch([[0.0, 0.0], [x, y.next_up()]], [d / 2.0, d / 2.0], Test::Exact).0);
         assert!(touch([[0.0, 0.0], [x, y.next_down()]], [d / 2.0, d / 2.0], Test::Exact).0);
     }

@@ -245,7 +245,7 @@ pub(crate) fn run_any<const D: usize>(
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
-    if test == Test::Exact {
+    if test.is_exact() {
         return detector.detect(any_bodies(&*scene.widened(), test)?, probe, sink);
     }
     with_stored!(scene, scene => detector.detect(any_bodies(scene, test)?, probe, sink))

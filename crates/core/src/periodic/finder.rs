@@ -126,7 +126,7 @@ impl Search<'_> {
         let stored = buffers.copies.of(&made, arithmetic)?;
         let searched = Searched::from(match &stored {
             Some(stored) => Of::Scene(stored, test),
-            None if arithmetic == Arithmetic::Exact => {
+            None if arithmetic.is_exact() => {
                 let (slack, owners) = (made.slack(), made.particles());
                 let asked = Asked { slack, owners, decide: &decide };
                 Of::Images(made.imaged(Decided::Asked(asked)))

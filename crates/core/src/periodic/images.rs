@@ -120,6 +120,7 @@ impl<const D: usize> Images<D> {
             as_given => as_given.clone(),
         };
         Ok(Made {
+            test: arithmetic.exact().test(),
             given,
             frame,
             owners,

@@ -5,7 +5,8 @@ use nalgebra::Point;
 use super::ImagePair;
 use super::frame::Frame;
 use crate::contact::image::{self, Shift};
-use crate::contact::{Corners, Decided, Imaged, Slack};
+
+use crate::contact::{Corners, Decided, Imaged, Slack, Test, rule};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};
 
@@ -30,6 +31,8 @@ pub struct Made<'a, const D: usize> {
     pub(super) largest_radius: f64,
     pub(super) corners: Option<Corners<D>>,
     pub(super) slack: Slack,
+    /// The exact test that decides contacts of this scene if its numbers are not rounded.
+    pub(super) test: Test,
     pub(super) bytes: u64,
 }
 
@@ -87,7 +90,7 @@ impl<'a, const D: usize> Made<'a, D> {
     /// Returns whether two particles or images touch, exactly for the given numbers.
     pub fn touch(&self, a: u32, b: u32) -> bool {
         let ([i, j], image) = self.shift(a, b);
-        touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors })
+        touches(self.given, [i, j], Shift { image, vectors: &self.frame.vectors }, self.test)
     }
 
     /// Returns the owners of `a` and `b`, and the shift of the second relative to the first.
@@ -177,8 +180,9 @@ pub(super) fn touches<const D: usize>(
     scene: &Scene<'_, f64, D>,
     pair: [u32; 2],
     shift: Shift<'_, D>,
+    test: Test,
 ) -> bool {
     let [i, j] = pair.map(|index| index as usize);
     let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
-    image::compare(a, b, scene.radius(i), scene.radius(j), shift).is_le()
+    rule::touches(test, image::compare(a, b, scene.radius(i), scene.radius(j), shift))
 }

@@ -78,13 +78,10 @@ pub fn truth_as_stored(
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Truth, NoTruth> {
+    let exact = arithmetic.exact().test();
     let pairs = match periodic.scene() {
-        AnyScene::Plane(scene) => {
-            bodies(periodic, &scene.widened(), arithmetic, Test::Exact, limit)
-        }
-        AnyScene::Space(scene) => {
-            bodies(periodic, &scene.widened(), arithmetic, Test::Exact, limit)
-        }
+        AnyScene::Plane(scene) => bodies(periodic, &scene.widened(), arithmetic, exact, limit),
+        AnyScene::Space(scene) => bodies(periodic, &scene.widened(), arithmetic, exact, limit),
     }?;
     Ok(Truth::new(pairs))
 }
@@ -106,22 +103,22 @@ fn of<const D: usize>(
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    if arithmetic != Arithmetic::Exact {
+    if !arithmetic.is_exact() {
         return bodies(periodic, scene, arithmetic, arithmetic.test(), limit);
     }
     let frame = Frame::new(periodic.lattice())?;
     if scene.len() > BRUTE_FORCE {
         let n = scene.len();
-        let ask = |detector: &mut dyn AnyDetector| {
-            super::contacts(periodic, detector, Arithmetic::Exact, limit)
-        };
+        let ask =
+            |detector: &mut dyn AnyDetector| super::contacts(periodic, detector, arithmetic, limit);
         let sample = Sample { n, particles: (TESTS / n).clamp(16, SAMPLE) };
-        let tested = |chosen: &[bool]| tested(scene, &frame, Some(chosen), limit);
+        let tested =
+            |chosen: &[bool]| tested(scene, &frame, Some(chosen), arithmetic.test(), limit);
         let agreed =
             sample.agreed(&table::judges(|it| it.boxed), limit, ask, tested, |p| [p.i, p.j])?;
         return agreed.ok_or(NoTruth::TooLarge { n });
     }
-    Ok(tested(scene, &frame, None, limit)?)
+    Ok(tested(scene, &frame, None, arithmetic.test(), limit)?)
 }
 
 /// Tests the pairs of the open scene that detectors get, as it is stored.
@@ -157,6 +154,7 @@ fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
     chosen: Option<&[bool]>,
+    test: Test,
     limit: u64,
 ) -> Result<Vec<ImagePair>, Refusal> {
     let n = scene.len();
@@ -193,7 +191,7 @@ fn tested<const D: usize>(
                 }
                 let image = given;
                 let pair = [i as u32, j as u32];
-                if touches(scene, pair, Shift { image, vectors: &frame.vectors }) {
+                if touches(scene, pair, Shift { image, vectors: &frame.vectors }, test) {
                     list.push(ImagePair::new(pair[0], pair[1], image));
                 }
             });

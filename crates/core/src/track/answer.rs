@@ -1,6 +1,7 @@
 //! Decides listed pairs in a frame and collects contacts, in open space or in a box.
 
 use super::around::Around;
+use crate::contact::Test;
 use crate::pair_list::PairList;
 use crate::periodic::{ImagePair, List};
 use crate::scene::Scene;
@@ -40,6 +41,7 @@ impl<F: FnMut(u32, u32) -> bool> Answer for Open<'_, '_, F> {
 
 pub(super) struct Boxed<'a, 'p, const D: usize> {
     scene: &'a Scene<'a, f64, D>,
+    test: Test,
     spots: &'a [Spot],
     around: &'a Around<D>,
     plain: &'a mut PairList<'p>,
@@ -50,12 +52,13 @@ pub(super) struct Boxed<'a, 'p, const D: usize> {
 impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
     pub fn new(
         scene: &'a Scene<'a, f64, D>,
+        test: Test,
         spots: &'a [Spot],
         around: &'a Around<D>,
         plain: &'a mut PairList<'p>,
         shifted: &'a mut List,
     ) -> Boxed<'a, 'p, D> {
-        Boxed { scene, spots, around, plain, shifted, exact: 0 }
+        Boxed { scene, test, spots, around, plain, shifted, exact: 0 }
     }
 
     pub fn exact(&self) -> u64 {
@@ -66,7 +69,7 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
     pub fn decide_image(&mut self, ImagePair { i: a, j: b, image }: ImagePair) {
         let image = self.around.image(a, b, image);
         let (i, j) = (self.particle(a), self.particle(b));
-        let (touch, exact) = self.around.touch(self.scene, [i, j], image);
+        let (touch, exact) = self.around.touch(self.scene, [i, j], image, self.test);
         self.exact += u64::from(exact);
         if touch {
             self.put(i, j, image);

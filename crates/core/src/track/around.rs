@@ -11,7 +11,8 @@
 use nalgebra::Point;
 
 use crate::contact::image::{self, Shift};
-use crate::contact::{Corners, Slack};
+
+use crate::contact::{Corners, Slack, Test, rule};
 use crate::filter::Near;
 use crate::periodic::ImagePair;
 use crate::refusal::{Refusal, reserve};
@@ -336,6 +337,7 @@ impl<const D: usize> Around<D> {
         scene: &Scene<'_, f64, D>,
         [i, j]: [u32; 2],
         image: [i32; 3],
+        test: Test,
     ) -> (bool, bool) {
         let [i, j] = [i as usize, j as usize];
         let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
@@ -352,7 +354,7 @@ impl<const D: usize> Around<D> {
             Some(touch) => (touch, false),
             None => {
                 let shift = Shift { image, vectors: &self.now.vectors };
-                (image::compare(a, b, ra, rb, shift).is_le(), true)
+                (rule::touches(test, image::compare(a, b, ra, rb, shift)), true)
             }
         }
     }

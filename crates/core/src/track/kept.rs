@@ -232,10 +232,11 @@ impl<const D: usize> Kept<D> {
     pub fn pass_in_box(
         &self,
         scene: &Scene<'_, f64, D>,
+        test: Test,
         plain: &mut PairList<'_>,
         shifted: &mut List,
     ) -> u64 {
-        let mut boxed = Boxed::new(scene, &self.spots, &self.around, plain, shifted);
+        let mut boxed = Boxed::new(scene, test, &self.spots, &self.around, plain, shifted);
         self.pass_to(self.around.slack(), &mut boxed);
         self.around.through.iter().for_each(|&triple| boxed.decide_image(triple));
         boxed.exact()

@@ -7,7 +7,7 @@ use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{Costs, LEAST, Served, Tuner};
 use super::{EveryStep, Frame, Step, Tracker};
-use crate::contact::{AnyBodies, Arithmetic, Bodies, Test, any_bodies};
+use crate::contact::{AnyBodies, Bodies, Test, any_bodies};
 use crate::filter::bounds;
 use crate::pair_list::PairList;
 use crate::periodic::{Contacts, List};
@@ -61,7 +61,7 @@ impl Verlet {
         };
         let (lattice, test) = match frame {
             Frame::Open(_, test) => (None, test),
-            Frame::Boxed(periodic, _) => (Some(periodic.lattice()), Test::Exact),
+            Frame::Boxed(periodic, arithmetic) => (Some(periodic.lattice()), arithmetic.test()),
         };
         let (rule, touching, search) = (self.rule, self.touching, &mut self.search.0);
         let work = Work { rule, touching, test, skin, search, lattice, tally };
@@ -87,14 +87,14 @@ impl Verlet {
                 space.forget();
                 let scene = &scene.widened();
                 work.step(plane, scene, contacts, |kept, _, plain, shifted| {
-                    kept.pass_in_box(scene, plain, shifted)
+                    kept.pass_in_box(scene, test, plain, shifted)
                 })
             }
             (Frame::Boxed(..), AnyScene::Space(scene)) => {
                 plane.forget();
                 let scene = &scene.widened();
                 work.step(space, scene, contacts, |kept, _, plain, shifted| {
-                    kept.pass_in_box(scene, plain, shifted)
+                    kept.pass_in_box(scene, test, plain, shifted)
                 })
             }
         }
@@ -109,7 +109,7 @@ impl Tracker for Verlet {
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal> {
         if let Frame::Boxed(_, arithmetic) = frame
-            && arithmetic != Arithmetic::Exact
+            && !arithmetic.is_exact()
         {
             return Err(Refusal::Rounded { arithmetic: arithmetic.name() });
         }

@@ -6,6 +6,7 @@ mod contacts;
 mod hgrid;
 mod parameters;
 mod periodic;
+mod rules;
 mod searcher;
 mod sizes;
 mod spec;

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use crate::run::judge::{Nothing, Unjudged, kept};
 use crate::truth::depth;
-use contactbench_core::contact::{Arithmetic, Test};
+use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, Causes, Errors, NoTruth, compare_by};
 use contactbench_core::periodic::{self, Contacts, ImagePair};
 use contactbench_core::searcher::Loaded;
@@ -88,7 +88,7 @@ impl<'a> Frame<'a> {
         let truths = self.known(arithmetic)?;
         let contacts = contacts.unwrap_or(&truths.own.contacts);
         let own = compare(contacts, &truths.own, &truths.stored);
-        let given = match self.known(Arithmetic::Exact) {
+        let given = match self.known(arithmetic.exact()) {
             Ok(given) => given,
             Err(Unjudged::Nothing(_)) => return Ok(Differs { own, ..Differs::default() }),
             Err(defect) => return Err(defect),
@@ -127,10 +127,10 @@ impl<'a> Frame<'a> {
                 let truth = |test| oracle::truth_as_stored(scene, test, limit).map(Truth::from);
                 let exact = match arithmetic {
                     Arithmetic::F64 => self.known(Arithmetic::Exact)?.own,
-                    _ => self.share(truth(Test::Exact)?),
+                    _ => self.share(truth(arithmetic.exact().test())?),
                 };
                 let own = match arithmetic.test() {
-                    Test::Exact => exact.clone(),
+                    test if test.is_exact() => exact.clone(),
                     test => match truth(test)? {
                         same if same.digest == exact.digest => exact.clone(),
                         own => self.share(own),
@@ -142,7 +142,7 @@ impl<'a> Frame<'a> {
                 let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
                 let exact = match arithmetic {
                     // Exact arithmetic does not round images, so the contacts are the same.
-                    Arithmetic::Exact => Some(own.clone()),
+                    _ if arithmetic.is_exact() => Some(own.clone()),
                     _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
                         Err(reason) => match Unjudged::from(reason) {

@@ -1,0 +1,62 @@
+//! The open rule leaves out pairs at exactly the sum of the radii, and no others.
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::table::{Role, TABLE};
+use contactbench_core::oracle;
+use contactbench_core::periodic::{self, Contacts, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::track::{self, Frame};
+use nalgebra::Point;
+
+const LIMIT: u64 = 1 << 28;
+
+/// Returns a lattice of 5 by 5 discs with spacing 1, in a box of 5 by 5.
+fn lattice(radius: f64, each: bool) -> (AnyScene<'static>, Periodic<'static>) {
+    let at = |k: u32| Point::from([f64::from(k % 5), f64::from(k / 5)]);
+    let radii = if each { Radii::Each(vec![radius; 25].into()) } else { Radii::Uniform(radius) };
+    let scene: AnyScene<'_> =
+        Scene::new((0..25).map(at).collect::<Vec<_>>(), radii).unwrap().into();
+    let vectors = [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 5.0]];
+    let cell = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+    (scene.clone(), Periodic::new(scene, cell).unwrap())
+}
+
+#[test]
+fn only_the_closed_rule_accepts_ties() {
+    for each in [false, true] {
+        for (radius, arithmetic, expected) in [
+            (0.5, Arithmetic::Exact, [40, 50]),
+            (0.5, Arithmetic::ExactOpen, [0, 0]),
+            (0.5f64.next_up(), Arithmetic::ExactOpen, [40, 50]),
+            (0.5f64.next_down(), Arithmetic::Exact, [0, 0]),
+        ] {
+            let (open, boxed) = lattice(radius, each);
+            let told = format!("radius {radius:?}, {arithmetic}, each: {each}");
+            let truths = [
+                oracle::truth(&open, arithmetic).unwrap().pairs.len(),
+                periodic::truth(&boxed, arithmetic, LIMIT).unwrap().pairs.len(),
+            ];
+            assert_eq!(truths, expected, "{told}");
+            for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
+                let (mut detector, mut pairs) = (entry.make(Options::default()), Vec::new());
+                detector.list(&open, arithmetic.test(), &mut pairs).unwrap();
+                let found = periodic::contacts(&boxed, &mut *detector, arithmetic, LIMIT).unwrap();
+                assert_eq!([pairs.len(), found.len()], expected, "{}, {told}", entry.name);
+            }
+            let tracker = "verlet(nbs,skin=0.5)";
+            let mut tracker = track::parse(tracker).unwrap().make(Options::default());
+            for (frame, expected) in
+                [Frame::Open(&open, arithmetic.test()), Frame::Boxed(&boxed, arithmetic)]
+                    .into_iter()
+                    .zip(expected)
+            {
+                for _ in 0..2 {
+                    let mut contacts = Contacts::default();
+                    tracker.find(frame, None, &mut contacts).unwrap();
+                    assert_eq!(contacts.len(), expected as u64, "verlet, {told}");
+                }
+            }
+        }
+    }
+}
