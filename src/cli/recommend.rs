@@ -33,8 +33,8 @@ pub struct Recommend {
     /// Time for the measurements, in seconds
     #[arg(long, value_name = "TIME", default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
-    /// f64, f32, f32-cell, textbook
-    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// see: list; --rule open: < not <=
+    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them

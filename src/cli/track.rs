@@ -28,8 +28,8 @@ pub struct Track {
     /// Tracker, repeatable (see: list) [default: seven]
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
-    /// f64, f32, f32-cell, textbook
-    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// see: list; --rule open: < not <=
+    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     #[command(flatten)]

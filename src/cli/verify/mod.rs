@@ -51,8 +51,8 @@ pub struct Verify {
     /// Frame of the list [default: that of --frame]
     #[arg(long, value_name = "FRAME")]
     pairs_frame: Option<Frame>,
-    /// f64, f32, f32-cell, textbook
-    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// see: list; --rule open: < not <=
+    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     #[command(flatten)]

@@ -29,8 +29,9 @@ pub struct Check {
     /// Command of a runner; {arithmetic} is replaced
     #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
     runner: Option<String>,
-    /// Arithmetic, repeatable [default: exact]
-    #[arg(long, value_name = "NAME", value_parser = arithmetic(), hide_possible_values = true)]
+    /// see: list; --rule open; repeatable [default: exact]
+    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic())]
+    #[arg(hide_possible_values = true)]
     arithmetic: Vec<Arithmetic>,
     /// File or scene, repeatable [default: many scenes]
     #[arg(long, value_name = "FILE|SCENE")]

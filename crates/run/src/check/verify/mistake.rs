@@ -28,6 +28,7 @@ pub enum Mistake {
     Declared([bool; 3]),
     Rounded(Arithmetic),
     Strict,
+    Closed,
     /// All differing pairs are tangent up to the last digits.
     Tangent,
     /// All pairs with at most this gap (a length) are listed.
@@ -66,6 +67,9 @@ impl Mistake {
                  distance is the sum of the radii)"
                     .into()
             }
+            Mistake::Closed => {
+                "contacts decided by <= instead of < (each spurious pair is an exact tie)".into()
+            }
             Mistake::Tangent => "any answer for pairs that are tangent to the last digits".into(),
             Mistake::Skin(gap) => format!("pairs up to {} apart (a skin)", rounded_up(gap)),
             Mistake::Radii(by) => {
@@ -102,6 +106,8 @@ impl Mistake {
             Mistake::Numbers(Meaning::Ids) => "--ids".into(),
             Mistake::BothSides => "--both-sides".into(),
             Mistake::Rounded(arithmetic) => format!("--arithmetic {}", arithmetic.name()),
+            Mistake::Strict => "--rule open".into(),
+            Mistake::Closed => "--rule closed".into(),
             Mistake::Skin(gap) => format!("--skin {}", rounded_up(gap)),
             Mistake::Open => "--open".into(),
             Mistake::Declared(axes) | Mistake::Along(axes) => {
@@ -148,6 +154,7 @@ impl Reading {
         let with: Vec<String> = self.mistakes.iter().map(|mistake| mistake.words()).collect();
         let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");
         let result = match self.wrong {
+            0 if self.listed == 0 => "no pair is missed".into(),
             0 if self.listed == 1 => "the one pair agrees".into(),
             0 => format!("all {} agree", pairs(self.listed)),
             wrong => format!("all but {} agree", pairs(wrong)),

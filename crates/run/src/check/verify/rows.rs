@@ -35,10 +35,10 @@ pub(super) struct At<'a> {
 }
 
 pub(super) const ROWS: [Row; 13] = [
+    Row { kind: Kind::Tie, tries: strict },
     Row { kind: Kind::Part, tries: open },
     Row { kind: Kind::Part, tries: without_own },
     Row { kind: Kind::Part, tries: nearest },
-    Row { kind: Kind::Tie, tries: strict },
     Row { kind: Kind::Tie, tries: rounded },
     Row { kind: Kind::Size, tries: doubled },
     Row { kind: Kind::Size, tries: skin },
@@ -66,8 +66,17 @@ fn nearest(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
 }
 
 fn strict(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
-    if search.found.errors.spurious == 0 && search.largest() <= 0.0 {
+    let (errors, terms) = (search.found.errors, search.job.terms);
+    if search.largest() > 0.0 {
+        return;
+    }
+    if errors.spurious == 0 {
         each(Mistake::Strict, at.truth.filtered(|pair| depth(at.space, pair) != 0.0));
+    } else if errors.missed == 0 && terms.arithmetic == Arithmetic::ExactOpen {
+        let closed = truth(at.space, Arithmetic::Exact, terms.memory_limit);
+        closed.into_iter().for_each(|closed| {
+            each(Mistake::Closed, closed);
+        });
     }
 }
 
