@@ -16,6 +16,7 @@ a copy. The interpreter's lock is released meanwhile, so no other thread may wri
 until a call returns.
 """
 
+from . import neighbours
 from ._boxes import Box
 from ._checking import Check, Failure, check
 from ._contactbench import DETECTORS, Refused, __version__
@@ -44,6 +45,7 @@ __all__ = [
     "check_neighbours",
     "contacts",
     "load",
+    "neighbours",
     "provenance",
     "recommend",
     "scene",

@@ -37,6 +37,9 @@ class Search:
     def count(self, x: Doubles, r: Doubles, edges: Edges | None) -> dict[str, int]: ...
     def forget(self) -> None: ...
 
+def neighbours(
+    search: Search, x: Doubles, r: Doubles, edges: Edges | None, wanted: dict[str, bool]
+) -> tuple[Any, ...]: ...
 def verify(
     x: Doubles,
     r: Doubles,

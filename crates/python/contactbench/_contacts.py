@@ -71,8 +71,9 @@ def contacts(
     detector : str
         One of `DETECTORS`, with parameters as in ``"streamed-nbs:level=avx2"``; ``"auto"`` is
         `streamed-nbs`, the default of ``contactbench detect``. Only time and memory depend on it.
-    arithmetic : {"exact", "f64", "f32", "f32-cell", "textbook"}
-        How contacts are decided: exactly for the given numbers, or by a rounded test.
+    arithmetic : {"exact", "exact-open", "f64", "f32", "f32-cell", "textbook"}
+        How contacts are decided: exactly for the given numbers, exactly with < instead of <=, or by
+        a rounded test.
     threads : int
         Number of threads. Only `streamed-nbs` (from 30,000 particles on), `cell-grid` and `direct`
         can use several.

@@ -58,6 +58,22 @@ impl<'a> Arrays<'a> {
         self.x.len() / self.dim
     }
 
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// Returns the vector from particle i to the image of j, computed in f64.
+    pub fn vector(&self, i: usize, j: usize, shift: [i32; 3]) -> [f64; 3] {
+        let mut vector = [0.0; 3];
+        for (k, of) in vector.iter_mut().take(self.dim).enumerate() {
+            *of = self.x[j * self.dim + k] - self.x[i * self.dim + k];
+            if let Some((vectors, ..)) = self.edges {
+                *of += (0..3).map(|v| f64::from(shift[v]) * vectors[v][k]).sum::<f64>();
+            }
+        }
+        vector
+    }
+
     /// Returns the scene without a copy.
     pub fn scene(&self) -> Result<AnyScene<'a>, Failure> {
         let radii = match *self.r {

@@ -5,6 +5,7 @@
 mod check;
 mod failure;
 mod given;
+mod neighbours;
 mod pages;
 mod recommend;
 mod record;
@@ -22,6 +23,8 @@ static ALLOCATOR: Pages = Pages;
 mod _contactbench {
     #[pymodule_export]
     use super::check::check;
+    #[pymodule_export]
+    use super::neighbours::neighbours;
     #[pymodule_export]
     use super::recommend::{recommend, serve};
     #[pymodule_export]

@@ -11,7 +11,7 @@ use contactbench_core::periodic::Contacts;
 use contactbench_core::probe::Op;
 use contactbench_core::searcher::{Loaded, Searcher};
 use contactbench_core::sink::smaller_first;
-use contactbench_core::track::{self, Tracker, TrackerSpec};
+use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
 use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -130,12 +130,13 @@ enum Spec {
     Tracker(TrackerSpec),
 }
 
-enum Finder {
+pub enum Finder {
     Detector(Box<Searcher>),
     Tracker(Box<dyn Tracker>),
 }
 
-type Working = (Finder, Option<ThreadPool>);
+pub type Working = (Finder, Option<ThreadPool>);
+type Found = (Contacts, Option<usize>, Option<Step>);
 
 #[derive(Clone, Copy, Default)]
 struct Done {
@@ -170,7 +171,37 @@ fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Fail
 }
 
 impl Search {
-    fn with<R: Send + 'static>(
+    /// Returns a function that finds the contacts, the number of components of an image (`None` in
+    /// open space), and what a tracker did.
+    pub fn finding(
+        &self,
+    ) -> impl FnOnce(&mut Working, &Arrays<'_>) -> Result<Found, Failure> + Send + use<> {
+        let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
+        move |(finder, crew), arrays| {
+            let scene = loaded(arrays, arithmetic, limit)?;
+            let mut contacts = room(arrays, limit);
+            let mut find = || match finder {
+                Finder::Detector(searcher) => {
+                    searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
+                }
+                Finder::Tracker(tracker) => {
+                    tracker.find(scene.frame(arithmetic), None, &mut contacts).map(Some)
+                }
+            };
+            let step = match crew {
+                Some(pool) => pool.install(find),
+                None => find(),
+            }?;
+            smaller_first(&mut contacts.plain);
+            let boxed = match &scene {
+                Loaded::Open(_) => None,
+                Loaded::InBox(periodic) => Some(periodic.scene().dim()),
+            };
+            Ok((contacts, boxed, step))
+        }
+    }
+
+    pub fn with<R: Send + 'static>(
         &self,
         py: Python<'_>,
         arrays: Arrays<'_>,
@@ -230,31 +261,7 @@ impl Search {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
-        let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
-        let search = move |(finder, crew): &mut Working, arrays: &Arrays<'_>| {
-            let scene = loaded(arrays, arithmetic, limit)?;
-            let mut contacts = room(arrays, limit);
-            let mut find = || match finder {
-                Finder::Detector(searcher) => {
-                    searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
-                }
-                Finder::Tracker(tracker) => {
-                    tracker.find(scene.frame(arithmetic), None, &mut contacts).map(Some)
-                }
-            };
-            let step = match crew {
-                Some(pool) => pool.install(find),
-                None => find(),
-            }?;
-            smaller_first(&mut contacts.plain);
-            // Number of components of an image: the dimension, or `None` in open space.
-            let boxed = match &scene {
-                Loaded::Open(_) => None,
-                Loaded::InBox(periodic) => Some(periodic.scene().dim()),
-            };
-            Ok((contacts, boxed, step))
-        };
-        let (found, boxed, step) = self.with(py, Arrays::new(&x, &r, edges)?, search)?;
+        let (found, boxed, step) = self.with(py, Arrays::new(&x, &r, edges)?, self.finding())?;
         if let Some(step) = step {
             let mut done = self.done();
             done.steps += 1;

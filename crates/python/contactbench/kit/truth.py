@@ -38,14 +38,10 @@ def half_list(system: System, rule: str = "<", cutoff: float | None = None) -> R
     limit = system.cutoff if cutoff is None else cutoff
     if len(system) == 0:
         return np.empty((0, 5), dtype=np.int64)
-    pairs, images = contacts(
-        system.positions, limit / 2, Box(system.full_cell(), periodic=system.pbc)
-    )
-    rows = canonical(np.hstack([pairs.astype(np.int64), images.astype(np.int64)]))
-    if rule == "<":
-        near = _near(system, rows, limit)
-        rows = rows[~(near & (squares(system, rows, near, limit) == 0))]
-    return rows
+    box = Box(system.full_cell(), periodic=system.pbc)
+    arithmetic = "exact-open" if rule == "<" else "exact"
+    pairs, images = contacts(system.positions, limit / 2, box, arithmetic=arithmetic)
+    return canonical(np.hstack([pairs.astype(np.int64), images.astype(np.int64)]))
 
 
 def canonical(rows: Rows) -> Rows:

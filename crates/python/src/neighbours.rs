@@ -1,0 +1,172 @@
+//! Arrays of a neighbour list, made from the contacts of particles of equal radii.
+
+use contactbench_core::periodic::{Contacts, ImagePair};
+use contactbench_core::refusal::{Refusal, reserve};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+
+use crate::given::{Arrays, Edges, rows};
+use crate::search::Search;
+
+/// The form of a list, and the arrays to return beside i, j and the offsets.
+#[derive(Clone, Copy, FromPyObject)]
+pub struct Wanted {
+    /// Each pair once, with i <= j, instead of from both sides.
+    #[pyo3(item)]
+    half: bool,
+    /// Rows ordered by j and shift.
+    #[pyo3(item)]
+    sorted: bool,
+    /// Shifts S.
+    #[pyo3(item)]
+    shifts: bool,
+    /// Distance vectors D and distances d.
+    #[pyo3(item)]
+    vectors: bool,
+}
+
+type Lists = (
+    Py<PyArray1<i64>>,
+    Py<PyArray1<i64>>,
+    Py<PyArray1<i64>>,
+    Option<Py<PyArray2<i32>>>,
+    Option<Py<PyArray2<f64>>>,
+    Option<Py<PyArray1<f64>>>,
+);
+
+/// A neighbour list: entries of particle i lie between offsets i and i + 1.
+struct Table {
+    offsets: Vec<i64>,
+    j: Vec<i64>,
+    /// Shifts, or nothing if they are not needed.
+    shifts: Vec<[i32; 3]>,
+}
+
+fn filled<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
+    let mut all = Vec::new();
+    reserve(&mut all, len)?;
+    all.resize(len, T::default());
+    Ok(all)
+}
+
+impl Table {
+    fn new(
+        particles: usize,
+        contacts: &Contacts,
+        wanted: Wanted,
+        shifts: bool,
+    ) -> Result<Table, Refusal> {
+        let mut offsets: Vec<i64> = filled(particles + 1)?;
+        let both = |[i, j]: [u32; 2]| [(i, j)].into_iter().chain((!wanted.half).then_some((j, i)));
+        let shifted = |pair: &ImagePair| both([pair.i, pair.j]);
+        let pairs = contacts.plain.iter().flat_map(|&pair| both(pair));
+        pairs.clone().chain(contacts.shifted.iter().flat_map(shifted)).for_each(|(i, _)| {
+            offsets[i as usize] += 1;
+        });
+        let mut len = 0;
+        for offset in &mut offsets {
+            len += std::mem::replace(offset, len);
+        }
+        let mut j: Vec<i64> = filled(len as usize)?;
+        let mut list =
+            Table { shifts: filled(if shifts { j.len() } else { 0 })?, offsets, j: vec![] };
+        let mut put = |(i, of): (u32, u32)| {
+            let at = &mut list.offsets[i as usize];
+            j[*at as usize] = i64::from(of);
+            *at += 1;
+            *at as usize - 1
+        };
+        pairs.for_each(|pair| {
+            put(pair);
+        });
+        for &ImagePair { i, j, image } in &contacts.shifted {
+            for (pair, sign) in both([i, j]).zip([1, -1]) {
+                let at = put(pair);
+                if shifts {
+                    list.shifts[at] = image.map(|s| sign * s);
+                }
+            }
+        }
+        list.j = j;
+        // Each offset has moved to the end of its row, which is the start of the next row.
+        list.offsets.rotate_right(1);
+        list.offsets[0] = 0;
+        if wanted.sorted {
+            list.sort();
+        }
+        Ok(list)
+    }
+
+    /// Orders each row by j and shift.
+    fn sort(&mut self) {
+        let mut row = Vec::new();
+        for &[from, to] in self.offsets.array_windows() {
+            let range = from as usize..to as usize;
+            row.clear();
+            row.extend(range.clone().map(|k| (self.j[k], self.shift(k))));
+            row.sort_unstable();
+            for (k, &(j, shift)) in range.zip(&row) {
+                self.j[k] = j;
+                if let Some(of) = self.shifts.get_mut(k) {
+                    *of = shift;
+                }
+            }
+        }
+    }
+
+    fn shift(&self, k: usize) -> [i32; 3] {
+        self.shifts.get(k).copied().unwrap_or_default()
+    }
+
+    /// Returns the first particle of each entry.
+    fn i(&self) -> Result<Vec<i64>, Refusal> {
+        let mut all = Vec::new();
+        reserve(&mut all, self.j.len())?;
+        for (i, &[from, to]) in self.offsets.array_windows().enumerate() {
+            all.extend(std::iter::repeat_n(i as i64, (to - from) as usize));
+        }
+        Ok(all)
+    }
+}
+
+/// Returns offsets (N + 1), i (M), j (M) and, if wanted, S (M, D), D (M, D) and d (M).
+#[pyfunction]
+pub fn neighbours(
+    py: Python<'_>,
+    search: &Bound<'_, Search>,
+    x: PyReadonlyArrayDyn<'_, f64>,
+    r: PyReadonlyArrayDyn<'_, f64>,
+    edges: Option<Edges>,
+    wanted: Wanted,
+) -> PyResult<Lists> {
+    let (own, find) = (search.get(), search.get().finding());
+    let search = move |working: &mut _, arrays: &Arrays<'_>| {
+        let (contacts, boxed, _) = find(working, arrays)?;
+        let shifts = wanted.shifts || boxed.is_some() && (wanted.vectors || wanted.sorted);
+        let table = Table::new(arrays.len(), &contacts, wanted, shifts)?;
+        drop(contacts);
+        let (i, dim) = (table.i()?, arrays.dim());
+        let (mut vectors, mut distances) = (Vec::new(), Vec::new());
+        if wanted.vectors {
+            reserve(&mut vectors, i.len() * dim)?;
+            reserve(&mut distances, i.len())?;
+            for (k, (&i, &j)) in i.iter().zip(&table.j).enumerate() {
+                let vector = arrays.vector(i as usize, j as usize, table.shift(k));
+                vectors.extend(&vector[..dim]);
+                distances.push(vector.iter().map(|d| d * d).sum::<f64>().sqrt());
+            }
+        }
+        Ok((i, dim, table, vectors, distances))
+    };
+    let (i, dim, Table { offsets, j, shifts }, vectors, distances) =
+        own.with(py, Arrays::new(&x, &r, edges)?, search)?;
+    let shifts = match dim {
+        3 => shifts.into_flattened(),
+        _ => shifts.iter().flat_map(|shift| &shift[..dim]).copied().collect(),
+    };
+    let [offsets, i, j] = [offsets, i, j].map(|all| all.into_pyarray(py).unbind());
+    let shifts = wanted.shifts.then(|| rows(py, shifts, dim)).transpose()?;
+    let with = wanted.vectors;
+    let vectors = with.then(|| rows(py, vectors, dim)).transpose()?;
+    Ok((offsets, i, j, shifts, vectors, with.then(|| distances.into_pyarray(py).unbind())))
+}
