@@ -133,7 +133,7 @@ fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
 
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
     let wrong =
-        |subject: &RacedSubject| subject.outcome == Outcome::Wrong && subject.entry.is_ours();
+        |subject: &RacedSubject| subject.row.outcome == Outcome::Wrong && subject.entry.is_ours();
     match race.subjects.iter().any(wrong) || verdict.is_none() {
         true => ExitCode::from(1),
         false => ExitCode::SUCCESS,
@@ -180,11 +180,11 @@ fn ranked(race: &Race, n: usize) -> Vec<&RacedSubject> {
 
 /// Returns the reason why a detector has no time; `None` if it has one.
 fn why_out(subject: &RacedSubject) -> Option<String> {
-    match subject.outcome {
+    match subject.row.outcome {
         _ if !subject.times.is_empty() => None,
-        outcome if outcome.is_good() => Some(format!("dropped: {}", subject.reason)),
-        Outcome::Timeout => Some(subject.reason.clone()),
-        outcome => Some(format!("{}: {}", outcome.name(), subject.reason)),
+        outcome if outcome.is_good() => Some(format!("dropped: {}", subject.row.reason)),
+        Outcome::Timeout => Some(subject.row.reason.clone()),
+        outcome => Some(format!("{}: {}", outcome.name(), subject.row.reason)),
     }
 }
 

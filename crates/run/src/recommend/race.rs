@@ -11,28 +11,22 @@
 //!   (`FAR`). After `FEWEST` blocks, so does one whose interval lies above 1.5 (`BEHIND`). Two
 //!   detectors always remain, so that their ratio is measured.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::bail;
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
-
 use crate::recommend::subject::{BEHIND, FAR, HOPELESS, Race, RacedSubject};
-use crate::run::judge::{Judge, Said};
+use crate::run::bench::{self, Bench, sample};
+use crate::run::judge::Said;
 use crate::run::machine::disk;
 use crate::run::machine::processors;
-use crate::run::passes::{self, SHORTEST_SAMPLE_NS};
+use crate::run::passes::{SHORTEST_SAMPLE_NS, measure};
 use crate::run::runner::client::{Client, Failure, Start};
-use crate::run::runner::protocol::{Reply, Request};
-use crate::run::runner::trajectory::Trajectory;
 use crate::run::subject;
+use anyhow::bail;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::{Entry, Role, TABLE};
 use contactbench_io::Given;
-use contactbench_record::record::row::Outcome;
-use contactbench_record::stats::interval::{Interval, ratio};
+use contactbench_record::record::row::{Outcome, Pass, Row};
+use contactbench_record::stats::interval::ratio;
 
 /// A probe may take this multiple of the fastest probe's time.
 const PATIENCE: u32 = 20;
@@ -62,9 +56,9 @@ pub struct Question<'a> {
 pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Race> {
     let folder = disk::temporary()?;
     note("finding the true pairs");
-    let mut judge = Judge::new(question.given, question.memory_limit)?;
-    let arithmetic = question.arithmetic;
-    let (count, nothing) = judge.count(arithmetic)?;
+    let Question { given, history, arithmetic, memory_limit, .. } = *question;
+    let mut bench = Bench::at_rest(given, history, folder.path(), memory_limit)?;
+    let (count, nothing) = bench.judge.count(arithmetic)?;
     if let Some(nothing) = nothing {
         if nothing.hopeless {
             bail!("{}", nothing.reason);
@@ -76,31 +70,31 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         );
     }
     let contacts = count.first;
-    let scenes = question.history.iter().chain([question.given]);
-    let loads = Trajectory::write_all(folder.path(), scenes)?;
     let mut entries: Vec<_> =
         TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
     // Detectors that are usually fast come first, so that probes of slow ones can be cut short.
     entries.sort_by_key(|entry| entry.speed);
-    let mut ground = Ground {
-        question,
-        judge,
-        loads,
-        folder: folder.path(),
-        room: subject::room(question.given.scene.len() as u64, contacts),
-        started: Instant::now(),
-    };
+    let room = subject::room(given.scene.len() as u64, contacts);
+    let mut ground = Ground { question, bench, room, started: Instant::now() };
     let mut subjects = ground.probe_all(entries, note)?;
-    let (blocks, twin) = ground.blocks(&mut subjects, note)?;
+    let racing = subjects.iter().filter(|subject| subject.racing);
+    let original = racing.min_by_key(|subject| subject.probe_ns);
+    // The twin has the limits that its original was given after the probe.
+    let twin = original.map(RacedSubject::twin);
+    subjects.extend(twin);
+    let (blocks, mut subjects) = ground.blocks(subjects, note)?;
+    let twin = subjects.extract_if(.., |subject| subject.is_twin).next();
     subjects.sort_by_key(|subject| TABLE.iter().position(|entry| entry.name == subject.entry.name));
+    let twin = twin.and_then(|twin| {
+        let original = subjects.iter().find(|it| it.entry.name == twin.entry.name)?;
+        ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
+    });
     Ok(Race { subjects, contacts, blocks, twin })
 }
 
 struct Ground<'a> {
     question: &'a Question<'a>,
-    judge: Judge<'a>,
-    loads: Vec<Trajectory>,
-    folder: &'a Path,
+    bench: Bench<'a>,
     /// Memory for the scene and its pairs, in bytes.
     room: u64,
     started: Instant,
@@ -159,12 +153,13 @@ impl Ground<'_> {
         let started = Instant::now();
         subject.start.time_limit = patience;
         let Some((time, mut client)) = self.sample(subject, None)? else {
-            if subject.outcome == Outcome::Timeout {
+            if subject.row.outcome == Outcome::Timeout {
                 let what = match best {
                     None => ": give more --seconds",
                     Some(_) => "; others had answered by then",
                 };
-                subject.reason = format!("no answer after {:.1} s{what}", patience.as_secs_f64());
+                subject.row.reason =
+                    format!("no answer after {:.1} s{what}", patience.as_secs_f64());
             }
             return Ok(None);
         };
@@ -175,12 +170,9 @@ impl Ground<'_> {
         subject.probe_ns = Some(time);
         let hopeless = best.is_some_and(|best| time as f64 > HOPELESS.limit * best as f64);
         if !hopeless {
-            match client.ask(&Request::Memory) {
-                Ok(Reply::Memory(memory)) => {
-                    subject.peak_bytes = Some(memory.peak_bytes);
-                    subject.formula_bytes = memory.formula_bytes;
-                }
-                Ok(_) => {}
+            let mut row = Row { pass: Pass::Memory, ..subject.row.clone() };
+            match measure(&mut client, &mut row) {
+                Ok(_) => subject.row = row,
                 Err(failure) => subject.fail(failure),
             }
         }
@@ -194,9 +186,9 @@ impl Ground<'_> {
         subject: &mut RacedSubject,
         processor: Option<usize>,
     ) -> anyhow::Result<Option<(u64, Client)>> {
-        let client = passes::fresh(&subject.start, None, &self.loads, processor);
-        let answer = client
-            .and_then(|mut client| Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
+        let client = self.bench.fresh(&subject.start, None, processor);
+        let answer =
+            client.and_then(|mut client| Ok((sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
             Err(failure) => {
@@ -204,57 +196,44 @@ impl Ground<'_> {
                 return Ok(None);
             }
         };
-        let path = self.folder.join("pairs.npy");
-        let box_dim = self.loads.last().and_then(Trajectory::box_dim);
-        let fetch = |_| client.pairs(&path, box_dim, None);
         let arithmetic = self.question.arithmetic;
         let said = Said { arithmetic, may_miss: false, found: &sample.found };
-        let (judged, _) = self.judge.judge(subject.entry.name, said, fetch)?;
-        subject.errors = judged.errors;
+        let (judged, _) = self.bench.judge(subject.entry.name, said, &mut client)?;
+        subject.row.errors = judged.errors;
         if judged.outcome.is_good() {
-            subject.outcome = judged.outcome;
+            subject.row.outcome = judged.outcome;
             return Ok(Some((sample.time_ns, client)));
         }
         subject.fail(Failure { outcome: judged.outcome, reason: judged.reason });
         Ok(None)
     }
 
+    /// Times all subjects in blocks; returns the number of blocks, and the subjects in any order.
     fn blocks(
         &mut self,
-        subjects: &mut [RacedSubject],
+        subjects: Vec<RacedSubject>,
         note: &mut dyn FnMut(&str),
-    ) -> anyhow::Result<(u32, Option<Interval>)> {
-        let racing = subjects.iter().filter(|subject| subject.racing);
-        let original = racing.min_by_key(|subject| subject.probe_ns);
-        // The twin has the limits that its original was given after the probe.
-        let mut twin = original.map(|it| RacedSubject::new(it.entry, it.threads, it.start.clone()));
-        let mut done = 0;
-        for block in 1..=MOST {
-            let share = if block <= FEWEST { BEYOND } else { 1.0 };
-            if block > 1 && self.left(share).is_zero() {
-                break;
-            }
-            let mut order: Vec<&mut RacedSubject> =
-                subjects.iter_mut().chain(&mut twin).filter(|subject| subject.racing).collect();
-            note(&format!("block {block}: {} racing", order.len().saturating_sub(1)));
-            order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
-            for subject in order {
-                let processor = processors::in_block(block).filter(|_| subject.threads == 1);
-                if let Some((time, _)) = self.sample(subject, processor)? {
-                    subject.times.insert(block.into(), time);
-                }
-            }
-            done = block;
-            match block {
+    ) -> anyhow::Result<(u32, Vec<RacedSubject>)> {
+        let (time, started) = (self.question.time, self.started);
+        let in_time = |block, subjects: &mut Vec<RacedSubject>| {
+            match block - 1 {
                 FIRST_BLOCKS => FAR.apply(subjects),
                 FEWEST.. => BEHIND.apply(subjects),
                 _ => {}
             }
-        }
-        let of = |twin: RacedSubject| {
-            let original = subjects.iter().find(|it| it.entry.name == twin.entry.name)?;
-            ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
+            let racing = subjects.iter().filter(|subject| subject.racing && !subject.is_twin);
+            note(&format!("block {block}: {} racing", racing.count()));
+            let share = if block <= FEWEST { BEYOND } else { 1.0 };
+            block == 1 || started.elapsed() < time.mul_f64(share)
         };
-        Ok((done, twin.and_then(of)))
+        bench::race(subjects, MOST, 0, in_time, |block, mut subject| {
+            let processor = processors::in_block(block).filter(|_| subject.threads == 1);
+            if subject.racing
+                && let Some((time, _)) = self.sample(&mut subject, processor)?
+            {
+                subject.times.insert(block.into(), time);
+            }
+            Ok(Some(subject))
+        })
     }
 }

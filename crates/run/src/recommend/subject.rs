@@ -1,8 +1,7 @@
 //! Subjects of a race: their times so far, and the rules by which slow subjects drop out.
 
 use contactbench_core::detect::table::Entry;
-use contactbench_core::oracle::Errors;
-use contactbench_record::record::row::Outcome;
+use contactbench_record::record::row::Row;
 use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
 
 use crate::run::runner::client::{Failure, Start};
@@ -11,17 +10,12 @@ use crate::run::runner::client::{Failure, Start};
 pub struct RacedSubject {
     pub entry: &'static Entry,
     pub threads: usize,
-    /// `ok` or `lossy` if the subject finished or was only slow; otherwise the kind of its failure.
-    pub outcome: Outcome,
-    /// Why the subject dropped out; empty if it was measured to the end.
-    pub reason: String,
+    pub is_twin: bool,
+    /// The outcome, `ok` or `lossy` if the subject finished or was only slow; the reason why it
+    /// dropped out, empty if it was measured to the end; errors; and memory.
+    pub row: Row,
     pub probe_ns: Option<u64>,
     pub times: Blocks,
-    /// Peak memory in bytes, without the scene and its pairs.
-    pub peak_bytes: Option<u64>,
-    pub formula_bytes: Option<u64>,
-    /// Errors of the answer, compared with exact decisions on the given scene.
-    pub errors: Option<Errors>,
     pub(super) racing: bool,
     pub(super) start: Start,
 }
@@ -31,25 +25,27 @@ impl RacedSubject {
         RacedSubject {
             entry,
             threads,
-            outcome: Outcome::Ok,
-            reason: String::new(),
+            is_twin: false,
+            row: Row::default(),
             probe_ns: None,
             times: Blocks::new(),
-            peak_bytes: None,
-            formula_bytes: None,
-            errors: None,
             racing: true,
             start,
         }
     }
 
+    pub(super) fn twin(&self) -> RacedSubject {
+        let start = self.start.clone();
+        RacedSubject { is_twin: true, ..RacedSubject::new(self.entry, self.threads, start) }
+    }
+
     pub(super) fn fail(&mut self, Failure { outcome, reason }: Failure) {
-        (self.outcome, self.reason, self.racing) = (outcome, reason, false);
+        (self.row.outcome, self.row.reason, self.racing) = (outcome, reason, false);
         self.times.clear();
     }
 
     pub fn is_timed(&self) -> bool {
-        self.outcome.is_good() && !self.times.is_empty()
+        self.row.outcome.is_good() && !self.times.is_empty()
     }
 
     /// Returns the median of the times in nanoseconds or, without times, the time of the probe.
@@ -104,7 +100,8 @@ pub(super) const BEHIND: Rule =
 
 impl Rule {
     pub fn apply(&self, subjects: &mut [RacedSubject]) {
-        let mut racing: Vec<usize> = (0..subjects.len()).filter(|&k| subjects[k].racing).collect();
+        let mut racing: Vec<usize> =
+            (0..subjects.len()).filter(|&k| subjects[k].racing && !subjects[k].is_twin).collect();
         racing.sort_by(|&a, &b| subjects[a].typical().total_cmp(&subjects[b].typical()));
         let Some((best, others)) = racing.split_first() else { return };
         for &k in others.iter().skip(1) {
@@ -115,7 +112,8 @@ impl Rule {
             let out = &mut subjects[k];
             out.racing = false;
             if let Some(place) = self.place {
-                out.reason = format!("about {times:.0} times as slow as the fastest in {place}");
+                out.row.reason =
+                    format!("about {times:.0} times as slow as the fastest in {place}");
                 out.times.clear();
             }
         }
@@ -142,12 +140,12 @@ mod tests {
         let mut all = race(&[(10, &[8, 8]), (50, &[11, 40]), (11, &[40, 32]), (121, &[])]);
         HOPELESS.apply(&mut all);
         assert_eq!(racing(&all), [true, true, true, false]);
-        assert_eq!(all[3].reason, "about 12 times as slow as the fastest in a first probe");
+        assert_eq!(all[3].row.reason, "about 12 times as slow as the fastest in a first probe");
         FAR.apply(&mut all);
         assert_eq!(racing(&all), [true, true, false, false]);
-        assert!(all[2].reason.starts_with("about 4 times "));
+        assert!(all[2].row.reason.starts_with("about 4 times "));
         assert!(all[2].times.is_empty());
-        assert!(all[1].reason.is_empty() && all[1].times.len() == 2);
+        assert!(all[1].row.reason.is_empty() && all[1].times.len() == 2);
         let mut slow = race(&[(10, &[10, 10]), (900, &[900, 900]), (990, &[990, 990])]);
         HOPELESS.apply(&mut slow);
         FAR.apply(&mut slow);

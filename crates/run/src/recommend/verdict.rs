@@ -38,7 +38,7 @@ impl Verdict {
             .iter()
             .copied()
             .filter(|&k| beside(k))
-            .min_by_key(|&k| (subjects[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
+            .min_by_key(|&k| (subjects[k].row.peak_bytes.unwrap_or(u64::MAX), k != best))?;
         let next = behind
             .into_iter()
             .filter_map(|k| Some((k, against(k, choice)?)))
@@ -58,5 +58,5 @@ pub fn per_particle(subject: &RacedSubject, n: usize) -> Option<Interval> {
 }
 
 pub fn bytes_per_particle(subject: &RacedSubject, n: usize) -> Option<f64> {
-    subject.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
+    subject.row.peak_bytes.map(|bytes| bytes as f64 / n.max(1) as f64)
 }

@@ -7,7 +7,7 @@ use crate::recommend::subject::{Race, RacedSubject, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 
 pub fn error(subject: &RacedSubject) -> String {
-    match subject.errors {
+    match subject.row.errors {
         None => "not compared".into(),
         Some(errors) if errors.wrong() == 0 => "exact".into(),
         Some(errors) => errors.to_string(),
@@ -79,15 +79,15 @@ pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
         json!({
             "detector": subject.entry.name,
             "threads": subject.threads,
-            "outcome": subject.outcome.name(),
-            "reason": subject.reason,
+            "outcome": subject.row.outcome.name(),
+            "reason": subject.row.reason,
             "probe_ns": subject.probe_ns,
             "ns_per_particle": per_particle(subject, n).map(numbers),
             "ratio_to_fastest": ratio(&subject.times, &base).map(numbers),
-            "peak_bytes": subject.peak_bytes,
+            "peak_bytes": subject.row.peak_bytes,
             "bytes_per_particle": bytes_per_particle(subject, n),
-            "formula_bytes": subject.formula_bytes,
-            "errors": subject.errors,
+            "formula_bytes": subject.row.formula_bytes,
+            "errors": subject.row.errors,
         })
     });
     let next =

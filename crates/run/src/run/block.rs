@@ -7,9 +7,9 @@
 
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::run::judge::Judge;
+use crate::run::bench::{Bench, sample};
 use crate::run::machine::pulse::pulse;
-use crate::run::passes::{Running, SHORTEST_SAMPLE_NS, sample};
+use crate::run::passes::{Running, SHORTEST_SAMPLE_NS};
 use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
@@ -47,7 +47,7 @@ impl Stage<'_, '_> {
         &mut self,
         entry: Vec<Running>,
         block: u32,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<Vec<Running>> {
         let blank = |one: &Running| Row { pass: Pass::Time, block, ..one.blank.clone() };
         // If a killed run left the block incomplete, it is measured again.
@@ -61,7 +61,7 @@ impl Stage<'_, '_> {
                 // The pulse would disturb the caches, so it is measured before the process starts.
                 row.pulse_ns = pulse(processor);
             }
-            match running.fresh(processor) {
+            match running.fresh(bench, processor) {
                 Ok(client) => {
                     subjects.push(TimedSubject { running, client, row, turns: Vec::new() })
                 }
@@ -86,11 +86,13 @@ impl Stage<'_, '_> {
         for TimedSubject { running, mut client, mut row, turns } in subjects {
             let Some(sum) = total(&turns) else { continue };
             running.fill(&mut row, &sum, running.processor(block));
+            // If the scene has a history, this is not the process's first detection.
+            row.first_ns = row.first_ns.filter(|_| !bench.has_history());
             row.process = self.log.origins.process(&running.subject, &client)?;
             if !running.is_alone() {
                 row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
             }
-            self.judge(&mut row, &running, &mut client, judge, &sum.found)?;
+            self.judge(&mut row, &running, &mut client, bench, &sum.found)?;
             let others = others(&turns);
             if others > 0 && row.outcome != Outcome::Wrong {
                 row.outcome = Outcome::Wrong;

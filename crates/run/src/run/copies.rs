@@ -10,9 +10,9 @@
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::run::judge::Judge;
+use crate::run::bench::{Bench, sample};
 use crate::run::machine::processors;
-use crate::run::passes::{Running, fresh, sample, say};
+use crate::run::passes::{Running, say};
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
@@ -49,7 +49,7 @@ impl Stage<'_, '_> {
         &mut self,
         running: &mut Running,
         block: u32,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<()> {
         let mut row = Row { pass: Pass::Ceiling, block, ..running.blank.clone() };
         let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
@@ -57,7 +57,7 @@ impl Stage<'_, '_> {
         };
         let answers = processors::apart(running.subject.threads)
             .into_iter()
-            .map(|place| fresh(start, Some(&running.hello), &running.loads, place))
+            .map(|place| bench.fresh(start, Some(&running.hello), place))
             .collect::<Result<Vec<Client>, Failure>>()
             .and_then(|mut copies| {
                 let (alone, answers) = if block.is_multiple_of(2) {
@@ -87,7 +87,7 @@ impl Stage<'_, '_> {
         for (copy, answer) in copies.iter_mut().zip(answers) {
             if row.outcome.is_good() {
                 say(&mut row, &answer.found);
-                self.judge(&mut row, running, copy, judge, &answer.found)?;
+                self.judge(&mut row, running, copy, bench, &answer.found)?;
             }
         }
         self.write(&row)?;

@@ -1,5 +1,6 @@
 //! Runs experiments: a process for each subject, judged answers, and rows in the record.
 
+pub(crate) mod bench;
 mod block;
 mod copies;
 pub mod judge;

@@ -5,15 +5,13 @@
 //! changes its time by up to a fifth, for as long as the process lives. Blocks within one process
 //! would repeat the same position, and make equal code look different.
 
-use std::rc::Rc;
-
-use crate::run::judge::{Judge, Said, Tracked};
+use crate::run::bench::Bench;
+use crate::run::judge::{Said, Tracked};
 use crate::run::machine::interrupt;
 use crate::run::machine::processors;
 use crate::run::plan::describe;
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
-use crate::run::runner::trajectory::Trajectory;
 use crate::run::stage::Stage;
 use crate::run::subject::Subject;
 use contactbench_core::contact::Arithmetic;
@@ -28,7 +26,6 @@ pub(crate) struct Running {
     pub arithmetic: Arithmetic,
     pub hello: Hello,
     pub blank: Row,
-    pub loads: Rc<[Trajectory]>,
     /// The command that starts a copy with one thread; `None` if copies are not measured.
     pub copy: Option<Start>,
 }
@@ -43,14 +40,13 @@ impl Running {
         self.subject.duet.is_none()
     }
 
-    pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
-        fresh(&self.subject.start, Some(&self.hello), &self.loads, processor)
+    pub fn fresh(&self, bench: &Bench<'_>, processor: Option<usize>) -> Result<Client, Failure> {
+        bench.fresh(&self.subject.start, Some(&self.hello), processor)
     }
 
     pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
-        // If the scene has a history, `first_ns` is not the process's first detection.
-        row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
+        row.first_ns = sample.first_ns;
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);
         say(row, &sample.found);
@@ -62,55 +58,6 @@ impl Running {
             row.building_ns = sample.building_ns;
         }
         row.processor = processor.map(|processor| processor as u32);
-    }
-}
-
-/// Loads several scenes one after the other, for hard cases with a history. Answers to scenes
-/// before the last are not judged; these scenes only leave traces in buffers.
-pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), Failure> {
-    let Some((last, history)) = loads.split_last() else { return Ok(()) };
-    for trajectory in history {
-        let request = Request::Sample { min_ns: 1 };
-        match load(client, trajectory).and_then(|()| client.ask(&request)) {
-            Err(failure) if failure.outcome != Outcome::Refused => return Err(failure),
-            _ => {}
-        }
-    }
-    load(client, last)
-}
-
-/// Starts a runner in a new process, on `processor` if given, and loads the scene. Fails if the
-/// runner's hello is not `hello`.
-pub fn fresh(
-    start: &Start,
-    hello: Option<&Hello>,
-    loads: &[Trajectory],
-    processor: Option<usize>,
-) -> Result<Client, Failure> {
-    let start = &Start { processor, ..start.clone() };
-    // A failed start is repeated once, because the system may lack a resource for a moment.
-    let mut client = Client::start(start).or_else(|_| Client::start(start))?;
-    if hello.is_some_and(|hello| client.hello != *hello) {
-        let reason = "the runner's hello differs from that of its first start".into();
-        return Err(Failure { outcome: Outcome::Crashed, reason });
-    }
-    load_all(&mut client, loads)?;
-    Ok(client)
-}
-
-pub fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
-    let request = Request::Sample { min_ns };
-    match client.ask(&request)? {
-        Reply::Sample(sample) => Ok(*sample),
-        other => Err(astray(&request, &other)),
-    }
-}
-
-fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
-    let request = Request::Load(trajectory.clone());
-    match client.ask(&request)? {
-        Reply::Loaded => Ok(()),
-        other => Err(astray(&request, &other)),
     }
 }
 
@@ -132,8 +79,7 @@ impl Stage<'_, '_> {
         &mut self,
         subject: Subject,
         mut blank: Row,
-        loads: &Rc<[Trajectory]>,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<Option<Running>> {
         if self.too_slow(&blank)? {
             return Ok(None);
@@ -151,12 +97,12 @@ impl Stage<'_, '_> {
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
-        if let Err(failure) = load_all(&mut client, loads) {
+        if let Err(failure) = bench.load(&mut client) {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
-        let (hello, loads) = (client.hello.clone(), loads.clone());
-        let mut running = Running { subject, arithmetic, hello, blank, loads, copy: None };
+        let hello = client.hello.clone();
+        let mut running = Running { subject, arithmetic, hello, blank, copy: None };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
@@ -170,7 +116,7 @@ impl Stage<'_, '_> {
                 }
             };
             if let Some(found) = found {
-                self.judge(&mut row, &running, &mut client, judge, &found)?;
+                self.judge(&mut row, &running, &mut client, bench, &found)?;
             }
             self.write(&row)?;
         }
@@ -185,21 +131,19 @@ impl Stage<'_, '_> {
         row: &mut Row,
         running: &Running,
         client: &mut Client,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
         found: &Found,
     ) -> anyhow::Result<()> {
-        let Running { subject, arithmetic, loads, .. } = running;
+        let Running { subject, arithmetic, .. } = running;
         if subject.role == Role::Nothing {
             row.outcome = Outcome::Control;
             row.reason = "control: reports nothing by design".into();
             return Ok(());
         }
-        let (path, moving) = (self.folder.join("pairs.npy"), self.spec.course.is_some());
-        let box_dim = loads.last().and_then(Trajectory::box_dim);
-        let fetch = |frame: u64| client.pairs(&path, box_dim, moving.then_some(frame));
         let said = Said { arithmetic: *arithmetic, may_miss: subject.may_miss, found };
-        let (judged, tracked) = judge.judge(&subject.name, said, fetch)?;
-        row.course = (moving && judged.errors.is_some()).then(|| recorded(&tracked, &found.steps));
+        let (judged, tracked) = bench.judge(&subject.name, said, client)?;
+        row.course =
+            (bench.is_moving && judged.errors.is_some()).then(|| recorded(&tracked, &found.steps));
         interrupt::check()?;
         row.outcome = judged.outcome;
         row.reason = judged.reason;
@@ -276,7 +220,7 @@ pub fn say(row: &mut Row, found: &Found) {
 
 /// Counts operations or measures memory, as the row's pass requires. Returns `None` if the runner
 /// does not support this.
-fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
+pub(crate) fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
     let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
     let found = match (client.ask(&request)?, row.pass) {
         (Reply::Count(counted), Pass::Count) => {

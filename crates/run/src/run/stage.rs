@@ -7,24 +7,18 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::rc::Rc;
 use std::time::Instant;
-
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 
 use crate::moving::Moved;
 use crate::plan::memory_limit;
+use crate::run::bench::{Bench, race};
 use crate::run::block;
-use crate::run::judge::Judge;
 use crate::run::machine::interrupt;
 use crate::run::machine::load::Watch;
 use crate::run::origins::Origins;
 use crate::run::passes::Running;
 use crate::run::plan::{self, Job, describe};
 use crate::run::runner::client::Failure;
-use crate::run::runner::trajectory::Trajectory;
 use crate::run::subject::{Subject, subjects};
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::scene::SceneError;
@@ -80,24 +74,14 @@ impl Stage<'_, '_> {
         self.note(&given);
         let limit = memory_limit(self.experiment);
         let mut moving = self.spec.frames(&given)?;
-        let (loads, mut judge, moved) = match &mut moving {
-            Some((frames, count)) => {
-                let moving = Trajectory::write_moving(self.folder, frames, *count)?;
-                let (judge, moved) = Judge::moving(moving.clone(), limit)?;
-                (vec![moving], judge, moved)
-            }
-            None => {
-                let history = self.spec.history()?;
-                let loads = Trajectory::write_all(self.folder, history.iter().chain([&given]))?;
-                (loads, Judge::new(&given, limit)?, None)
-            }
+        let (folder, history) = (self.folder, self.spec.history()?);
+        let (mut bench, moved) = match &mut moving {
+            Some((frames, count)) => Bench::moving(frames, *count, folder, limit)?,
+            None => (Bench::at_rest(&given, &history, folder, limit)?, None),
         };
-        let loads: Rc<[Trajectory]> = loads.into();
-        let running = self.enter_all(subjects, &given, (&loads, moved), &mut judge)?;
-        self.blocks(running, blocks, &mut judge)?;
-        if moving.is_some() {
-            loads.iter().for_each(Trajectory::remove);
-        }
+        let running = self.enter_all(subjects, &given, moved, &mut bench)?;
+        self.blocks(running, blocks, &mut bench)?;
+        bench.remove();
         Ok(())
     }
 
@@ -119,10 +103,10 @@ impl Stage<'_, '_> {
         &mut self,
         subjects: Vec<Subject>,
         given: &Given,
-        (loads, moved): (&Rc<[Trajectory]>, Option<Moved>),
-        judge: &mut Judge<'_>,
+        moved: Option<Moved>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<Vec<Running>> {
-        let (count, nothing) = judge.count(Arithmetic::Exact)?;
+        let (count, nothing) = bench.judge.count(Arithmetic::Exact)?;
         let hopeless = nothing.filter(|nothing| nothing.hopeless);
         let (scene, stats) = (&given.scene, stats::stats(given, count.first));
         let mut running = Vec::new();
@@ -138,7 +122,7 @@ impl Stage<'_, '_> {
                 let failure = Failure { outcome: Outcome::Refused, reason };
                 self.fail(&blank, failure, &Pass::ALL)?;
             } else {
-                running.extend(self.enter(subject, blank, loads, judge)?);
+                running.extend(self.enter(subject, blank, bench)?);
             }
         }
         Ok(running)
@@ -150,11 +134,11 @@ impl Stage<'_, '_> {
         &mut self,
         running: Vec<Running>,
         blocks: u32,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<()> {
         let (watch, rows) = (Watch::start(), self.log.record.rows());
         self.log.span = watch.as_ref().map(|watch| watch.id.clone());
-        let result = self.samples(running, blocks, judge);
+        let result = self.samples(running, blocks, bench);
         self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
         if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
@@ -168,34 +152,23 @@ impl Stage<'_, '_> {
         &mut self,
         running: Vec<Running>,
         blocks: u32,
-        judge: &mut Judge<'_>,
+        bench: &mut Bench<'_>,
     ) -> anyhow::Result<()> {
-        let mut entries = block::entries(running);
-        let started = Instant::now();
-        for block in 1..=blocks {
-            if block > FEWEST_BLOCKS
-                && started.elapsed().as_secs_f64() > self.experiment.block_budget_s
-            {
-                break;
+        // The order differs between blocks and scenes, but is the same in every run.
+        let seed = plan::seeding(self.experiment, self.spec)
+            .bytes()
+            .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
+        let (started, budget) = (Instant::now(), self.experiment.block_budget_s);
+        let in_time = |block, _: &mut Vec<_>| {
+            block <= FEWEST_BLOCKS || started.elapsed().as_secs_f64() <= budget
+        };
+        race(block::entries(running), blocks, seed, in_time, |block, entry| {
+            let mut entry = self.block(entry, block, bench)?;
+            for one in &mut entry {
+                self.ceiling(one, block, bench)?;
             }
-            // The order differs between blocks and scenes, but is the same in every run.
-            let of_scene = plan::seeding(self.experiment, self.spec)
-                .bytes()
-                .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
-            let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
-            entries.shuffle(&mut random);
-            let mut still = Vec::new();
-            for entry in entries {
-                let mut entry = self.block(entry, block, judge)?;
-                for one in &mut entry {
-                    self.ceiling(one, block, judge)?;
-                }
-                if !entry.is_empty() {
-                    still.push(entry);
-                }
-            }
-            entries = still;
-        }
+            Ok(Some(entry).filter(|entry| !entry.is_empty()))
+        })?;
         Ok(())
     }
 
