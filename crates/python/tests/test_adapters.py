@@ -1,6 +1,8 @@
 """Each adapter of a library, on small systems, against all pairs of all images in fractions."""
 
 import itertools
+import pathlib
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -97,6 +99,20 @@ def test_a_program_reads_all_digits():
     cell = np.eye(3) * (0.1 + 0.2)
     answer = external.program(["bash", "-c", echo])(np.zeros((2, 3)), cell, [0] * 3, 0.1)
     assert [part.tolist() for part in answer] == [[0], [1], [[0, 0, 0]]]
+
+
+def test_the_page_prints_what_it_shows(capsys):
+    if ADAPTERS["vesin"].missing:
+        pytest.skip(ADAPTERS["vesin"].missing)
+    page = (pathlib.Path(__file__).parents[3] / "docs" / "NEIGHBOURS.md").read_text()
+    blocks = re.findall(r"^```(python|text)\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    assert [kind for kind, _ in blocks] == ["text", "python", "text", "python", "text"]
+    names = {}
+    for (_, code), (_, shown) in zip(blocks[1::2], blocks[2::2], strict=True):
+        exec(compile(code, "NEIGHBOURS.md", "exec"), names)
+        printed = capsys.readouterr().out
+        for line in shown.splitlines():
+            assert line == "..." or line in printed
 
 
 def test_each_adapter_is_available_or_names_the_reason():

@@ -42,7 +42,8 @@ class Adapter:
     half : bool
         Whether each pair is in the list once, from one of its sides.
     division : str
-        ``exact`` if the library computes in double precision, else ``tolerant``.
+        ``tolerant`` if the library computes in single precision, or rounds positions on the way
+        so that pairs at exactly the cutoff may fall on either side; else ``exact``.
     refuses : str
         The systems that the library does not support; the adapter refuses them.
     self_images : bool
@@ -89,7 +90,7 @@ class Adapter:
     def prepare(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Callable[[], Any]:
         """Convert the input and return the library's call, which returns (i, j, S). S is None if
         the library returns no shifts; `shifts` computes them."""
-        arrays = np.array(positions, float), np.array(cell, float), np.array(pbc, bool)
+        arrays = (np.array(a, kind, order="C") for a, kind in ((positions, float), (cell, float), (pbc, bool)))
         module = importlib.import_module(f".{self.module}", __name__)
         return module.prepare(*arrays, float(cutoff))
 
@@ -134,8 +135,10 @@ ADAPTERS = {
     "scipy": Adapter(
         "scipy", "scipy", "scipy_ckdtree", "<=", True, refuses=f"{_WIDE}; {_UPRIGHT}"
     ),
-    "pymatgen": Adapter("pymatgen", "pymatgen", "pymatgen"),
-    "sisl": Adapter("sisl", "sisl", "sisl", rule="<=", refuses="atoms outside the cell"),
+    "pymatgen": Adapter("pymatgen", "pymatgen", "pymatgen", division="tolerant"),
+    "sisl": Adapter(
+        "sisl", "sisl", "sisl", "<=", division="tolerant", refuses="atoms outside the cell"
+    ),
     "jax-md": Adapter(
         "jax-md", "jax_md", "jax_md", division="tolerant",
         refuses=f"{_WIDE}; {_UPRIGHT}; slabs and wires",
@@ -148,7 +151,9 @@ ADAPTERS = {
         "warp-lang", "warp", "warp", division="tolerant", refuses="periodic cells"
     ),
     "nvalchemi": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi"),
-    "nvalchemi-naive": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi_naive"),
+    "nvalchemi-naive": Adapter(
+        "nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi_naive", division="tolerant"
+    ),
     "torch-cluster": Adapter(
         "torch-cluster", "torch_cluster", "torch_cluster", division="tolerant",
         refuses="periodic cells",

@@ -20,6 +20,13 @@ def complete(positions, cell, pbc, cutoff):
     return cell, origin
 
 
+def fill(positions, cell, pbc, cutoff):
+    """Return the cell as it is, or complete if its vectors do not span space."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        volume = np.linalg.det(cell / np.linalg.norm(cell, axis=1)[:, None])
+    return cell if np.abs(volume) > 1e-12 else complete(positions, cell, pbc, cutoff)[0]
+
+
 def heights(cell):
     """Return the distances between opposite faces."""
     return 1.0 / np.linalg.norm(np.linalg.inv(cell), axis=0)

@@ -1,7 +1,7 @@
 """matscipy.neighbours.neighbour_list: cells in C, in f64, for cells of any shape. Open vectors may
 not be zero."""
 
-from ._systems import complete
+from ._systems import fill
 
 
 def prepare(positions, cell, pbc, cutoff):
@@ -9,6 +9,6 @@ def prepare(positions, cell, pbc, cutoff):
 
     if not len(positions):
         raise NotImplementedError("the library needs at least one atom")
-    cell, _ = complete(positions, cell, pbc, cutoff)
+    cell = fill(positions, cell, pbc, cutoff)
     system = {"positions": positions, "cell": cell, "pbc": pbc, "cutoff": cutoff}
     return lambda: neighbour_list("ijS", **system)

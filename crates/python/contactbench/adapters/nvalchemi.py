@@ -4,7 +4,7 @@ it grows until each row has a free place."""
 
 import numpy as np
 
-from ._systems import complete
+from ._systems import fill
 
 
 def prepare(positions, cell, pbc, cutoff, method="cell_list"):
@@ -13,7 +13,7 @@ def prepare(positions, cell, pbc, cutoff, method="cell_list"):
     jax.config.update("jax_enable_x64", True)
     from nvalchemiops.jax import neighbors
 
-    cell, _ = complete(positions, cell, pbc, cutoff)
+    cell = fill(positions, cell, pbc, cutoff)
     arrays = {"cell": jax.numpy.asarray(cell[None]), "pbc": jax.numpy.asarray(pbc[None])}
     places = jax.numpy.asarray(positions)
     capacity = 64

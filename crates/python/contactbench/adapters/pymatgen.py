@@ -1,9 +1,10 @@
 """pymatgen.optimization.neighbors.find_points_in_spheres: cells in Cython, in f64. An atom is its
-own neighbour in that list; it is removed here. `tol` widens the cutoff, so it is 0."""
+own neighbour in that list; it is removed here. `tol` widens the cutoff, so it is 0. Version
+2026.10.24 corrupts memory in some cells smaller than the cutoff, so a process may abort."""
 
 import numpy as np
 
-from ._systems import complete
+from ._systems import fill
 
 
 def prepare(positions, cell, pbc, cutoff):
@@ -11,7 +12,7 @@ def prepare(positions, cell, pbc, cutoff):
 
     if not len(positions):
         raise NotImplementedError("the library needs at least one atom")
-    cell, _ = complete(positions, cell, pbc, cutoff)
+    cell = fill(positions, cell, pbc, cutoff)
     system = {"r": cutoff, "pbc": pbc.astype(np.int64), "lattice": cell, "tol": 0.0}
 
     def search():
