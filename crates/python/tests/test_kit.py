@@ -1,11 +1,18 @@
 """The kit for neighbour lists: truth, conventions, failures, and their reports."""
 
 import itertools
+import os
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as xml
 
+import mutants
 import numpy as np
 import pytest
 
 import contactbench
+from contactbench.kit.__main__ import main
 from contactbench.kit.cases import CASES
 from contactbench.kit.checking import CUTOFFS, systems_of
 from contactbench.kit.convention import Convention
@@ -119,3 +126,114 @@ def test_an_unknown_convention_is_a_failure_with_the_closest():
     assert "WRONG: " in str(found) and found.systems == 0
     with pytest.raises(ValueError, match="rule of the convention is '='"):
         contactbench.check_neighbours(fewer, convention="rule==")
+
+
+def test_failures_print_and_save_what_shows_them(tmp_path):
+    found = contactbench.check_neighbours(mutants.wrong, cases=["half the cell"])
+    (failure,) = found.failures
+    assert found.verdict == "wrong" and found.cases == {"half the cell": "wrong"}
+    assert len(failure.system) <= 2 < len(failure.given) and len(failure.wrong.missing)
+    text = str(found)
+    assert text.startswith("WRONG: CellList() in 1 of 1 hard cases\n")
+    assert max(len(line) for line in text.splitlines() if "=" not in line) <= 80
+    names = sorted(path.name for path in found.save(tmp_path))
+    assert names == ["01-half-the-cell.py", "01-half-the-cell.xyz", "check.txt", "junit.xml"]
+    suite = xml.fromstring((tmp_path / "junit.xml").read_text())
+    assert suite.attrib["failures"] == "1" and failure.cause in suite.find("*/failure").text
+    atoms, head, *rest = (tmp_path / "01-half-the-cell.xyz").read_text().splitlines()
+    assert int(atoms) == len(rest) == len(failure.system) and "pbc=" in head
+
+    # The program calls the function, and its comments are the rows that are expected.
+    program = (tmp_path / "01-half-the-cell.py").read_text()
+    program = program.replace("CellList()", "CellList('nearest image only')")
+    names = {"print": lambda *arguments, sep: None}
+    exec(program, names)
+    comments = [line for line in program.splitlines() if line.startswith("# (")]
+    assert len(names["answer"][0]) == len(comments) - len(failure.wrong.missing)
+
+
+def refuses(*arguments):
+    raise NotImplementedError("no lists today")
+
+
+def raises(positions, cell, pbc, cutoff):
+    if len(positions) > 40:
+        raise RuntimeError("too many atoms")
+    return mutants.right(positions, cell, pbc, cutoff)
+
+
+def hangs(positions, cell, pbc, cutoff):
+    while len(positions) > 40:
+        pass
+    return mutants.right(positions, cell, pbc, cutoff)
+
+
+def test_what_is_not_answered_is_printed():
+    found = contactbench.check_neighbours(refuses, convention="ase", cases=["gas", "ties"])
+    assert not found and found.verdict == "nothing" and found.systems == 0
+    assert found.refused == {"NotImplementedError: no lists today": 16}
+    assert str(found).startswith("NOT CHECKED: ")
+    found = contactbench.check_neighbours(mutants.right, convention="ase", seconds=0.0)
+    assert not found and set(found.cases.values()) == {"not tried"}
+    assert "not tried, because the time was over: liquid" in str(found)
+    found = contactbench.check_neighbours(raises, convention="ase", cases=["liquid"])
+    assert "it raises RuntimeError: too many atoms" in str(found)
+    assert len(found.failures[0].system) == 41
+    declared = {"convention": "ase", "cases": ["liquid"], "refuses": (RuntimeError,)}
+    assert contactbench.check_neighbours(raises, **declared).verdict == "nothing"
+    found = contactbench.check_neighbours(
+        hangs, convention="ase", cases=["liquid"], call_seconds=0.1
+    )
+    assert "no answer after 0.1 s" in str(found)
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"cases": ["melt"]}, "there is no case 'melt'; the cases are: liquid"),
+        ({"division": "f32"}, "division is 'f32'"),
+        ({"cutoffs": [0.0]}, "cutoffs are"),
+        ({"convention": "order=2"}, "no field 'order'"),
+    ],
+)
+def test_wrong_options_are_refused(options, words):
+    with pytest.raises(ValueError, match=words):
+        contactbench.check_neighbours(mutants.right, **options)
+
+
+def run(*arguments):
+    here = Path(__file__).parent
+    environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return subprocess.run(
+        [sys.executable, "-m", *arguments],
+        cwd=here,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_the_command_line_has_exit_codes(tmp_path):
+    report = str(tmp_path / "junit.xml")
+    quick = ["--quick", "--case", "half the cell", "--case", "gas", "--junit", report]
+    for name, code, word in (("right", 0, "RIGHT"), ("wrong", 1, "WRONG"), ("none", 2, "")):
+        done = run("contactbench.kit", f"mutants:{name}", *quick)
+        assert (done.returncode, done.stdout[: len(word)]) == (code, word), done.stderr
+        assert code == 2 or xml.parse(report).getroot().attrib["tests"] == "2"
+    assert "cannot be imported" in done.stderr
+    assert main(["--list"]) == 0 and main([]) == 2
+
+
+def test_pytest_has_one_test_for_each_hard_case(tmp_path):
+    options = ["pytest", "-p", "contactbench.kit.plugin", "-q", "--rootdir", str(tmp_path),
+               "-p", "no:cacheprovider", "-k", "neighbours or half", str(tmp_path)]  # fmt: skip
+    (tmp_path / "test_fixture.py").write_text(
+        "import mutants\n"
+        "def test_neighbours(contactbench_neighbours):\n"
+        "    assert contactbench_neighbours(mutants.right, cases=['gas'])\n"
+    )
+    done = run(*options, "--contactbench-neighbours", "mutants:right", "--contactbench-quick")
+    assert "2 passed" in done.stdout, done.stdout + done.stderr
+    done = run(*options, "--contactbench-neighbours", "mutants:wrong", "--contactbench-quick")
+    assert "1 failed, 1 passed" in done.stdout and "only the nearest image" in done.stdout
+    assert run(*options, "--contactbench-neighbours", "mutants:none").returncode == 4

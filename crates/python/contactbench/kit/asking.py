@@ -21,6 +21,9 @@ from .truth import fair, half_list
 #: Names under which functions take a limit for the neighbours of an atom.
 LIMITS = ("max_neighbours", "max_neighbors", "max_num_neighbors")
 
+#: Begin of the error of a function that writes to its arguments.
+CHANGES = "it changes its argument"
+
 
 class Refusal(Exception):
     """A system that the function declines, or that cannot be judged, with the reason."""
@@ -89,7 +92,7 @@ class Asker:
             ("positions", "cell", "pbc"), before, (x, cell, pbc), strict=True
         ):
             if not np.array_equal(old, new):
-                raise Malformed(f"it changes its argument {name}")
+                raise Malformed(f"{CHANGES} {name}")
         return answer
 
     def wrong(self, system: System) -> Difference | None:
@@ -128,5 +131,5 @@ class Asker:
         """Return whether the function is wrong on a system; not if it refuses."""
         try:
             return self.wrong(system) is not None
-        except Refusal:
+        except (Refusal, MemoryError):
             return False

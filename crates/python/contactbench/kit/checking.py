@@ -81,7 +81,7 @@ def check_neighbours(
     call_seconds : float
         A call in Python code that takes longer is a failure.
     name : str, optional
-        The name of `f` in messages.
+        The name of `f` in messages; as ``module:name`` also in programs that show a failure.
 
     Examples
     --------
@@ -116,14 +116,15 @@ def check_neighbours(
         asker.convention = (
             Convention.parse(convention) if isinstance(convention, str) else convention
         )
-    run = _Run(asker, function_name(f), started, seconds)
+    function = name if name and ":" in name else function_name(f)
+    run = _Run(asker, function, started, seconds)
     for case in [] if trouble else chosen:
         if batch is not None and case is BATCH:
             run.batches(BatchAsker(asker, batch), seed, cutoffs[0])
         else:
             run.case(case, systems_of(case, cutoffs, quick, seed))
     return NeighbourCheck(
-        name or run.function.rpartition(":")[2],
+        name or function.rpartition(":")[2],
         run.failures,
         run.compared,
         run.states,
@@ -159,8 +160,8 @@ def systems_of(case: Case, cutoffs: Sequence[float], quick: bool, seed: int) -> 
 
 def function_name(f: Callable[..., Any]) -> str:
     """Return a function as module:name."""
-    kind = f if hasattr(f, "__qualname__") else type(f)
-    return f"{getattr(f, '__module__', '')}:{kind.__qualname__}"
+    name = getattr(f, "__qualname__", None) or f"{type(f).__qualname__}()"
+    return f"{getattr(f, '__module__', '')}:{name}"
 
 
 class _Run:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from dataclasses import dataclass
 
@@ -97,9 +98,10 @@ class NeighbourFailure:
         """Return a program that shows the error; it needs NumPy and the library."""
         s, convention = self.system, self.convention
         module, _, name = self.function.partition(":")
-        root = name.partition(".")[0]
-        known = root.isidentifier() and module not in ("", "__main__")
-        where = f"from {module} import {root}" if known else f"# {self.function} is the function."
+        root = re.split(r"[.(\[]", name)[0]
+        known = root.isidentifier() and "<" not in name and module not in ("", "__main__")
+        name = name if known else "f"
+        where = f"from {module} import {root}" if known else f"# f = {self.function}"
         kind = "" if s.dtype == "float64" else f", dtype=np.{s.dtype}"
         cells = [b.cell.T if convention.cell == "columns" else b.cell for b in self.batch or (s,)]
         flags = [list(b.pbc) for b in self.batch or (s,)]

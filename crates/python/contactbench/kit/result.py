@@ -91,11 +91,13 @@ class NeighbourCheck:
         late = [name for name, state in self.cases.items() if state == "not tried"]
         if late:
             lines.append(fill(f"not tried, because the time was over: {', '.join(late)}"))
-        if self.failures:
-            lines += ["", str(self.failures[0])]
-        if len(self.failures) > 1:
+        # The most instructive failure first: explained, and small.
+        shown = sorted(self.failures, key=lambda each: (each.cause is None, len(each.system)))
+        if shown:
+            lines += ["", str(shown[0])]
+        if len(shown) > 1:
             lines.append("Also wrong:")
-        for failure in self.failures[1:]:
+        for failure in shown[1:]:
             cause = f"; {failure.cause}" if failure.cause else ""
             lines.append(fill(f"  {failure.heading}{cause}"))
         return lines

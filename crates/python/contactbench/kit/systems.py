@@ -89,6 +89,16 @@ class System:
         """Return the distances between opposite faces of the cell."""
         return np.asarray(1.0 / np.linalg.norm(np.linalg.inv(self.full_cell()), axis=0))
 
+    def modest(self) -> bool:
+        """Return whether the cell has a volume, and the atoms few images within the cutoff."""
+        if not self.cell[np.array(self.pbc)].any(axis=1).all():
+            return False
+        cell = self.full_cell()
+        if abs(np.linalg.det(cell)) < 1e-6 * np.linalg.norm(cell, axis=1).prod():
+            return False
+        images = np.where(self.pbc, 1 + 2 * self.cutoff / self.heights(), 1).prod()
+        return bool(len(self) ** 2 * images < 4e5)
+
 
 PERIODIC = (True, True, True)
 OPEN = (False, False, False)

@@ -115,6 +115,17 @@ def ties(rng: Random, c: float) -> Iterator[System]:
     yield system([[0, 0, 0], [3 * c, 4 * c, 0]], np.full(3, 16 * c), 5 * c, OPEN)
 
 
+@case("next to the cutoff")
+def next_to(rng: Random, c: float) -> Iterator[System]:
+    """Distances within 1e-8 of the cutoff: single precision inside a list in double precision."""
+    for pbc in ((True, True, True), OPEN):
+        x = rng.random((16, 3)) * 8 * c
+        along = rng.normal(size=(16, 3))
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        beyond = x + along * c * np.resize([1 + 1e-8, 1 - 1e-8], 16)[:, None]
+        yield system(np.vstack([x, beyond]), np.full(3, 8 * c), c, pbc)
+
+
 @case("large offsets", quick=2)
 def offsets(rng: Random, c: float) -> Iterator[System]:
     """All atoms 2^20 from the origin: single precision inside a list in double precision."""

@@ -1,0 +1,85 @@
+"""Checks a neighbour list from the command line: python -m contactbench.kit module:function."""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import sys
+import textwrap
+from pathlib import Path
+
+from .checking import check_neighbours, chosen_cases
+from .naming import function_of
+
+RIGHT, WRONG, NOT_CHECKED = 0, 1, 2
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of arguments."""
+    p = argparse.ArgumentParser(
+        prog="python -m contactbench.kit",
+        description="Compare a neighbour list with the exact truth on hard cases.",
+        epilog="Exits with 0 if the list is right, 1 if it is wrong, 2 if it was not checked.",
+    )
+    p.add_argument(
+        "function",
+        nargs="?",
+        help="module:function, f(positions, cell, pbc, cutoff) -> i, j, S; or an adapter",
+    )
+    p.add_argument("--quick", action="store_true", help="only the first systems of each case")
+    p.add_argument("--convention", help="e.g. pairs=half,rule=<= (default: recognised)")
+    p.add_argument("--tolerant", action="store_true", help="judge a list that computes in float32")
+    p.add_argument("--batch", help="module:function for several systems at once")
+    p.add_argument("--case", action="append", help="try only this case; may be repeated")
+    p.add_argument("--cutoff", type=float, action="append", help="cutoff (default: 5 and 3)")
+    p.add_argument("--seed", type=int, default=0, help="seed of the random systems (default: 0)")
+    p.add_argument("--seconds", type=float, help="begin no system after this time")
+    p.add_argument("--junit", help="write a JUnit report to this file")
+    p.add_argument("--save", help="write failures to this folder, as .xyz and .py")
+    p.add_argument("--list", action="store_true", help="print the hard cases and end")
+    return p
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit code."""
+    given = parser().parse_args(arguments)
+    if given.list:
+        for case in chosen_cases(batch=True):
+            print(textwrap.fill(f"{case.name}: {case.reason}", 80, subsequent_indent="    "))
+        return RIGHT
+    if given.function is None:
+        parser().print_usage(sys.stderr)
+        return NOT_CHECKED
+    try:
+        f, options = function_of(given.function)
+        if given.convention:
+            options["convention"] = given.convention
+        if given.tolerant:
+            options["division"] = "tolerant"
+        if given.cutoff:
+            options["cutoffs"] = given.cutoff
+        if given.batch:
+            options["batch"] = function_of(given.batch)[0]
+        # A crash of a compiled list then prints where it was called.
+        faulthandler.enable()
+        result = check_neighbours(
+            f,
+            quick=given.quick,
+            cases=given.case,
+            seed=given.seed,
+            seconds=given.seconds,
+            **options,
+        )
+    except ValueError as error:
+        print(f"contactbench.kit: {error}", file=sys.stderr)
+        return NOT_CHECKED
+    print(result)
+    if given.save:
+        result.save(given.save)
+    if given.junit:
+        Path(given.junit).write_text(result.junit(), encoding="utf-8")
+    return {"right": RIGHT, "wrong": WRONG}.get(result.verdict, NOT_CHECKED)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
