@@ -82,23 +82,12 @@ pub(super) fn report(
     contacts: &Contacts,
     out: &mut Report,
 ) {
-    let (scene, boxed) = (periodic.scene(), periodic.lattice().repeats());
+    let scene = periodic.scene();
     let n = scene.len();
     if n == 0 {
         return;
     }
-    let radius = |k: usize| with_scene!(scene, scene => scene.radius(k).wide());
-    let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
-    for r in (0..n).map(radius) {
-        (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
-    }
-    // Summing rounds, so the mean of equal radii is set to their value.
-    mean = if least == most { least } else { mean };
-    out.line(
-        "radii",
-        format!("smallest {}, mean {}, largest {}", number(least), number(mean), number(most)),
-        json!({ "radius_min": least, "radius_mean": mean, "radius_max": most }),
-    );
+    let mean = radii(periodic, out);
     let touching = match contacts {
         Contacts::Refused(reason) => {
             out.warnings.push(format!("contacts were not searched: {reason}"));
@@ -123,47 +112,7 @@ pub(super) fn report(
             Some(Touching::estimated(*each))
         }
         Contacts::Found { pairs, near, overlap } => {
-            let count = pairs.len();
-            let each = 2.0 * count as f64 / n as f64;
-            let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
-            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
-            let own = pairs.iter().filter(|pair| pair.i == pair.j).count();
-            let mut values = json!({
-                "contacts": count,
-                "coordination": each,
-                "mean_overlap": mean,
-                "boundaries": if boxed { "periodic" } else { "open" },
-            });
-            let mut of_box = String::new();
-            if boxed {
-                of_box = format!(
-                    ", {across} of them across the box, {own} of a particle with its own image"
-                );
-                (values["contacts_across"], values["contacts_own"]) = (json!(across), json!(own));
-            }
-            let text = format!(
-                "{count} (exact; tangent particles touch){of_box}, {} per particle, mean overlap \
-                 {} radii",
-                number(each),
-                number(mean)
-            );
-            out.line("contacts", text, values);
-            out.line(
-                "near tangent",
-                format!(
-                    "{} with a distance within 1e-9 of the sum of radii",
-                    plural(*near as usize, "pair")
-                ),
-                json!({ "near_tangent": near }),
-            );
-            if *near > 0 && 10 * near > count as u64 {
-                out.warnings.push(format!(
-                    "{} within 1e-9 of just touching: codes that round differently will disagree \
-                     about {}",
-                    if *near == 1 { "1 pair is".into() } else { format!("{near} pairs are") },
-                    if *near == 1 { "it" } else { "them" }
-                ));
-            }
+            found(periodic, pairs, *near, *overlap, out);
             Some(Touching::boxed(periodic, pairs))
         }
     };
@@ -173,6 +122,70 @@ pub(super) fn report(
     out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {
         offset(periodic, mean, contacts, out);
+    }
+}
+
+/// Prints the range and the mean of the radii; returns the mean.
+fn radii(periodic: &Periodic<'_>, out: &mut Report) -> f64 {
+    let scene = periodic.scene();
+    let radius = |k: usize| with_scene!(scene, scene => scene.radius(k).wide());
+    let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
+    for r in (0..scene.len()).map(radius) {
+        (least, most, mean) = (least.min(r), most.max(r), mean + r / scene.len() as f64);
+    }
+    // Summing rounds, so the mean of equal radii is set to their value.
+    mean = if least == most { least } else { mean };
+    out.line(
+        "radii",
+        format!("smallest {}, mean {}, largest {}", number(least), number(mean), number(most)),
+        json!({ "radius_min": least, "radius_mean": mean, "radius_max": most }),
+    );
+    mean
+}
+
+/// Prints the contacts that were found: `near` of them are near tangent, and `overlap` is the sum
+/// of their overlaps.
+fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, out: &mut Report) {
+    let count = pairs.len();
+    let each = 2.0 * count as f64 / periodic.scene().len() as f64;
+    let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
+    let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+    let own = pairs.iter().filter(|pair| pair.i == pair.j).count();
+    let boxed = periodic.lattice().repeats();
+    let mut values = json!({
+        "contacts": count,
+        "coordination": each,
+        "mean_overlap": mean,
+        "boundaries": if boxed { "periodic" } else { "open" },
+    });
+    let mut of_box = String::new();
+    if boxed {
+        of_box =
+            format!(", {across} of them across the box, {own} of a particle with its own image");
+        (values["contacts_across"], values["contacts_own"]) = (json!(across), json!(own));
+    }
+    let text = format!(
+        "{count} (exact; tangent particles touch){of_box}, {} per particle, mean overlap \
+         {} radii",
+        number(each),
+        number(mean)
+    );
+    out.line("contacts", text, values);
+    out.line(
+        "near tangent",
+        format!(
+            "{} with a distance within 1e-9 of the sum of radii",
+            plural(near as usize, "pair")
+        ),
+        json!({ "near_tangent": near }),
+    );
+    if near > 0 && 10 * near > count as u64 {
+        out.warnings.push(format!(
+            "{} within 1e-9 of just touching: codes that round differently will disagree \
+             about {}",
+            if near == 1 { "1 pair is".into() } else { format!("{near} pairs are") },
+            if near == 1 { "it" } else { "them" }
+        ));
     }
 }
 

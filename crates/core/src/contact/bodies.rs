@@ -4,7 +4,7 @@
 use nalgebra::Point;
 
 use super::rule::{
-    AnyRule, Asked, Couple, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+    AnyRule, Asked, ExactEach, ExactUniform, Pair, RoundedEach, RoundedUniform, Rule,
 };
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
@@ -128,7 +128,7 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
         probe.count(Op::ContactTest);
         let (a, b) = (self.centres.at(i as usize), self.centres.at(j as usize));
-        self.rule.touch(Couple { ids: [i, j], a, b }, probe)
+        self.rule.touch(Pair { ids: [i, j], a, b }, probe)
     }
 
     fn reach(&self) -> f64 {

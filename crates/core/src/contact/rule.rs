@@ -8,7 +8,7 @@ use crate::scene::{Radii, Real};
 
 /// Two particles, given by their numbers and centres.
 #[derive(Clone, Copy)]
-pub struct Couple<'a, T, const D: usize> {
+pub struct Pair<'a, T, const D: usize> {
     /// Numbers of the particles, from 0.
     pub ids: [u32; 2],
     /// Centre of the first particle.
@@ -17,7 +17,7 @@ pub struct Couple<'a, T, const D: usize> {
     pub b: &'a [T; D],
 }
 
-impl<T, const D: usize> Couple<'_, T, D> {
+impl<T, const D: usize> Pair<'_, T, D> {
     #[inline(always)]
     fn each<R>(&self, of: impl Fn(usize) -> R) -> (R, R) {
         (of(self.ids[0] as usize), of(self.ids[1] as usize))
@@ -27,7 +27,7 @@ impl<T, const D: usize> Couple<'_, T, D> {
 /// The contact test for one kind of radii and one arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
     /// Returns whether the two particles touch.
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, probe: &mut P) -> bool;
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool;
 }
 
 #[inline(always)]
@@ -56,7 +56,7 @@ impl<T: Real> RoundedUniform<T> {
 
 impl<T: Real> Rule<T> for RoundedUniform<T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, _: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, _: &mut P) -> bool {
         square_distance(of.a, of.b) <= self.square
     }
 }
@@ -69,7 +69,7 @@ pub struct RoundedEach<'a, T> {
 
 impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, _: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, _: &mut P) -> bool {
         let (r, s) = of.each(|k| self.radii[k]);
         let sum = r.plus(s);
         square_distance(of.a, of.b) <= sum * sum
@@ -132,7 +132,7 @@ impl ExactUniform {
 
 impl Rule<f64> for ExactUniform {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, f64, D>, probe: &mut P) -> bool {
         decide(of.a, of.b, || (self.radius, self.radius), self.band, self.test, probe)
     }
 }
@@ -146,7 +146,7 @@ pub struct ExactEach<'a> {
 
 impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, f64, D>, probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, f64, D>, probe: &mut P) -> bool {
         decide_each(of.a, of.b, of.each(|k| self.radii[k]), self.test, probe)
     }
 }
@@ -187,7 +187,7 @@ impl Asked<'_> {
     /// [`Near`](crate::filter::Near), else by the callback.
     fn touch<const D: usize, P: Probe>(
         &self,
-        of: Couple<'_, f64, D>,
+        of: Pair<'_, f64, D>,
         sum: f64,
         probe: &mut P,
     ) -> bool {
@@ -230,7 +230,7 @@ pub enum AnyRule<'a, T: Real> {
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, of: Couple<'_, T, D>, probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool {
         let wide = |p: &[T; D]| p.map(Real::wide);
         let exact = || (wide(of.a), wide(of.b));
         match self {
@@ -238,7 +238,7 @@ impl<T: Real> Rule<T> for AnyRule<'_, T> {
             AnyRule::RoundedEach(rule) => rule.touch(of, probe),
             AnyRule::ExactUniform(rule) => {
                 let (a, b) = exact();
-                rule.touch(Couple { ids: of.ids, a: &a, b: &b }, probe)
+                rule.touch(Pair { ids: of.ids, a: &a, b: &b }, probe)
             }
             AnyRule::ExactEach(radii, test) => {
                 let (a, b) = exact();
@@ -246,7 +246,7 @@ impl<T: Real> Rule<T> for AnyRule<'_, T> {
             }
             AnyRule::Asked(asked, radii) => {
                 let ((a, b), (r, s)) = (exact(), of.each(|k| radii.get(k).wide()));
-                asked.touch(Couple { ids: of.ids, a: &a, b: &b }, r + s, probe)
+                asked.touch(Pair { ids: of.ids, a: &a, b: &b }, r + s, probe)
             }
         }
     }

@@ -81,27 +81,7 @@ struct Checked<'a> {
 /// scenes, or all refused a scene named by an option.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
-    let (seconds, deadline) = (options.seconds, options.deadline);
-    ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
-    ensure!(
-        (1e-3..1e9).contains(&deadline),
-        "--deadline {deadline}: give a number from 0.001 to 10^9"
-    );
-    ensure!(options.seeds >= 1, "--seeds 0: give at least 1");
-    ensure!(
-        !options.scene.is_empty() || !options.input.is_said(),
-        "{OPTIONS} need a particle file; name one with --scene"
-    );
-    let limits = Limits {
-        seeds: options.seeds,
-        time: Duration::from_secs_f64(seconds),
-        deadline: Duration::from_secs_f64(deadline),
-        options: Options {
-            memory_limit: options.memory_limit.unwrap_or(Limits::default().options.memory_limit),
-            ..Limits::default().options
-        },
-        ..Limits::default()
-    };
+    let limits = limits(options)?;
     quiet_panics();
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
@@ -133,21 +113,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             reports.push(Checked { group, report, path: None });
         }
     }
-    for Checked { report, path, .. } in &reports {
-        for failure in &report.failures {
-            describe(failure, *path, options, &mut out)?;
-        }
-        refusals(report, &mut out)?;
-        if path.is_none() {
-            let count = |(source, count): (&_, &_)| format!("{source} {count}");
-            let scenes: Vec<String> = report.scenes.iter().map(count).collect();
-            let cut = match report.cut && report.failures.is_empty() {
-                true => "; not all scenes were tried in this time (--seconds)",
-                false => "",
-            };
-            let (scenes, time) = (scenes.join(", "), started.elapsed().as_secs_f64());
-            writeln!(out, "scenes: {scenes}, in {time:.1} s{cut}")?;
-        }
+    for checked in &reports {
+        print(checked, options, started, &mut out)?;
     }
     let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
     // The name of a runner repeats, because it has one group for each arithmetic.
@@ -173,6 +140,55 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         Verdict::Wrong => ExitCode::from(1),
         Verdict::Nothing => ExitCode::from(2),
     })
+}
+
+/// Returns the limits that the options give, or why they are impossible.
+fn limits(options: &Check) -> anyhow::Result<Limits> {
+    let (seconds, deadline) = (options.seconds, options.deadline);
+    ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
+    ensure!(
+        (1e-3..1e9).contains(&deadline),
+        "--deadline {deadline}: give a number from 0.001 to 10^9"
+    );
+    ensure!(options.seeds >= 1, "--seeds 0: give at least 1");
+    ensure!(
+        !options.scene.is_empty() || !options.input.is_said(),
+        "{OPTIONS} need a particle file; name one with --scene"
+    );
+    Ok(Limits {
+        seeds: options.seeds,
+        time: Duration::from_secs_f64(seconds),
+        deadline: Duration::from_secs_f64(deadline),
+        options: Options {
+            memory_limit: options.memory_limit.unwrap_or(Limits::default().options.memory_limit),
+            ..Limits::default().options
+        },
+        ..Limits::default()
+    })
+}
+
+/// Prints failures, refusals and, for generated scenes, what was tried.
+fn print(
+    Checked { report, path, .. }: &Checked<'_>,
+    options: &Check,
+    started: Instant,
+    out: &mut dyn Write,
+) -> anyhow::Result<()> {
+    for failure in &report.failures {
+        describe(failure, *path, options, out)?;
+    }
+    refusals(report, out)?;
+    if path.is_none() {
+        let count = |(source, count): (&_, &_)| format!("{source} {count}");
+        let scenes: Vec<String> = report.scenes.iter().map(count).collect();
+        let cut = match report.cut && report.failures.is_empty() {
+            true => "; not all scenes were tried in this time (--seconds)",
+            false => "",
+        };
+        let (scenes, time) = (scenes.join(", "), started.elapsed().as_secs_f64());
+        writeln!(out, "scenes: {scenes}, in {time:.1} s{cut}")?;
+    }
+    Ok(())
 }
 
 /// Returns `Wrong` if any check failed, else `Nothing` if any compared nothing, else `Right`.

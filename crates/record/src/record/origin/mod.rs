@@ -1,4 +1,4 @@
-//! Where rows come from: program, compiler, machine and hardware.
+//! The origin of rows: program, compiler, machine and hardware.
 
 pub mod built;
 pub mod hardware;

@@ -9,11 +9,11 @@ use contactbench_io as io;
 use contactbench_io::Groups;
 
 /// Two particles by their numbers or ids in the list.
-pub type Couple = [i64; 2];
+pub type NamedPair = [i64; 2];
 
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {
-    pub pairs: &'a [Couple],
+    pub pairs: &'a [NamedPair],
     /// The image of the second particle of each pair, if the list has images.
     pub images: Option<&'a [[i32; 3]]>,
 }
@@ -64,7 +64,7 @@ impl Naming {
         }
     }
 
-    fn names(&self, places: &[[u32; 2]]) -> Vec<Couple> {
+    fn names(&self, places: &[[u32; 2]]) -> Vec<NamedPair> {
         let ids: HashMap<u32, i64> = match self {
             Naming::Ids(ids) if !places.is_empty() => ids.iter().map(|(&id, &k)| (k, id)).collect(),
             _ => HashMap::new(),
@@ -101,9 +101,9 @@ pub(super) struct Taking<'a> {
 pub(super) struct Listing {
     pub contacts: Contacts,
     pub has_images: bool,
-    pub unknown: Vec<Couple>,
+    pub unknown: Vec<NamedPair>,
     /// Pairs listed in one direction only, although both are expected.
-    pub one_sided: Vec<Couple>,
+    pub one_sided: Vec<NamedPair>,
     pub left_out: u64,
 }
 

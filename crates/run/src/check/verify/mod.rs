@@ -18,8 +18,8 @@ mod search;
 
 pub use compare::Taken;
 use compare::{Against, Compared};
-pub use listing::{Couple, Listed, Meaning, Naming};
 use listing::{ImagesOf, Listing, Taking};
+pub use listing::{Listed, Meaning, NamedPair, Naming};
 pub use mistake::{Mistake, Reading, rounded_up};
 use search::Search;
 
@@ -71,14 +71,14 @@ pub struct Job<'a> {
 pub struct Verification {
     pub truth: Contacts,
     pub errors: Errors,
-    pub unknown: Vec<Couple>,
+    pub unknown: Vec<NamedPair>,
     /// Contacts that are not listed, with their overlap in mean radii, the deepest first.
     pub missed: Vec<(ImagePair, f64)>,
     /// Listed pairs that do not touch, with their depth in mean radii (negative), the widest gap
     /// first.
     pub spurious: Vec<(ImagePair, f64)>,
     /// Pairs listed in one direction only, although both are expected.
-    pub one_sided: Vec<Couple>,
+    pub one_sided: Vec<NamedPair>,
     /// Number of listed pairs that do not touch but are within the skin.
     pub within_skin: u64,
     pub taken: Taken,

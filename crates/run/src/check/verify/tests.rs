@@ -41,13 +41,13 @@ fn ask(
     (found, reading)
 }
 
-fn of_row(pairs: &[Couple], naming: &Naming, allowed: Allowed) -> Verification {
+fn of_row(pairs: &[NamedPair], naming: &Naming, allowed: Allowed) -> Verification {
     ask(&in_open_space(&row()).unwrap(), Listed { pairs, images: None }, naming, &[], allowed).0
 }
 
 fn in_box(
     periodic: &Periodic<'_>,
-    pairs: &[Couple],
+    pairs: &[NamedPair],
     images: Option<&[[i32; 3]]>,
     allowed: Allowed,
 ) -> (Verification, Option<Reading>) {
@@ -79,7 +79,7 @@ fn every_kind_of_difference_is_found() {
 fn both_sides_and_skins_are_allowed_where_asked_for() {
     let ids = Naming::by_id(&[7, 8, 9, 10, 11]).unwrap();
     for (naming, [a, b, c]) in [(&Naming::Base(0), [0, 1, 2]), (&ids, [7, 8, 9])] {
-        let both = |list: &[Couple]| of_row(list, naming, BOTH);
+        let both = |list: &[NamedPair]| of_row(list, naming, BOTH);
         assert!(both(&[[a, b], [c, b], [b, a], [b, c]]).is_same());
         let found = both(&[[a, b], [c, b], [b, a]]);
         assert_eq!((found.one_sided, found.errors), (vec![[c, b]], Errors::default()));
@@ -92,7 +92,7 @@ fn both_sides_and_skins_are_allowed_where_asked_for() {
 
 /// Returns the pairs of a packing whose centres are less than `reach` apart, across a box of length
 /// `period`.
-fn apart(scene: &AnyScene<'_>, reach: f64, period: f64) -> Vec<Couple> {
+fn apart(scene: &AnyScene<'_>, reach: f64, period: f64) -> Vec<NamedPair> {
     let n = scene.len() as u32;
     let near = |i: u32, j: u32| {
         let (a, b) = (particle(scene, i).0, particle(scene, j).0);
@@ -111,12 +111,12 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     let none = f64::INFINITY;
     let ids = Naming::by_id(&(0..216).map(|k| 3 * k + 7).collect::<Vec<_>>()).unwrap();
     let right = apart(&pack, 1.0, none);
-    let map = |list: &[Couple], name: fn(i64) -> i64| -> Vec<Couple> {
+    let map = |list: &[NamedPair], name: fn(i64) -> i64| -> Vec<NamedPair> {
         list.iter().map(|pair| pair.map(name)).collect()
     };
-    let twice: Vec<Couple> = right.iter().flat_map(|&[i, j]| [[i, j], [j, i]]).collect();
+    let twice: Vec<NamedPair> = right.iter().flat_map(|&[i, j]| [[i, j], [j, i]]).collect();
     let others = [Naming::Base(1), ids];
-    let read = |scene: &AnyScene<'_>, pairs: &[Couple]| {
+    let read = |scene: &AnyScene<'_>, pairs: &[NamedPair]| {
         let list = Listed { pairs, images: None };
         ask(&in_open_space(scene).unwrap(), list, &Naming::Base(0), &others, GIVEN).1
     };
@@ -219,7 +219,7 @@ fn particles_touch_their_own_images() {
 #[test]
 fn pairs_within_a_skin_may_be_there_through_each_image() {
     let row = discs(&[[0.0, 0.0], [1.5, 0.0]], 0.5, [3.0, 9.0]);
-    let ask = |pairs: &[Couple], images, allowed| in_box(&row, pairs, images, allowed).0;
+    let ask = |pairs: &[NamedPair], images, allowed| in_box(&row, pairs, images, allowed).0;
     let images: Vec<[i32; 3]> = vec![[0; 3], [-1, 0, 0]];
     let found = ask(&[[0, 1]; 2], Some(&images), skin(0.5));
     assert_eq!((found.is_same(), found.within_skin), (true, 2));
@@ -232,7 +232,7 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert_eq!(counts(&in_box(&far, &[[0, 1]], None, skin(0.5)).0), [0, 1, 0, 0]);
     // The two discs touch through one image, and have a gap of 0.75 through another.
     let mixed = discs(&[[0.0, 0.0], [1.0, 0.0]], 0.5, [2.75, 9.0]);
-    let ask = |pairs: &[Couple]| in_box(&mixed, pairs, None, skin(0.8)).0;
+    let ask = |pairs: &[NamedPair]| in_box(&mixed, pairs, None, skin(0.8)).0;
     let found = ask(&[[0, 1]; 2]);
     assert_eq!((found.is_same(), found.within_skin), (true, 1));
     assert_eq!(counts(&ask(&[[0, 1]; 3])), [0, 0, 1, 0]);
@@ -295,7 +295,7 @@ fn many_particles_are_compared_with_what_two_detectors_say() {
     let periodic = Periodic::new(pack, cube).unwrap();
     let mut other = table::find("kd-tree").unwrap().make(Options::default());
     let truth = periodic::contacts(&periodic, &mut *other, Arithmetic::Exact, 1 << 28).unwrap();
-    let listed = |pairs: &[ImagePair]| -> (Vec<Couple>, Vec<[i32; 3]>) {
+    let listed = |pairs: &[ImagePair]| -> (Vec<NamedPair>, Vec<[i32; 3]>) {
         let names = pairs.iter().map(|pair| [pair.i, pair.j].map(i64::from));
         (names.collect(), pairs.iter().map(|pair| pair.image).collect())
     };
