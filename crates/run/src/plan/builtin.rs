@@ -18,7 +18,7 @@ macro_rules! files {
 
 pub const FILES: &[(&str, &str)] = files! {
     "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
-    "motion" "rebuilds" "maps" "peers" "codes"
+    "motion" "rebuilds" "maps" "peers" "neighbours" "codes"
 };
 
 pub fn names() -> impl Iterator<Item = &'static str> {
