@@ -6,9 +6,10 @@ use crate::table::Table;
 use contactbench_record::cells::{Cell, FIELDS};
 use contactbench_record::record::column::{BUILDING, COLUMNS, FIRST, MEDIAN_STEP, WORST_STEP};
 use contactbench_record::stats::interval::{mad, median};
+use contactbench_terms::number::number;
 
 /// Returns one line per cell. Optional columns that all cells lack, such as copies and counts, are
-/// left out.
+/// left out, and errors by cause that no cell has.
 pub fn summary(cells: &[Cell]) -> Table {
     let params: BTreeSet<String> = cells
         .iter()
@@ -24,13 +25,17 @@ pub fn summary(cells: &[Cell]) -> Table {
     let numbers = COLUMNS
         .iter()
         .filter(|column| column.repeats())
-        .map(|column| &*column.name)
-        .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)));
+        .map(|column| (&*column.name, column.is_of_cause()))
+        .filter(|(name, is_of_cause)| {
+            let shown = |value: &f64| *value != 0.0 || !is_of_cause;
+            cells.iter().any(|cell| cell.values.get(name).is_some_and(shown))
+        });
     // The time columns are empty unless all blocks of the cell ended well.
     let timed = |cell: &Cell, value: fn(&[f64]) -> Option<f64>| {
         let times: Vec<f64> = cell.times.values().map(|&time| time as f64).collect();
         cell.time().and_then(|_| value(&times))
     };
+    let per_pair = |cell: &Cell, name| cell.per_pair(cell.variable(name, None)?).map(number);
     let beside =
         |cell: &Cell| median(&cell.copies_ns.values().map(|&time| time as f64).collect::<Vec<_>>());
     Table::of("", cells)
@@ -51,7 +56,9 @@ pub fn summary(cells: &[Cell]) -> Table {
         .each(steps, |table, name| {
             table.left(format!("{name}_median"), |cell| cell.variable(name, None))
         })
-        .each(numbers, |table, name| table.left(name, |cell| cell.variable(name, None)))
+        .left("ns_per_pair", |cell| per_pair(cell, "time_ns"))
+        .left("bytes_per_pair", |cell| per_pair(cell, "peak_bytes"))
+        .each(numbers, |table, (name, _)| table.left(name, |cell| cell.variable(name, None)))
         .into()
 }
 
@@ -73,5 +80,8 @@ mod tests {
         assert!(text.starts_with("experiment,scene,dim,order,n,seed,arithmetic,threads,detector,"));
         assert!(text.contains(",timeout,\"30 s, the limit\",,,"), "{text}");
         assert!(text.contains(",ok,,250.5,100,400,100,"), "{text}");
+        // 250 contacts; no errors by cause.
+        assert!(text.contains(",ns_per_pair,bytes_per_pair,") && text.contains(",1.002,80,250,"));
+        assert!(text.contains(",missed,") && !text.contains("search_missed"), "{text}");
     }
 }

@@ -181,6 +181,12 @@ impl Cell {
         frames.unwrap_or(1.0).max(1.0)
     }
 
+    /// Returns `value` over the true contacts of a frame, each counted once; `None` without contacts.
+    pub fn per_pair(&self, value: f64) -> Option<f64> {
+        let pairs = errors::true_contacts(self) / self.frames();
+        (pairs > 0.0).then(|| value / pairs)
+    }
+
     /// Whether the cell is a tracker that misses contacts because its rule allows late builds.
     pub fn misses_by_rule(&self) -> bool {
         self.id.detector_params.contains_key("rule") && self.overall().0 == Outcome::Lossy

@@ -19,6 +19,7 @@ pub struct SubjectResult {
     pub name: String,
     /// Median time in nanoseconds, even of a wrong answer.
     pub time: Option<f64>,
+    pub time_per_pair: Option<f64>,
     /// Median time in nanoseconds of the blocks in which the machine was not slow.
     pub quiet: Option<f64>,
     /// Time of the first detection in a process, in nanoseconds.
@@ -28,6 +29,7 @@ pub struct SubjectResult {
     pub contact_tests: Option<f64>,
     pub list_operations: Option<f64>,
     pub peak_bytes: Option<f64>,
+    pub bytes_per_pair: Option<f64>,
     pub formula_bytes: Option<f64>,
     pub outcome: Outcome,
 }
@@ -79,6 +81,7 @@ fn subject(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Subject
     SubjectResult {
         name,
         time: cell.wrong_time().or(cell.time().map(|time| time.median)).map(|time| time / n),
+        time_per_pair: cell.time().and_then(|time| cell.per_pair(time.median)),
         quiet: cell.quiet_time().map(|time| time / n),
         first: per("first_ns"),
         blocks: cell.times.len(),
@@ -90,6 +93,7 @@ fn subject(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Subject
         contact_tests: per_step("contact_test"),
         list_operations: lists.into_iter().map(per_step).sum(),
         peak_bytes: per("peak_bytes"),
+        bytes_per_pair: cell.variable("peak_bytes", None).and_then(|bytes| cell.per_pair(bytes)),
         formula_bytes: per("formula_bytes"),
         outcome: cell.overall().0,
     }

@@ -45,6 +45,8 @@ pub struct RankedSubject {
     pub name: String,
     /// Median time in nanoseconds per particle.
     pub per_particle: f64,
+    /// Median time in nanoseconds per contact; `None` without contacts.
+    pub per_pair: Option<f64>,
     /// Time over the time of the fastest; `None` for the fastest, and without a common block.
     pub ratio: Option<Interval>,
     pub cold: Option<Interval>,
@@ -173,7 +175,8 @@ pub fn contest(
             [cell.ratio(first), cell.cold_ratio(first)].map(|it| it.filter(|_| other));
         let slower = noise.slower(ratio.as_ref(), scene.n);
         let per_particle = time(cell) / scene.n.max(1) as f64;
-        RankedSubject { line, name, per_particle, ratio, cold, slower }
+        let per_pair = cell.per_pair(time(cell));
+        RankedSubject { line, name, per_particle, per_pair, ratio, cold, slower }
     };
     let others = others.iter().map(|cell| subject(cell)).collect();
     let (title, shown) = (scene.title.clone(), scene.shown);
@@ -280,7 +283,8 @@ mod tests {
         );
         let next = &winners.contests[3].others[0];
         assert_eq!(next.name, "sorting (exact)");
-        assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9 && next.per_particle == 2.5);
+        assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9);
+        assert_eq!((next.per_particle, next.per_pair), (2.5, Some(1.0)));
         let tally = Tally::new(&winners);
         assert_eq!((tally.scenes, tally.undecided, tally.alone), (4, 2, None));
         let wins = tally.wins.iter().map(|wins| (&*wins.detector, wins.margins.len()));

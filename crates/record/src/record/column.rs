@@ -129,6 +129,11 @@ impl Column {
         self.pass != Some(Pass::Time)
     }
 
+    /// Whether the column counts errors of one cause.
+    pub fn is_of_cause(&self) -> bool {
+        CAUSES.iter().any(|(prefix, ..)| self.name.starts_with(prefix))
+    }
+
     pub fn is_whole(&self) -> bool {
         // Columns that every pass records are ratios if they have one of these units.
         self.pass.is_some() || !matches!(self.unit, "" | "mean radii" | "diameters")

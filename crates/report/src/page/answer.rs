@@ -13,7 +13,7 @@ use contactbench_terms::text::html as escape;
 /// Ratio at the right edge of a picture. Larger ratios are drawn at the edge.
 const EDGE: f64 = 16.0;
 const SIZE: (f64, f64) = (240.0, 22.0);
-const PICTURE: usize = 3;
+const PICTURE: usize = 4;
 const RATIOS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, EDGE];
 
 pub struct Marks<'a> {

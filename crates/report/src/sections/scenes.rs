@@ -23,6 +23,7 @@ fn table(scene: &SceneResults) -> Block {
     let table = Table::of("", &scene.results)
         .left("detector", |found| &*found.name)
         .unit("time / N", "ns", time)
+        .unit("time / pair", "ns", |found| found.time_per_pair)
         .when(quiet, |table| table.unit("quiet / N", "ns", |found| found.quiet))
         .unit("first call / N", "ns", |found| found.first)
         .right("blocks", |found| found.blocks as u64)
@@ -30,6 +31,7 @@ fn table(scene: &SceneResults) -> Block {
         .right("contact tests / N", |found| found.contact_tests)
         .right("list operations / N", |found| found.list_operations)
         .unit("peak memory / N", "bytes", |found| found.peak_bytes)
+        .unit("peak memory / pair", "bytes", |found| found.bytes_per_pair)
         .unit("by formula / N", "bytes", |found| found.formula_bytes)
         .left("outcome", |found| found.outcome.name());
     Block::table(table)

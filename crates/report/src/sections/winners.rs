@@ -159,7 +159,6 @@ pub struct Columns {
     pub time: fn(f64) -> String,
 }
 
-/// Makes a table with a row per scene.
 pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
     fn next(contest: &Contest) -> Option<&RankedSubject> {
         contest.others.first()
@@ -173,6 +172,7 @@ pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
             if it.decided() { first.strong() } else { first }
         })
         .unit("time / N", "ns", |it| time(it.first.per_particle))
+        .unit("time / pair", "ns", |it| it.first.per_pair.map(time))
         .when(pictures, |table| table.left("", |_| ""))
         .left("runner-up", |it| next(it).map_or("alone", |next| &*next.name))
         .right("its time / fastest", |it| next(it).and_then(|next| next.ratio))
