@@ -77,7 +77,6 @@ fn commit(sources: &[&str]) -> Option<Commit> {
     Some(Commit { revision, dirty }).filter(|commit| !commit.revision.is_empty())
 }
 
-/// Returns the output of a program, if it succeeds.
 fn said(program: &str, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(program);
     let output = command.args(arguments).env("GIT_OPTIONAL_LOCKS", "0").output().ok()?;

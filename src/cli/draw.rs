@@ -58,7 +58,6 @@ pub struct Draw {
     limit: Limit,
 }
 
-/// The default tracker, which misses no contact.
 const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
 /// Draws the scene, and prints a summary on standard error.

@@ -27,7 +27,6 @@ macro_rules! build {
     };
 }
 
-/// Sets up the process: build, signals and panics.
 pub fn prepare(build: Build) {
     built::set(build);
     report_full_files();

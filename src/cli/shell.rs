@@ -46,7 +46,6 @@ pub struct Completions {
     shell: Shell,
 }
 
-/// Writes the script to standard output.
 pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "contactbench", &mut script);

@@ -50,7 +50,6 @@ const USUAL: [&str; 7] = [
     "verlet(streamed-nbs,rule=every-10)",
 ];
 
-/// The default motion: straight flight.
 const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
 /// Runs all trackers over the frames of a motion or a file, and compares them with the truth.

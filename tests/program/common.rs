@@ -8,10 +8,8 @@ use std::sync::{Mutex, Once, PoisonError};
 use contactbench::record::row::{self, Measurement, Row};
 use serde_json::Value;
 
-/// Path of the program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
 
-/// A finished run of the program.
 pub struct Ended {
     pub code: Option<i32>,
     pub stdout: String,
@@ -37,7 +35,6 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     ended(program(folder, arguments).output().unwrap())
 }
 
-/// A temporary folder in which the program runs.
 pub struct Place(tempfile::TempDir);
 
 impl Place {
@@ -126,7 +123,6 @@ pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
-/// Files shared by several tests, made once.
 pub struct Template(Vec<(PathBuf, Vec<u8>)>);
 
 impl Template {
@@ -149,7 +145,6 @@ impl Template {
         Template(files)
     }
 
-    /// Returns a new folder with these files.
     pub fn place(&self) -> Place {
         let place = Place::new();
         for (name, bytes) in &self.0 {
@@ -203,7 +198,6 @@ pub fn fake(answers: &[(&str, &str)]) -> String {
     format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}*) {rest} ;;\nesac\ndone")
 }
 
-/// Returns shell code that prints `line`.
 pub fn say(line: &str) -> String {
     format!("echo '{line}'")
 }
@@ -229,7 +223,6 @@ pub fn runner(name: &str, program: &str, script: &str) -> String {
     )
 }
 
-/// Names of skipped tests, with the reasons.
 static UNTESTED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
 
 unsafe extern "C" {
@@ -273,7 +266,6 @@ pub fn not_started(stderr: &str) -> Option<String> {
     stderr.lines().find(of_start).map(|line| line.trim().to_string())
 }
 
-/// Returns whether a program succeeds with this option.
 pub fn starts(program: &str, option: &str) -> bool {
     let mut command = Command::new(program);
     command.arg(option).current_dir(std::env::temp_dir()).stdin(Stdio::null());

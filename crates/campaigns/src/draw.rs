@@ -35,7 +35,6 @@ impl Draw {
         self.below(n) == 0
     }
 
-    /// Returns the numbers below n in random order.
     pub fn order(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         for k in (1..n).rev() {
@@ -44,7 +43,6 @@ impl Draw {
         order
     }
 
-    /// Returns a random number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * power(-53)
     }

@@ -51,7 +51,6 @@ pub enum What {
     Spurious,
     /// Touching pairs that were reported again.
     Duplicate,
-    /// Particles reported as touching themselves.
     Itself,
     /// Labels (apart, tangent, overlap) that differ from the constructed label.
     Label,

@@ -168,7 +168,6 @@ pub fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> 
     ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))
 }
 
-/// Returns a double in units of 2^-1074.
 pub fn integer(x: f64) -> BigInt {
     let bits = x.to_bits();
     let field = bits >> 52 & 0x7ff;

@@ -46,7 +46,6 @@ pub struct Setting<'a> {
 /// `most`. A time is that of the slowest rank, as the median over the steps.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The scene as named on the command line.
     pub scene: String,
     pub n: u64,
     pub dim: usize,
@@ -92,7 +91,6 @@ pub struct Row {
     pub revision: Option<&'static str>,
     /// Whether the sources differed from that commit.
     pub dirty: Option<bool>,
-    /// Machine on which the first rank runs.
     pub machine: String,
 }
 

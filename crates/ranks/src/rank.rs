@@ -41,10 +41,8 @@ pub enum Failure {
     /// There are more particles than u32 can number.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The box does not fit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
-    /// The ranks got different inputs.
     #[error(
         "ranks do not agree on one scene: {0} differs between ranks; give all of them the \
          same file and the same options"
@@ -83,7 +81,6 @@ pub struct Traffic {
     pub particles: u64,
     /// Bytes: 4 for a particle's number, 8 per coordinate, 8 for the radius if radii differ.
     pub bytes: u64,
-    /// Number of ranks that got a message.
     pub partners: u64,
 }
 

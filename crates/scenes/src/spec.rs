@@ -81,7 +81,6 @@ impl Course {
     }
 }
 
-/// Default number of frames.
 const FRAMES: u64 = 100;
 /// Maximum number of frames. A measurement writes each frame to a file, and the runner's reply, one
 /// line of at most 1 MiB, has about 60 bytes per frame.

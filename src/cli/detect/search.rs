@@ -54,7 +54,6 @@ impl Pairs {
         }
     }
 
-    /// Iterates over the contacts with their images.
     pub fn iter(&self) -> Box<dyn Iterator<Item = ImagePair> + '_> {
         match self {
             Pairs::Open(pairs) => Box::new(without_shift(pairs)),

@@ -66,7 +66,6 @@ impl Contacts {
         Contacts::Found { pairs, near, overlap }
     }
 
-    /// Returns the number of contacts, if they were searched.
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),

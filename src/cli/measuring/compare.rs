@@ -61,7 +61,6 @@ struct Comparison<'a> {
     how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
-    /// Number of cells that fail the comparison.
     failed: usize,
 }
 

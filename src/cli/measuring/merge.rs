@@ -30,7 +30,6 @@ pub struct Merge {
     ci: Outputs,
 }
 
-/// Merges records, and writes the report of the whole.
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let path = options.out.join(row::FILE);
     ensure!(

@@ -77,7 +77,6 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     Ok((Record { rows, warnings, bytes }, experiments))
 }
 
-/// Writes report and figures, and prints the verdicts.
 pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     let (record, experiments) = read(folder)?;
     let again = || {

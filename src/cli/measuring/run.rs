@@ -40,7 +40,6 @@ pub struct Run {
     ci: Outputs,
 }
 
-/// Runs the standard experiments.
 pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
     let names = builtin::all()?
         .into_iter()
@@ -111,7 +110,6 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         .context(format!("the run stopped; solve the problem below, then continue with: {again}")))
 }
 
-/// Returns the command that continues the run.
 fn again(options: &Run, folder: &Path) -> String {
     let mut words = vec!["contactbench".to_string(), "run".into()];
     words.extend(options.experiments.iter().cloned());

@@ -81,7 +81,6 @@ impl Outputs {
     }
 }
 
-/// Formats the cases as JUnit XML.
 pub fn junit(suite: &str, cases: &[Case]) -> String {
     let count =
         |wanted: fn(&Outcome) -> bool| cases.iter().filter(|case| wanted(&case.result)).count();

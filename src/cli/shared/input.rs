@@ -220,7 +220,6 @@ fn is_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints notices about a file.
 pub fn tell(name: &str, notices: &[Notice], place: Place) {
     for notice in notices {
         say!("{name}: {}", notice.words(place));

@@ -30,7 +30,6 @@ impl Drop for Bar {
     }
 }
 
-/// Progress of a run, on standard error.
 pub struct Terminal {
     bar: Bar,
     started: Instant,

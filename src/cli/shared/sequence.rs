@@ -13,15 +13,12 @@ use contactbench_io::{Frame, Place};
 use contactbench_run::moving::Recorded;
 use contactbench_scenes::motion::{Frames, Motion};
 
-/// Frames of the same particles.
 pub struct Sequence<'a> {
     /// Name of the scene or the file.
     pub name: &'a str,
-    /// Name of the motion.
     pub motion: &'a str,
     /// Whether the frames come from a file.
     pub recorded: bool,
-    /// Number of particles in each frame.
     pub particles: usize,
     /// Maximum number of frames.
     pub count: u64,
@@ -33,7 +30,6 @@ pub struct Sequence<'a> {
 pub const FRAMES: u64 = 100;
 
 pub struct Wanted {
-    /// Motion given by an option.
     pub motion: Option<Motion>,
     /// Motion to use if no motion is given and the scene has only one frame.
     pub otherwise: Option<Motion>,

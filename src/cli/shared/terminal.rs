@@ -45,7 +45,6 @@ pub fn out() -> Words<std::io::StdoutLock<'static>> {
     Words { out: std::io::stdout().lock(), width: width() }
 }
 
-/// Prints JSON on standard output.
 pub fn json(value: &serde_json::Value) -> Result<()> {
     writeln!(std::io::stdout(), "{value:#}")
 }

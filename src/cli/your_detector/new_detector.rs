@@ -14,7 +14,6 @@ const TEMPLATE: &str = include_str!("template.rs");
 const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
-/// Folder of the detectors in a checkout.
 const FOLDER: &str = "crates/core/src/detect";
 
 /// Reserved words of Rust, and names that would be confusing.
@@ -48,7 +47,6 @@ struct Names {
     kind: String,
 }
 
-/// A file to write, new or changed.
 struct Change {
     path: PathBuf,
     /// Present text of the file; `None` for a new file.

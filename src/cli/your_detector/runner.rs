@@ -25,7 +25,6 @@ pub struct Serve {
     memory_limit: Option<u64>,
 }
 
-/// Serves until the end of the input.
 pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
     crate::cli::use_threads(options.threads);
     let memory_limit = options.memory_limit.unwrap_or(Options::default().memory_limit);

@@ -48,7 +48,6 @@ struct Claim<const D: usize> {
     after: Flat<D>,
     /// Computes the pairs after the change from those before.
     expected: Box<dyn Fn(&Pairs) -> Pairs>,
-    /// Whether the detector may find more pairs than expected.
     superset: bool,
 }
 

@@ -27,7 +27,6 @@ where
         self.scene.len() as u32
     }
 
-    /// Expects the same pairs after the change.
     fn same(self, after: Flat<D>) -> Change<D> {
         self.becomes(after, Pairs::clone)
     }

@@ -204,7 +204,6 @@ impl Scenario {
     }
 }
 
-/// Runs all scenarios of a text.
 fn all(name: &str, text: &str) {
     let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
     let mut scenario: Option<Scenario> = None;

@@ -179,7 +179,6 @@ fn a_tangent_pair_stays_tangent_and_its_file_finds_the_failure_again() {
     assert_eq!(again.found, failure.wrong.unwrap());
 }
 
-/// Returns the failure of a detector on a scene.
 fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failure {
     let limits = Limits::default();
     let report = check::check_scene(given, "again", &[entry], &[arithmetic], &limits);

@@ -34,7 +34,6 @@ fn crates_import_only_those_below_them() {
     }
 }
 
-/// Returns all entries below a folder of the project.
 fn below(folder: &str) -> Vec<PathBuf> {
     let (mut found, mut folders) = (Vec::new(), vec![root().join(folder)]);
     while let Some(next) = folders.pop() {

@@ -9,7 +9,6 @@ use contactbench::record::row::{Measurement, Pass, Row};
 use super::EXPERIMENT;
 use crate::common::{PROGRAM, Place, steady};
 
-/// Returns an experiment with two scenes.
 fn few() -> String {
     let few = EXPERIMENT.replace("dim = [2, 3]\nn = [50, 200]", "n = 50");
     few.replace("s = [2, 5, 9]", "s = 2")

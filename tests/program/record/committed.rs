@@ -22,7 +22,6 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns the path of a record below `results/`.
 fn name(record: &Path) -> String {
     record.strip_prefix(root().join("results")).unwrap().display().to_string()
 }
@@ -79,7 +78,6 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Returns the pages that quote records.
 fn pages() -> Vec<(PathBuf, String)> {
     let mut pages = ["README.md", "DESIGN.md"].map(|page| root().join(page)).to_vec();
     let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());

@@ -17,7 +17,6 @@ use crate::common::Place;
 
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 1\n";
 
-/// A scene without contacts.
 const SPARSE: &str = "[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n";
 
 const EMPTY: &str = "0x0000000000000000";

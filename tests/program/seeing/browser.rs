@@ -15,7 +15,6 @@ const OPTIONS: &str = "--headless=new --no-sandbox --disable-gpu --disable-quic 
                        --disable-background-networking --disable-component-update --disable-sync \
                        --disable-dev-shm-usage";
 
-/// A browser window, closed when dropped.
 pub struct Browser {
     driver: Child,
     port: u16,
@@ -69,7 +68,6 @@ impl Browser {
         self.folder.path().join("downloads")
     }
 
-    /// Sends a request; returns the value of the answer.
     fn send(&self, method: &str, path: &str, body: &Value) -> Value {
         let body = if method == "POST" { body.to_string() } else { String::new() };
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -143,12 +141,10 @@ impl Browser {
         self.click(&format!("{select} option:nth-child({})", k + 1));
     }
 
-    /// Sends a command of the DevTools protocol.
     pub fn devtools(&self, command: &str, parameters: Value) {
         self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
     }
 
-    /// Makes the browser behave like a phone.
     pub fn phone(&self) {
         let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
         self.devtools("Emulation.setDeviceMetricsOverride", size);
@@ -160,7 +156,6 @@ impl Browser {
         entries.as_array().unwrap().iter().map(|entry| entry.to_string()).collect()
     }
 
-    /// Returns the text of a downloaded file.
     pub fn downloaded(&self, name: &str) -> String {
         let (path, begun) = (self.downloads().join(name), Instant::now());
         while begun.elapsed() < Duration::from_secs(20) {

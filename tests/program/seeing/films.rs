@@ -17,7 +17,6 @@ fn film(at: &Place, line: &str) -> (String, Value, String) {
     (html, data, said)
 }
 
-/// Decodes 16-bit numbers from base64.
 fn numbers(text: &Value) -> Vec<u16> {
     let letter = |c: u8| match c {
         b'A'..=b'Z' => c - b'A',

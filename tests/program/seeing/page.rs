@@ -97,7 +97,6 @@ fn rows() -> Vec<Value> {
     rows
 }
 
-/// Writes a result folder and its report.
 pub fn report(at: &Place) -> PathBuf {
     std::fs::create_dir_all(at.path("experiments")).unwrap();
     at.file("experiments/e.toml", EXPERIMENT);
@@ -139,7 +138,6 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * b.abs()
 }
 
-/// Returns the cells of the table as text.
 fn table(browser: &Browser) -> Vec<Vec<String>> {
     browser.get(
         "return [...document.querySelectorAll('#cells tbody tr')].map((row) => \

@@ -72,7 +72,6 @@ fn captions_are_whole() {
     on_the_sheet(&svg);
 }
 
-/// Fails if a line ends outside the picture.
 fn on_the_sheet(svg: &str) {
     let side = |name: &str| -> f64 {
         let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();

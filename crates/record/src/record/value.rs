@@ -27,7 +27,6 @@ impl AxisValue {
         }
     }
 
-    /// Parses a value in the spec of a detector.
     pub fn parse(text: &str) -> AxisValue {
         match (text.parse(), text.parse::<f64>(), text.parse()) {
             (Ok(value), ..) => AxisValue::Integer(value),

@@ -50,7 +50,6 @@ pub struct Facts<'a> {
     pub origin: Origin,
     /// Notes on incomplete plans and on doubtful times.
     pub alerts: Vec<Block>,
-    /// Sentences about subjects that are wrong or crashed.
     pub wrong: Vec<String>,
     /// A sentence if the record has all of its plan.
     pub whole: Option<String>,

@@ -36,7 +36,6 @@ impl Draw {
         self.rng.random()
     }
 
-    /// Returns a uniform number in [-1, 1).
     pub fn symmetric(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }

@@ -120,7 +120,6 @@ pub fn axes(dim: u32, length: f64) -> Vec<Place> {
     (0..dim as usize).flat_map(both).collect()
 }
 
-/// Returns a + s·b.
 pub fn plus(a: Place, s: f64, b: Place) -> Place {
     std::array::from_fn(|k| a[k] + s * b[k])
 }

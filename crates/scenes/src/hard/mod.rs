@@ -103,7 +103,6 @@ pub enum Allowed {
     /// [`contactbench_core::detect::Refusal::Domain`] or
     /// [`contactbench_core::detect::Refusal::Extent`].
     Domain,
-    /// [`contactbench_core::detect::Refusal::Memory`].
     Memory,
 }
 

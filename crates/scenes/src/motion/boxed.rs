@@ -22,7 +22,6 @@ pub(super) struct Boxed<const D: usize> {
 }
 
 struct Wall<const D: usize> {
-    /// Unit vector at right angles to the wall.
     normal: [f64; D],
     low: f64,
     extent: f64,

@@ -19,7 +19,6 @@ pub struct Highlighted {
     pub contacts: Vec<ImagePair>,
     /// Pairs that do not touch and have a tiny gap.
     pub near: Vec<ImagePair>,
-    /// Contacts that a list lacks.
     pub missed: Vec<ImagePair>,
     /// Reported pairs that do not touch, or that join a particle with itself.
     pub spurious: Vec<ImagePair>,

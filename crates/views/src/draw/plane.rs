@@ -41,7 +41,6 @@ impl Slice {
 impl FromStr for Slice {
     type Err = anyhow::Error;
 
-    /// Parses text such as `z=0.5`.
     fn from_str(text: &str) -> anyhow::Result<Slice> {
         let (name, at) = text
             .split_once('=')

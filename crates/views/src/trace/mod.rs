@@ -45,7 +45,6 @@ pub const MOST_PARTICLES: usize = 60;
 pub const MOST_CELLS: u32 = 40;
 pub const MOST_STEPS: usize = 3000;
 
-/// A detector that reports its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Algorithm {
     #[default]

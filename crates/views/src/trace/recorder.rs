@@ -30,7 +30,6 @@ impl Names {
         self.particle(at as u32)
     }
 
-    /// Formats a half-open range of places.
     pub fn places(&self, [from, to]: [usize; 2]) -> String {
         match to - from {
             1 => format!("place {}", self.place(from)),
@@ -47,7 +46,6 @@ impl Names {
     }
 }
 
-/// Marks in the picture of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Marks {
     pub row: Option<u32>,

@@ -53,7 +53,6 @@ impl<'a> Stills<'a> {
     }
 }
 
-/// Breaks a sentence into lines at breakable spaces.
 fn lines(text: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

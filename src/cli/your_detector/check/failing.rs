@@ -16,7 +16,6 @@ use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::{mean_radii, plural};
 use contactbench_views::draw::{self, Highlighted, Look};
 
-/// Maximum number of kinds of refusals printed.
 const KINDS: usize = 6;
 
 /// Maximum number of lines printed of a failing scene.

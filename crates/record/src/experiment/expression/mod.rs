@@ -56,7 +56,6 @@ pub struct NotAnExpression {
     problem: String,
 }
 
-/// Accepts a TOML text or number.
 impl<'de> Deserialize<'de> for Expression {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
         deserializer.deserialize_any(TextOrNumber)

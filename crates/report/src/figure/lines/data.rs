@@ -108,7 +108,6 @@ impl Plot {
         self.lines().flat_map(|line| &line.marks)
     }
 
-    /// Returns the x of all points and marks.
     pub fn xs(&self) -> impl Iterator<Item = f64> {
         self.points().map(|point| point.x).chain(self.marks().map(|mark| mark.0))
     }

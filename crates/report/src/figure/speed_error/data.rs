@@ -14,7 +14,6 @@ use contactbench_terms::arithmetic::Arithmetic;
 #[derive(Default)]
 pub struct Mark {
     pub detector: String,
-    /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
     /// Skin of a tracker. Trackers with the same rule share a colour.
     pub skin: Option<String>,

@@ -152,7 +152,6 @@ pub struct Memory {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
-    /// Number of contacts in the last frame.
     pub contacts: u64,
     pub digest: String,
     #[serde(flatten)]
