@@ -62,9 +62,11 @@ def outside(rng: Random, c: float) -> Iterator[System]:
         yield replace(s, positions=s.positions + moves @ s.cell, note=f"up to {k} boxes outside")
 
 
-@case("negative coordinates")
+@case("negative coordinates", quick=3)
 def negative(rng: Random, c: float) -> Iterator[System]:
-    """Truncation instead of floor (warp#1256)."""
+    """Truncation instead of floor (warp#1256), or a bound of 0 on open axes (vesin 0.5.7)."""
+    s = inside(rng, 12, [0.25 * c] * 3, c, OPEN)
+    yield replace(s, positions=s.positions - 27.5 * c)
     for pbc in ((True, True, True), OPEN):
         s = inside(rng, 70, [3.5 * c, 4.5 * c, 3.2 * c], c, pbc)
         yield replace(s, positions=s.positions - s.cell.sum(axis=0))
