@@ -74,6 +74,7 @@ mod tests {
     fn every_cell_is_a_line_with_all_its_digits() {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[100, 200, 301, 400]).memory(20_000, 21_000);
+        lab.errors(Default::default(), Default::default());
         lab.detector("direct").fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
         let text = table::csv(&[summary(&cells::cells(&lab.rows()))]);
         assert_eq!(text.lines().count(), 3);
