@@ -171,6 +171,9 @@ ADAPTERS = {
         "openmm", "openmm", "", absent="its interface for Python returns no neighbour list"
     ),
 }
+for _name, _adapter in ADAPTERS.items():
+    # Programs that reproduce a failure call the adapter by this name.
+    object.__setattr__(_adapter, "__qualname__", f'ADAPTERS["{_name}"]')
 
 
 def available() -> dict[str, str]:
