@@ -222,6 +222,10 @@ def test_the_command_line_has_exit_codes(tmp_path):
         assert code == 2 or xml.parse(report).getroot().attrib["tests"] == "2"
     assert "cannot be imported" in done.stderr
     assert main(["--list"]) == 0 and main([]) == 2
+    assert main(["test_kit:raises", "--case", "liquid"]) == 1
+    assert main(["test_kit:raises", "--case", "liquid", "--refuses", "RuntimeError"]) == 2
+    assert main(["test_kit:refuses", "--case", "gas"]) == 2
+    assert main(["test_kit:refuses", "--refuses", "Mistake"]) == 2
 
 
 def test_pytest_has_one_test_for_each_hard_case(tmp_path):

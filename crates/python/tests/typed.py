@@ -34,4 +34,10 @@ def judged(x: npt.NDArray[np.float64], box: contactbench.Box | None) -> bool:
     return bool(found) and bool(contactbench.check(lambda x, r: [], seconds=0.1))
 
 
+def listed(x: npt.NDArray[np.float64]) -> bool:
+    convention = contactbench.Convention(pairs="half", rule="<=")
+    found = contactbench.check_neighbours(lambda *given: ([], [], []), convention=convention)
+    return bool(found) and not [failure.system.positions for failure in found.failures]
+
+
 words = [contactbench.Box([1.0, 1.0], "xy"), contactbench.Box([1, 1], [True, False])]

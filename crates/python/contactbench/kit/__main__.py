@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import builtins
 import faulthandler
+import logging
 import sys
 import textwrap
 from pathlib import Path
 
+from . import asking
 from .checking import check_neighbours, chosen_cases
 from .naming import function_of
 
@@ -34,10 +37,20 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--cutoff", type=float, action="append", help="cutoff (default: 5 and 3)")
     p.add_argument("--seed", type=int, default=0, help="seed of the random systems (default: 0)")
     p.add_argument("--seconds", type=float, help="begin no system after this time")
+    p.add_argument("--call-seconds", type=float, default=30.0, help="limit of a call (default: 30)")
     p.add_argument("--junit", help="write a JUnit report to this file")
     p.add_argument("--save", help="write failures to this folder, as .xyz and .py")
+    p.add_argument("--refuses", help="builtin exception by which systems are declined")
+    p.add_argument("--verbose", action="store_true", help="name each case before it begins")
     p.add_argument("--list", action="store_true", help="print the hard cases and end")
     return p
+
+
+def _exception(name: str) -> type[Exception]:
+    found = getattr(builtins, name, None)
+    if not (isinstance(found, type) and issubclass(found, Exception)):
+        raise ValueError(f"{name} is not a builtin exception; give one, such as ValueError")
+    return found
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -60,19 +73,27 @@ def main(arguments: list[str] | None = None) -> int:
             options["cutoffs"] = given.cutoff
         if given.batch:
             options["batch"] = function_of(given.batch)[0]
-        # A crash of a compiled list then prints where it was called.
+        if given.refuses:
+            options["refuses"] = (NotImplementedError, _exception(given.refuses))
+        if given.verbose:
+            logging.basicConfig(level=logging.INFO, format="%(message)s")
+        # A crash of a compiled list then prints where it was called, and a hang ends.
         faulthandler.enable()
+        asking.END_PROCESS = True
         result = check_neighbours(
             f,
             quick=given.quick,
             cases=given.case,
             seed=given.seed,
             seconds=given.seconds,
+            call_seconds=given.call_seconds,
             **options,
         )
     except ValueError as error:
         print(f"contactbench.kit: {error}", file=sys.stderr)
         return NOT_CHECKED
+    finally:
+        asking.END_PROCESS = False
     print(result)
     if given.save:
         result.save(given.save)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import inspect
 import signal
 import threading
@@ -33,14 +34,19 @@ class Hang(Exception):
     """A call that has not returned in time."""
 
 
+#: Whether to end the process if compiled code does not return; the command line sets it.
+END_PROCESS = False
+
+
 @contextmanager
 def deadline(seconds: float) -> Iterator[None]:
     """Raise `Hang` in this block after some time: in Python code, in the main thread, on Unix."""
-    if not hasattr(signal, "setitimer") or (
-        threading.current_thread() is not threading.main_thread()
-    ):
+    main = threading.current_thread() is threading.main_thread()
+    if not (main and hasattr(signal, "setitimer")):
         yield
         return
+    if END_PROCESS:
+        faulthandler.dump_traceback_later(seconds + 2, exit=True)
 
     def ring(signum: int, frame: FrameType | None) -> None:
         raise Hang(f"no answer after {seconds:g} s")
@@ -52,6 +58,8 @@ def deadline(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        if END_PROCESS:
+            faulthandler.cancel_dump_traceback_later()
 
 
 def limit_of(f: Callable[..., Any]) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 import zlib
 from collections import Counter
@@ -23,6 +24,7 @@ from .result import NeighbourCheck
 from .shrinking import shrink
 from .systems import System
 
+_log = logging.getLogger(__name__)
 #: Cutoffs of the systems, of the size of those of molecules in angstrom.
 CUTOFFS = (5.0, 3.0)
 #: Failures that are reduced and explained; the others are counted.
@@ -119,6 +121,7 @@ def check_neighbours(
     function = name if name and ":" in name else function_name(f)
     run = _Run(asker, function, started, seconds)
     for case in [] if trouble else chosen:
+        _log.info("%s", case.name)
         if batch is not None and case is BATCH:
             run.batches(BatchAsker(asker, batch), seed, cutoffs[0])
         else:

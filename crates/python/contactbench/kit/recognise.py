@@ -84,14 +84,12 @@ def _candidates(periodic: bool) -> Iterator[Convention]:
 
 def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognised:
     """Find the convention in which the answers of a function are right."""
-    refused = ""
     for name, probe in probes():
         answers: dict[str, Any] = {}
         try:
             for cell in ("rows", "columns"):
                 answers[cell] = call(probe, with_(ASE, cell=cell))
-        except refuses as why:
-            refused = f"{name} is refused: {why}"
+        except refuses:
             continue
         except Exception as error:
             return Recognised(ASE, f"on {name} it raises {type(error).__name__}: {error}")
@@ -99,7 +97,7 @@ def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognise
         if found.trouble:
             return Recognised(found.convention, f"on {name}: {found.trouble}")
         return _refined(call, found.convention) if any(probe.pbc) else found
-    return Recognised(ASE, refused)
+    return Recognised(ASE)
 
 
 def _best(probe: System, answers: dict[str, Any], candidates: Iterator[Convention]) -> Recognised:
