@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as xml
 
@@ -53,7 +53,6 @@ class NeighbourCheck:
     division: str = "exact"
     band: float = 0.0
     seconds: float = 0.0
-    reasons: dict[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def verdict(self) -> str:
