@@ -5,7 +5,7 @@
 `defects.toml` names for each defect the release that has it, the release that repairs it, the
 thread that reports it, and the hard case of `contactbench.check_neighbours` that finds it. `uv run`
 makes an environment for each release; interpreters from 3.7 to 3.12 and a C compiler are needed.
-Without `uv`, or to keep the environments, `--python FOLDER` uses `FOLDER/LIBRARY-VERSION/bin/python`.
+Without `uv`, `--python FOLDER` runs `FOLDER/LIBRARY-VERSION/bin/python`.
 
 The program prints a Markdown table: `s` is the time of the hard cases, in their order, up to the
 first that fails. It fails if a defect is not found in the bad release, or if an alarm sounds in the

@@ -139,26 +139,10 @@ def openmm(positions, cell, pbc, cutoff):
                 force.setParticleParameters(k, [float(k == i), v])
             force.updateParametersInContext(context)
             energy = int(context.getState(getEnergy=True).getPotentialEnergy()._value)
-            pairs += [(i, k) for k in range(start, i) if energy >> (k - start) & 1 and k < start + 20]
+            last = min(start + 20, i)
+            pairs += [(i, k) for k in range(start, last) if energy >> (k - start) & 1]
     i, j = np.array(pairs, int).reshape(-1, 2).T
     return i, j
-
-
-def kliff(positions, cell, pbc, cutoff):
-    from kliff.dataset import Configuration
-    from kliff.neighbor import NeighborList
-
-    supported(len(positions) and np.linalg.det(cell), "atoms in a cell")
-    atoms = Configuration(cell, ["Si"] * len(positions), positions, pbc)
-    lists = NeighborList(atoms, cutoff)
-    images = list(range(len(positions))) + np.array(lists.get_padding_image(), int).tolist()
-    i, j, vectors = [], [], []
-    for a in range(len(positions)):
-        numbers, places, _ = lists.get_neigh(a)
-        i += [a] * len(numbers)
-        j += [images[n] for n in numbers]
-        vectors += (np.array(places).reshape(-1, 3) - positions[a]).tolist()
-    return i, j, vectors
 
 
 def main():
