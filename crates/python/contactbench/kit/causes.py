@@ -132,13 +132,15 @@ def _capacity(system: System, convention: Convention, wrong: Difference) -> str 
 
 
 def _single(system: System, convention: Convention, wrong: Difference) -> str | None:
-    """Return whether rounding to f32 explains all wrong pairs."""
+    """Return whether rounding to f64 or f32 explains all wrong pairs."""
     if len(wrong.doubled) or convention.shifts == "none":
         return None
     rows = np.vstack([wrong.missing, wrong.extra])
     if (np.abs(rows[:, 2:]) >= 2**32).any():
         return None
     off, width = np.abs(distances(system, rows) - system.cutoff), band(system, rows)
+    if (off <= 2.0**-28 * width).all():
+        return "rounding in float64: shifted positions are subtracted; subtract first, then shift"
     plain = (off <= width).all() and (width < 0.01 * system.cutoff).all()
     return "rounding to single precision" if plain else None
 
