@@ -121,32 +121,6 @@ fn points_are_taken() {
     assert_eq!(oracle::truth(&points, Arithmetic::Exact).unwrap().pairs, [[0; 2]; 0]);
 }
 
-/// Buffers left by an earlier call do not change an answer when scenes shrink, grow, move, or
-/// change dimension or arithmetic.
-#[test]
-fn history_does_not_matter() {
-    let scenes: Vec<AnyScene<'static>> = [
-        "packed:n=500",
-        "loose:dim=3,n=40",
-        "pack-c:n=100,s=40",
-        "clustered:dim=3,n=700,size-ratio=3",
-        "packed:dim=3,n=2",
-        "loose:n=0",
-        "packed:dim=3,n=600,diameter=0.001",
-        "pack-c:n=400,s=3",
-        "packed:n=500",
-    ]
-    .map(make)
-    .to_vec();
-    for entry in detectors() {
-        let mut detector = entry.make(Options::default());
-        for (k, scene) in scenes.iter().chain(scenes.iter().rev()).enumerate() {
-            let what = format!("{} at step {k}", entry.name);
-            assert_eq!(agree(&mut *detector, scene, &what)[1], 0, "{what}");
-        }
-    }
-}
-
 /// Detectors that split particles by size are right on all hard cases, with used buffers.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {

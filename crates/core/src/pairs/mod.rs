@@ -1,4 +1,4 @@
-//! Where detectors pass pairs: receivers, lists with a limit, and the order of lists.
+//! Receivers of pairs, lists with a limit, and the order of lists.
 
 pub mod normalise;
 pub mod pair_list;

@@ -199,26 +199,3 @@ fn a_box_has_the_contacts_of_boxes_that_are_more_open() {
     }
     hold(relation::<2>, relation::<3>);
 }
-
-#[test]
-fn a_box_that_repeats_nowhere_is_the_open_scene() {
-    let mut contacts = 0;
-    for seed in 0..200 {
-        let bag = Bag { periodic: [false; 3], ..random::<3>(seed, Numbers::Real) };
-        let periodic = bag.periodic();
-        for arithmetic in Arithmetic::SAFE {
-            let Ok(open) = contactbench_core::oracle::truth(periodic.scene(), arithmetic) else {
-                continue;
-            };
-            let found = ask(&mut *TABLE[0].make(OPTIONS), &periodic, arithmetic);
-            let found = found.unwrap();
-            assert!(found.iter().all(|pair| pair.image == [0; 3]));
-            assert_eq!(found.iter().map(|p| [p.i, p.j]).collect::<Vec<_>>(), open.pairs);
-            let (digest, tally) = count(&mut *TABLE[0].make(OPTIONS), &periodic, arithmetic);
-            assert_eq!(digest, open.digest);
-            assert_eq!(tally.get(contactbench_core::probe::Op::GhostMade), 0);
-            contacts += found.len();
-        }
-    }
-    assert!(contacts > 500, "{contacts}");
-}
