@@ -163,7 +163,7 @@ def neighbour_list(
     threads : int
         Number of threads of the search.
     memory_limit : int, optional
-        Limit in bytes for the pairs, and again for the images. By default 4 GiB.
+        Limit in bytes for the pairs, and again for the images. By default at least 4 GiB.
 
     Returns
     -------
@@ -174,7 +174,7 @@ def neighbour_list(
     ValueError
         Invalid input, as for `contactbench.contacts`.
     MemoryError
-        The list would exceed the limit.
+        The pairs or the images would take more than `memory_limit`, or memory is exhausted.
 
     Notes
     -----

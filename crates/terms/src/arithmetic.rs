@@ -189,7 +189,7 @@ pub enum Test {
     /// The exact sign of |xi - xj|² - (ri + rj)² for the stored numbers; particles touch if it is
     /// negative or 0.
     Exact,
-    /// The same sign; particles touch if it is negative. This is the rule of most neighbour lists.
+    /// Like `Exact`, but particles touch only if the sign is negative, as in most neighbour lists.
     Open,
 }
 

@@ -122,7 +122,7 @@ impl Page<'_> {
         }
         if all.matched.without_rows > 0 {
             said.push(format!(
-                "taken as without contacts, because the list has no row: {}",
+                "assumed to have no contacts, because the list has no rows: {}",
                 counted(all.matched.without_rows, "frame")
             ));
         }

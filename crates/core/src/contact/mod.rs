@@ -1,9 +1,9 @@
 //! The contact test: how a scene is stored, and how |xi - xj| <= ri + rj is decided.
 //!
 //! **One predicate.** Two particles touch when |xi - xj| <= ri + rj. This *closed* rule is that of
-//! Munjiza's book ("touch or overlap"). Neighbour lists use an *open* rule: |xi - xj| < cutoff. The
-//! cutoff is ri + rj for two equal radii, which are exact as halves. Every detector decides through [`Bodies::touch`], which
-//! counts its calls. There are two ways to evaluate it:
+//! Munjiza's book ("touch or overlap"). Neighbour lists use an *open* rule: |xi - xj| < cutoff. All
+//! radii are then half the cutoff, so that ri + rj is exactly the cutoff. Every detector decides
+//! through [`Bodies::touch`], which counts its calls. There are two ways to evaluate it:
 //!
 //! * *rounded*: |xi - xj|² <= (ri + rj)² in the floating-point arithmetic of the scene's own
 //!   precision;

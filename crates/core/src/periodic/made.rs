@@ -31,7 +31,7 @@ pub struct Made<'a, const D: usize> {
     pub(super) largest_radius: f64,
     pub(super) corners: Option<Corners<D>>,
     pub(super) slack: Slack,
-    /// The exact test that decides contacts of this scene if its numbers are not rounded.
+    /// The test that decides contacts exactly for the given, unrounded numbers.
     pub(super) test: Test,
     pub(super) bytes: u64,
 }

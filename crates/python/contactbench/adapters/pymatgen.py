@@ -1,5 +1,5 @@
 """pymatgen.optimization.neighbors.find_points_in_spheres: cells in Cython, in f64. An atom is its
-own neighbour in that list; it is removed here. `tol` widens the cutoff, so it is 0. Version
+own neighbour in that list; it is removed here. `tol` widens the cutoff, so it is set to 0. Version
 2026.10.24 corrupts memory in some cells smaller than the cutoff, so a process may abort."""
 
 import numpy as np

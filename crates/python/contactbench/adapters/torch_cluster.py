@@ -1,5 +1,6 @@
-"""torch_cluster.radius_graph: a k-d tree in C++ on the CPU, without boxes. Rows that exceed
-`max_num_neighbors` (32 by default) are cut, so it grows until each row has a free place."""
+"""torch_cluster.radius_graph: a k-d tree in C++ on the CPU, without boxes. An atom gets at most
+`max_num_neighbors` neighbours, so the search is repeated with a larger number until each atom has
+fewer."""
 
 
 def prepare(positions, cell, pbc, cutoff):

@@ -70,7 +70,7 @@ class BatchAsker:
         self.asker, self.f = asker, f
 
     def wrong(self, batch: Batch) -> Difference | None:
-        """Return what is wrong on a batch, with atoms numbered through, or None."""
+        """Return what is wrong on a batch, or None. Atoms are numbered across all its systems."""
         try:
             return self._compared(batch)
         except self.asker.refuses as why:

@@ -73,7 +73,7 @@ def check_neighbours(
     batch : callable, optional
         ``batch(positions, cells, pbcs, cutoff, systems)`` lists the pairs of several systems at
         once. ``systems`` holds for each atom the number of its system, ``cells`` has the shape
-        (B, 3, 3), and atoms are numbered through.
+        (B, 3, 3), and atoms are numbered across all systems.
     cases : sequence of str, optional
         Names of the hard cases to try; by default all.
     seed : int

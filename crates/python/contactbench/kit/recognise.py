@@ -33,7 +33,7 @@ class Recognised:
 
 
 def probes() -> Iterator[tuple[str, System]]:
-    """Return systems on which all conventions differ, from the general to the simple."""
+    """Return systems that tell conventions apart; simpler ones follow for lists that refuse."""
     # Atoms 0 to 3 are a row with the spacing of the cutoff, far from all faces.
     x = [
         [5, 5, 5], [9, 5, 5], [9, 9, 5], [6, 6, 7], [0.25, 1, 1.5], [13.5, 4, 2], [8, 14.5, 9],

@@ -27,7 +27,8 @@ pub(crate) struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Writes a scene at rest, and the scenes that each process loads before it, into `folder`.
+    /// Writes `given`, a scene that does not move, and the scenes of `history`, which each process
+    /// loads first, into `folder`.
     pub fn at_rest(
         given: &'a Given,
         history: &[Given],

@@ -86,6 +86,6 @@ def flat_places(rng: Random, c: float) -> Iterator[System]:
 
 @case("every choice of axes", quick=1)
 def every(rng: Random, c: float) -> Iterator[System]:
-    """Flags of axes are mixed up."""
+    """The flags of `pbc` are applied to the wrong axes."""
     for a, b, d in product((True, False), repeat=3):
         yield inside(rng, 45, skewed(rng, [2.1 * c, 1.4 * c, 3.2 * c], 0.4), c, (a, b, d))

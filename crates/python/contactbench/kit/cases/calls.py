@@ -59,7 +59,7 @@ def repeated(rng: Random, c: float) -> Iterator[System]:
 
 @case("large after small", quick=5)
 def alternating(rng: Random, c: float) -> Iterator[System]:
-    """Buffers of the last call that are too small, or not cleared."""
+    """Buffers kept from the previous call are too small, or are not cleared."""
     small, large = inside(rng, 8, np.full(3, 2.5 * c), c), inside(rng, 220, np.full(3, 3.5 * c), c)
     other = inside(rng, 60, np.full(3, 1.5 * c), c, OPEN)
     yield from (small, large, small, other, large)

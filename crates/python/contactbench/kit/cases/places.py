@@ -83,7 +83,7 @@ def faces(rng: Random, c: float) -> Iterator[System]:
 
 @case("one ulp from faces", quick=3)
 def ulps(rng: Random, c: float) -> Iterator[System]:
-    """Wrapping rounds -1e-20 to L, which then has a cell of its own beyond the last."""
+    """Wrapping rounds the coordinate -1e-20 to L, which is then indexed beyond the last cell."""
     for side in (4.0, 3.7, 1.3):
         length = side * c
         ends = [

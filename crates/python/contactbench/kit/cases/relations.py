@@ -45,7 +45,7 @@ def supercells(rng: Random, c: float) -> Iterator[System]:
 
 @case("permuted atoms", quick=1)
 def permuted(rng: Random, c: float) -> Iterator[System]:
-    """The order of the atoms is another."""
+    """The same atoms in another order."""
     s = _base(rng, c)
     yield replace(s, positions=s.positions[::-1].copy(), note="reversed")
     yield replace(s, positions=s.positions[rng.permutation(len(s))], note="shuffled")

@@ -5,7 +5,8 @@ use crate::check::verify::frame::{Asked, Hint, Verified};
 use crate::check::verify::frames::counted;
 use contactbench_io as io;
 
-/// Maximum number of pairs compared for a hint, and of particles summed over the frames tried.
+/// Maximum number of pairs that are compared for a hint, and of particles in all tried frames
+/// together.
 const MOST: u64 = 2_000_000;
 /// Number of frames that must confirm a shift by one frame.
 const ENOUGH: u32 = 8;
