@@ -112,6 +112,7 @@ _UPRIGHT = "cells with angles other than 90 degrees"
 
 #: The adapters by name.
 ADAPTERS = {
+    "contactbench": Adapter("contactbench", "", "contactbench"),
     "ase": Adapter("ase", "ase", "ase_primitive"),
     "ase-new": Adapter("ase", "ase", "ase_new"),
     "matscipy": Adapter("matscipy", "matscipy", "matscipy"),
