@@ -145,6 +145,28 @@ def openmm(positions, cell, pbc, cutoff):
     return i, j
 
 
+def nvalchemi(positions, cell, pbc, cutoff, method="cell_list"):
+    import torch
+
+    supported(len(positions) and np.linalg.det(cell) > 0, "atoms in right-handed cells")
+    try:
+        from nvalchemiops.torch import neighbors as lists
+    except ImportError:
+        from nvalchemiops import neighborlist as lists
+    x, box, axes = torch.tensor(positions), torch.tensor(cell)[None], torch.tensor(pbc)[None]
+    options = {"return_neighbor_list": True, "max_neighbors": 4000}
+    if method == "cell_list":
+        found = lists.cell_list(x, cutoff, box, axes, **options)
+    else:
+        found = lists.naive_neighbor_list(x, cutoff, pbc=axes, cell=box, **options)
+    (i, j), _, shifts = found
+    return i, j, shifts
+
+
+def nvalchemi_naive(positions, cell, pbc, cutoff):
+    return nvalchemi(positions, cell, pbc, cutoff, "naive")
+
+
 def main():
     adapter = globals()[sys.argv[1]]
     answers = os.fdopen(os.dup(1), "w")
