@@ -24,6 +24,7 @@
 use num_bigint::BigInt;
 
 use super::exact::{compare, parts};
+use crate::wide::fill;
 
 /// Unit roundoff of f64, 2^-53.
 const U: f64 = 1.0 / (1u64 << 53) as f64;
@@ -47,14 +48,14 @@ pub fn touches_within<const D: usize>(
 
 /// Decides in f64, or returns `None` if a number is too close to a limit.
 fn filtered<const D: usize>(a: [&[f64; D]; 2], b: [&[f64; D]; 2], reach: f64) -> Option<bool> {
-    let difference = |end: usize| -> [f64; D] { std::array::from_fn(|k| a[end][k] - b[end][k]) };
+    let difference = |end: usize| -> [f64; D] { fill(|k| a[end][k] - b[end][k]) };
     let (p, q) = (difference(0), difference(1));
     let size = p.iter().chain(&q).fold(reach, |sum, x| sum + x.abs());
     if !(1e-70..1e70).contains(&size) {
         return None;
     }
     let dot = |x: &[f64; D], y: &[f64; D]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-    let step: [f64; D] = std::array::from_fn(|k| q[k] - p[k]);
+    let step: [f64; D] = fill(|k| q[k] - p[k]);
     let (square, product) = (dot(&step, &step), dot(&p, &step));
     let (first, last) = (dot(&p, &p) - reach * reach, dot(&q, &q) - reach * reach);
     let error = 64.0 * U * size * size;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::contact::{Bodies, Corners};
 use crate::parallel::{self, share};
 use crate::scene::Real;
+use crate::wide::fill;
 
 /// Returns the smallest and the largest coordinate along each axis; zeros for an empty scene.
 ///
@@ -38,7 +39,7 @@ pub fn bounds_by<T: Real, const D: usize>(
 }
 
 fn around<const D: usize>(a: Corners<D>, b: Corners<D>) -> Corners<D> {
-    (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
+    (fill(|k| a.0[k].min(b.0[k])), fill(|k| a.1[k].max(b.1[k])))
 }
 
 fn of_share<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, share: Range<u32>) -> Corners<D> {
@@ -62,6 +63,17 @@ fn of_share<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, share: Range<u3
         take(i, 0);
     }
     (1..TURNS).fold((low[0], high[0]), |corners, turn| around(corners, (low[turn], high[turn])))
+}
+
+/// Returns the axes sorted by these lengths, the shortest first.
+pub fn axes_by_length<const D: usize>(lengths: [f64; D]) -> [usize; D] {
+    let mut axes = fill(|k| k);
+    sort_axes(&mut axes, &lengths);
+    axes
+}
+
+fn sort_axes(axes: &mut [usize], lengths: &[f64]) {
+    axes.sort_by(|&a, &b| lengths[a].total_cmp(&lengths[b]));
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@
 pub mod bounds;
 pub mod cells;
 
-pub use bounds::{bounds, bounds_by};
+pub use bounds::{axes_by_length, bounds, bounds_by};
 pub use cells::Cells;
 
 use crate::contact::Slack;

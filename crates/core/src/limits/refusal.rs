@@ -180,6 +180,18 @@ pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     }
 }
 
+/// Makes an array at least `count` long. If it must grow, its contents are dropped first, so that
+/// the old and the new array do not coexist.
+pub(crate) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
+    if count > array.len() {
+        if count > array.capacity() {
+            *array = Vec::new();
+            must_reserve(array, count);
+        }
+        array.resize(count, value);
+    }
+}
+
 struct NoMemory {
     bytes: u64,
 }

@@ -35,6 +35,7 @@
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
 use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
+use crate::wide::fill;
 
 /// Unit roundoff of f64, 2^-53.
 pub const U: f64 = 1.0 / (1u64 << 53) as f64;
@@ -93,7 +94,7 @@ impl<const D: usize> Frame<D> {
         numbers: Numbers,
     ) -> Result<Frame<D>, Refusal> {
         let periodic = given.periodic();
-        let cut = |vector: [f64; 3]| std::array::from_fn(|k| vector[k]);
+        let cut = |vector: [f64; 3]| fill(|k| vector[k]);
         let row = |a: usize, vector: [f64; 3]| if periodic[a] { cut(vector) } else { [0.0; D] };
         let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, given.vectors()[a]));
         let own: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
@@ -103,7 +104,7 @@ impl<const D: usize> Frame<D> {
             if numbers == AS_GIVEN {
                 return [0.0; D];
             }
-            std::array::from_fn(|k| {
+            fill(|k| {
                 let terms = (0..3).map(|b| f64::from(numbers[a][b]).abs() * vectors[b][k].abs());
                 off_by(own[a][k].abs(), terms.sum())
             })
@@ -154,7 +155,7 @@ impl<const D: usize> Frame<D> {
 
     /// Returns bounds for shifts by the given vectors from bounds for shifts by the vectors in use.
     pub fn most_given(&self, most: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
+        fill(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
     }
 
     /// Returns whether each vector points in the positive direction of the axis with its index. A
@@ -188,7 +189,7 @@ impl<const D: usize> Frame<D> {
     /// Returns how often each given vector must be added to bring particle `index` from `x` into
     /// the box, up to rounding.
     pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
-        let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
+        let from_corner = fill(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
         for a in (0..3).filter(|&a| self.periodic[a]) {
             let fraction = self.fraction(a, &from_corner);

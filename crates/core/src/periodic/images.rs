@@ -18,6 +18,7 @@ use super::near::{Candidate, Near, Reach, for_half, half, one_step, survey};
 use crate::contact::{Arithmetic, Corners, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
+use crate::wide::fill;
 
 /// Makes images and keeps its buffers from one scene to the next.
 #[derive(Default)]
@@ -165,9 +166,10 @@ impl<const D: usize> Images<D> {
             self.wrap(given, frame)?;
             found = survey(&self.places, frame, below, &mut self.candidates);
         }
-        let wraps = self.wraps.iter().fold([0; 3], |most: [u32; 3], wrap| {
-            std::array::from_fn(|a| most[a].max(wrap[a].unsigned_abs()))
-        });
+        let wraps = self
+            .wraps
+            .iter()
+            .fold([0; 3], |most: [u32; 3], wrap| fill(|a| most[a].max(wrap[a].unsigned_abs())));
         let near = Near::new(frame, &found, given_most, wraps, reach)?;
         budget.reach = near.largest_reach;
         if near.most >= super::frame::MOST {
@@ -280,13 +282,13 @@ impl<const D: usize> Images<D> {
                 self.centres.push(place.into());
             };
             if let (Some(a), true) = (one_step(ranges), by_steps) {
-                add(STEPS[a], std::array::from_fn(|k| x[k] + frame.vectors[a][k]));
+                add(STEPS[a], fill(|k| x[k] + frame.vectors[a][k]));
                 continue;
             }
             for_half(ranges, |shift| {
                 // The conversion always succeeds, because larger numbers were refused before.
                 let Ok(shift) = frame.given(shift) else { return };
-                let image = std::array::from_fn(|a| wrap[a] + shift[a]);
+                let image = fill(|a| wrap[a] + shift[a]);
                 add(image, frame.place(x, image));
             });
         }

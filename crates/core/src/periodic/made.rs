@@ -9,6 +9,7 @@ use crate::contact::image::{self, Shift};
 use crate::contact::{Corners, Decided, Imaged, Slack, Test, rule};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};
+use crate::wide::fill;
 
 /// Image of a particle, named by its owner and its shift from the owner's given position.
 #[derive(Clone, Copy, Debug)]
@@ -96,7 +97,7 @@ impl<'a, const D: usize> Made<'a, D> {
     /// Returns the owners of `a` and `b`, and the shift of the second relative to the first.
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
         let [a, b] = [a, b].map(|body| self.body(body as usize));
-        ([a.owner, b.owner], std::array::from_fn(|k| b.image[k] - a.image[k]))
+        ([a.owner, b.owner], fill(|k| b.image[k] - a.image[k]))
     }
 
     /// Returns the shift of a particle or image from the given position of its owner.

@@ -44,6 +44,7 @@ use crate::contact::{Arithmetic, Corners, Slack};
 use crate::filter::cells::spacing;
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Real, Scene, Storage, array};
+use crate::wide::fill;
 use crate::wide::{Kernel, Level, Wide};
 
 /// The lowest and the highest number of T along each vector.
@@ -113,7 +114,7 @@ impl Reach {
     /// that begins at the corner of its box. The guess is rather too high, because each extra
     /// particle costs little.
     pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
-        std::array::from_fn(|a| {
+        fill(|a| {
             let reach = frame.lengths[a] * self.of(self.largest_radius, 0.0);
             if frame.periodic[a] { frame.corner(a) + 1.125 * reach } else { f64::NEG_INFINITY }
         })
@@ -138,7 +139,7 @@ const FAR: f64 = (1u64 << 20) as f64;
 
 impl<const D: usize> Survey<D> {
     pub fn most(&self) -> [f64; D] {
-        std::array::from_fn(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
+        fill(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
     }
 
     /// Returns whether all particles fit in one box, at any corner that is not too far away.
@@ -169,26 +170,25 @@ pub(super) fn survey<const D: usize>(
     if frame.is_along_axes() {
         // The limit is widened because the quotient is rounded; along an open axis no particle is
         // listed. Underflow loses less than 2^-40, which a valid bound has to spare (`Near::new`).
-        let below: [f64; D] = std::array::from_fn(|k| {
+        let below: [f64; D] = fill(|k| {
             let below = below[k] / frame.scale(k);
             if frame.periodic[k] { below + (GROW - 1.0) * below.abs() } else { f64::NEG_INFINITY }
         });
         let (corners, candidates) =
             Level::best().run(GoOver { centres, numbers: |x: &[f64; D]| *x, below, list });
         // Rounding is monotone, so the particle with the least coordinate has the least fraction.
-        let fractions =
-            |x: [f64; D]| std::array::from_fn(|a| if a < D { x[a] * frame.scale(a) } else { 0.0 });
+        let fractions = |x: [f64; D]| fill(|a| if a < D { x[a] * frame.scale(a) } else { 0.0 });
         let (low, high) = (fractions(corners.0), fractions(corners.1));
         return Survey { corners, low, high, candidates };
     }
     let both = |x: &[f64; D]| -> [f64; 6] {
-        std::array::from_fn(|k| if k < 3 { frame.fraction(k, x) } else { x[(k - 3).min(D - 1)] })
+        fill(|k| if k < 3 { frame.fraction(k, x) } else { x[(k - 3).min(D - 1)] })
     };
     let below = [0, 1, 2, 3, 4, 5].map(|k| below.get(k).copied().unwrap_or(f64::NEG_INFINITY));
     let ((low, high), candidates) =
         Level::best().run(GoOver { centres, numbers: both, below, list });
-    let corner = |of: [f64; 6]| std::array::from_fn(|k| of[3 + k]);
-    let part = |of: [f64; 6]| std::array::from_fn(|a| of[a]);
+    let corner = |of: [f64; 6]| fill(|k| of[3 + k]);
+    let part = |of: [f64; 6]| fill(|a| of[a]);
     let corners = (corner(low), corner(high));
     Survey { corners, low: part(low), high: part(high), candidates }
 }
@@ -313,10 +313,9 @@ impl<'a, const D: usize> Near<'a, D> {
         let storing = 16.0 * reach.unit * y_most.iter().sum::<f64>();
         let largest_reach = reach.of(reach.largest_radius, storing);
         let owners_off = off(0.0);
-        let mut more: [f64; 3] = std::array::from_fn(|a| {
-            2.0 * frame.lengths[a] * owners_off + 64.0 * U * frame.most(a, &y_most)
-        });
-        let spread = std::array::from_fn(|a| high[a] - low[a] + more[a]);
+        let mut more: [f64; 3] =
+            fill(|a| 2.0 * frame.lengths[a] * owners_off + 64.0 * U * frame.most(a, &y_most));
+        let spread = fill(|a| high[a] - low[a] + more[a]);
         let (coupling, most) = frame.coupling(spread, largest_reach);
         (0..3).for_each(|a| more[a] += coupling[a]);
         let off = off(most.min(MOST));
@@ -328,7 +327,7 @@ impl<'a, const D: usize> Near<'a, D> {
         if let Some(vector) = (0..3).find(|&a| most < MOST && given[a] >= MOST) {
             return Err(Refusal::Skewed { vector });
         }
-        let below = std::array::from_fn(|a| {
+        let below = fill(|a| {
             if !frame.periodic[a] {
                 return f64::NEG_INFINITY;
             }
@@ -364,7 +363,7 @@ impl<'a, const D: usize> Near<'a, D> {
     /// Returns the limits of T plus the fraction of an owner of this radius, for each vector.
     pub fn sums(&self, radius: f64) -> [[f64; 2]; 3] {
         let reach = self.reach.of(radius, self.storing);
-        std::array::from_fn(|a| {
+        fill(|a| {
             let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
             [self.low[a] - margin, self.high[a] + margin]
         })
@@ -373,7 +372,7 @@ impl<'a, const D: usize> Near<'a, D> {
     /// Returns the ranges of T for an owner at this position.
     #[inline]
     pub fn ranges(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> Ranges {
-        std::array::from_fn(|a| {
+        fill(|a| {
             if !self.frame.periodic[a] {
                 return [0, 0];
             }

@@ -6,6 +6,7 @@ use super::made::Made;
 use crate::contact::Arithmetic;
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
+use crate::wide::fill;
 
 /// Buffers for a copy in f32 or in cells.
 #[derive(Default)]
@@ -68,7 +69,7 @@ impl<T: Real, const D: usize> Copied<T, D> {
         coordinate: impl Fn(f64, usize) -> T,
         length: impl Fn(f64) -> T,
     ) -> Result<Result<Scene<'_, T, D>, SceneError>, Refusal> {
-        let place = |x: &[f64; D]| Point::from(std::array::from_fn(|k| coordinate(x[k], k)));
+        let place = |x: &[f64; D]| Point::from(fill(|k| coordinate(x[k], k)));
         fit(&mut self.centres, made.places().map(place))?;
         let radii = match made.radii() {
             Radii::Uniform(r) => Radii::Uniform(length(*r)),

@@ -35,6 +35,7 @@ use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
 use crate::sink::{Digest, Visit};
+use crate::wide::fill;
 
 /// Largest number of particles for which every pair is tested.
 pub const BRUTE_FORCE: usize = 3_000;
@@ -208,11 +209,11 @@ fn around<const D: usize>(
     b: &[f64; D],
     sum: f64,
 ) -> Result<[[i32; 2]; 3], Refusal> {
-    let difference: [f64; D] = std::array::from_fn(|k| a[k] - b[k]);
-    let magnitude: [f64; D] = std::array::from_fn(|k| a[k].abs() + b[k].abs());
-    let fractions: [f64; 3] = std::array::from_fn(|v| frame.fraction(v, &difference));
-    let errors: [f64; 3] = std::array::from_fn(|v| 16.0 * U * frame.most(v, &magnitude));
-    let spread = std::array::from_fn(|v| fractions[v].abs() + errors[v]);
+    let difference: [f64; D] = fill(|k| a[k] - b[k]);
+    let magnitude: [f64; D] = fill(|k| a[k].abs() + b[k].abs());
+    let fractions: [f64; 3] = fill(|v| frame.fraction(v, &difference));
+    let errors: [f64; 3] = fill(|v| 16.0 * U * frame.most(v, &magnitude));
+    let spread = fill(|v| fractions[v].abs() + errors[v]);
     let (coupling, most) = frame.coupling(spread, sum * (1.0 + 4.0 * U));
     let mut ranges = [[0; 2]; 3];
     for v in (0..3).filter(|&v| frame.periodic[v]) {
@@ -285,7 +286,7 @@ fn depth_in<const D: usize>(
     let (Some(a), Some(b)) = (centres.get(i), centres.get(j)) else { return 0.0 };
     let (flags, rows) = (periodic.lattice().periodic(), periodic.lattice().vectors());
     let vectors: [[f64; D]; 3] = std::array::from_fn(|v| std::array::from_fn(|k| rows[v][k]));
-    let image = std::array::from_fn(|v| if flags[v] { image[v] } else { 0 });
+    let image = fill(|v| if flags[v] { image[v] } else { 0 });
     let shift = Shift { image, vectors: &vectors };
     depth_of_image(array(a), array(b), scene.radius(i), scene.radius(j), shift)
         .clamp(-f64::MAX, f64::MAX)

@@ -11,6 +11,7 @@ mod scalar;
 
 use std::borrow::Cow;
 
+use crate::wide::fill;
 pub use any::{AnyScene, Storage, Stored};
 pub use lattice::{Lattice, LatticeError};
 use nalgebra::Point;
@@ -222,9 +223,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         coordinate: impl Fn(f64, usize) -> U,
         length: impl Fn(f64) -> U,
     ) -> Result<Scene<'static, U, D>, SceneError> {
-        let place = |p: &Point<T, D>| {
-            Point::from(std::array::from_fn(|k| coordinate(array(p)[k].wide(), k)))
-        };
+        let place = |p: &Point<T, D>| Point::from(fill(|k| coordinate(array(p)[k].wide(), k)));
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(length(r.wide())),
             Radii::Each(radii) => Radii::Each(radii.iter().map(|r| length(r.wide())).collect()),

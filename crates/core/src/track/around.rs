@@ -18,6 +18,7 @@ use crate::periodic::ImagePair;
 use crate::refusal::{Refusal, reserve};
 use crate::scene::lattice::Numbers;
 use crate::scene::{Lattice, Scene, array};
+use crate::wide::fill;
 
 pub(super) struct Around<const D: usize> {
     /// The box when the list was built, or `None` in open space.
@@ -80,8 +81,8 @@ impl<const D: usize> Vectors<D> {
         all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {
             let (vector, dual) = (lattice.vectors()[v], short.dual(v));
-            all.vectors[v] = std::array::from_fn(|k| vector[k]);
-            all.duals[v] = std::array::from_fn(|k| dual[k]);
+            all.vectors[v] = fill(|k| vector[k]);
+            all.duals[v] = fill(|k| dual[k]);
             all.far = all.far.min(0.25 * short.height(v));
         }
         all
@@ -93,8 +94,7 @@ impl<const D: usize> Vectors<D> {
         const MOST: f64 = (1u32 << 28) as f64;
         let short =
             self.duals.map(|dual| (0..D).map(|k| dual[k] * (then[k] - at[k])).sum::<f64>().round());
-        let by: [f64; 3] =
-            std::array::from_fn(|v| (0..3).map(|s| short[s] * f64::from(self.numbers[s][v])).sum());
+        let by: [f64; 3] = fill(|v| (0..3).map(|s| short[s] * f64::from(self.numbers[s][v])).sum());
         if by.iter().all(|whole| whole.abs() < MOST) {
             by.map(|whole| whole as i32)
         } else {
@@ -103,7 +103,7 @@ impl<const D: usize> Vectors<D> {
     }
 
     fn shift(&self, by: [i32; 3]) -> [f64; D] {
-        std::array::from_fn(|k| (0..3).map(|v| f64::from(by[v]) * self.vectors[v][k]).sum())
+        fill(|k| (0..3).map(|v| f64::from(by[v]) * self.vectors[v][k]).sum())
     }
 
     /// Returns the sum of the magnitudes of all terms of the shift S·H.
@@ -138,12 +138,12 @@ impl<const D: usize> Strain<D> {
         let mut error = 0.0;
         let repeats = || (0..3).filter(|&v| now.periodic()[v]);
         let size = |of: &[f64; 3]| of[..D].iter().map(|x| x.abs()).sum::<f64>();
-        let moved: [f64; 3] = std::array::from_fn(|k| now.origin()[k] - then.origin()[k]);
-        let from: [f64; D] = std::array::from_fn(|k| then.origin()[k]);
+        let moved: [f64; 3] = fill(|k| now.origin()[k] - then.origin()[k]);
+        let from: [f64; D] = fill(|k| then.origin()[k]);
         let mut to = from;
         for v in repeats() {
             let (old, new, dual) = (then.vectors()[v], now.vectors()[v], then.dual(v));
-            let change: [f64; 3] = std::array::from_fn(|k| new[k] - old[k]);
+            let change: [f64; 3] = fill(|k| new[k] - old[k]);
             for (k, row) in by.iter_mut().enumerate() {
                 (0..D).for_each(|l| row[l] += change[k] * dual[l]);
             }
@@ -177,8 +177,8 @@ impl<const D: usize> Strain<D> {
 
     /// Returns where a particle would be if it had only moved with the box.
     fn carried(&self, at: &Point<f64, D>) -> Point<f64, D> {
-        let off: [f64; D] = std::array::from_fn(|k| at[k] - self.from[k]);
-        Point::from(std::array::from_fn(|k| {
+        let off: [f64; D] = fill(|k| at[k] - self.from[k]);
+        Point::from(fill(|k| {
             let more: f64 = (0..D).map(|l| self.by[k][l] * off[l]).sum();
             self.to[k] + (off[k] + more)
         }))
@@ -327,7 +327,7 @@ impl<const D: usize> Around<D> {
             return image;
         }
         let (of_a, of_b) = (self.by(a), self.by(b));
-        std::array::from_fn(|v| image[v].wrapping_add(of_b[v]).wrapping_sub(of_a[v]))
+        fill(|v| image[v].wrapping_add(of_b[v]).wrapping_sub(of_a[v]))
     }
 
     /// Returns whether a particle touches an image of another, decided exactly for the given

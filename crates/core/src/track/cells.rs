@@ -1,7 +1,9 @@
 //! Sorts particles by the cells of a grid, in rows, for locality; no result depends on the order.
 
 use crate::contact::Corners;
+use crate::filter::axes_by_length;
 use crate::refusal::{Refusal, reserve};
+use crate::wide::fill;
 
 /// Scratch space for the sort. Its i-th pair holds the cell of particle i, and the place of the
 /// next particle that goes into cell i.
@@ -21,7 +23,7 @@ pub(super) fn places<const D: usize>(
 ) -> Result<(), Refusal> {
     let n = points.len();
     // If coordinates overflow, all particles are in the first cell and keep their order.
-    let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
+    let extent: [f64; D] = fill(|k| high[k] - low[k]);
     let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
     let mut edge = 2.0 * extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
     while edge > f64::MIN_POSITIVE && edge < f64::INFINITY {
@@ -36,8 +38,7 @@ pub(super) fn places<const D: usize>(
     };
     // Cells are in layers across the longest axis, as in `streamed-nbs`: its pairs, and passes over
     // them, then stay within a few layers for a long time.
-    let mut axes: [usize; D] = std::array::from_fn(|k| k);
-    axes.sort_by(|&a, &b| extent[b].total_cmp(&extent[a]));
+    let axes = axes_by_length(extent.map(|extent| -extent));
     taken.clear();
     reserve(taken, room(n))?;
     taken.resize(room(n), [0; 2]);

@@ -26,6 +26,7 @@ use crate::contact::{Corners, Slack};
 use crate::filter::Near;
 use crate::scene::array;
 use crate::wide::Spot;
+use crate::wide::fill;
 
 /// The unit and origin of stored positions.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +50,7 @@ impl<const D: usize> Unit<D> {
         // Keeps the unit a normal double for any diameter.
         const FEWEST: u64 = 1023 - 1000;
         let exponent = (diameter.abs().to_bits() >> 52).clamp(FEWEST, 2 * 1023 - FEWEST);
-        let origin = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
+        let origin = fill(|k| 0.5 * low[k] + 0.5 * high[k]);
         Unit { origin, scale: f64::from_bits((2 * 1023 - exponent) << 52), most: [0.0; D] }
     }
 

@@ -27,6 +27,18 @@ pub use avx2::Avx2;
 pub use avx512::Avx512;
 pub use portable::Portable;
 
+/// Fills an array in a loop. The closure of `std::array::from_fn` may remain a call, and takes five
+/// times as long to compile.
+#[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "an iterator takes longer to compile")]
+pub(crate) fn fill<A: Copy + Default, const N: usize>(mut f: impl FnMut(usize) -> A) -> [A; N] {
+    let mut filled = [A::default(); N];
+    for k in 0..N {
+        filled[k] = f(k);
+    }
+    filled
+}
+
 /// Number of lanes of a vector.
 pub const LANES: usize = 16;
 /// Half the number of lanes of a vector.

@@ -1,20 +1,10 @@
 //! Vectors for any processor: loops over arrays, which the compiler may vectorise.
 
-use super::{HALF, Kernel, LANES, Spot, Wide};
+use super::{HALF, Kernel, LANES, Spot, Wide, fill};
 
 /// The instruction set of any processor: plain Rust.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
-
-/// Fills an array in a loop, because the closure of `std::array::from_fn` may remain a call.
-#[inline(always)]
-fn lanes<A: Copy + Default>(mut f: impl FnMut(usize) -> A) -> [A; LANES] {
-    let mut lanes = [A::default(); LANES];
-    for (k, lane) in lanes.iter_mut().enumerate() {
-        *lane = f(k);
-    }
-    lanes
-}
 
 impl Wide for Portable {
     const NARROW: bool = true;
@@ -33,38 +23,38 @@ impl Wide for Portable {
 
     #[inline(always)]
     fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> [f32; LANES] {
-        lanes(|k| if k < HALF { low[k] } else { high[k - HALF] })
+        fill(|k| if k < HALF { low[k] } else { high[k - HALF] })
     }
 
     #[inline(always)]
     fn add(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
-        lanes(|k| a[k] + b[k])
+        fill(|k| a[k] + b[k])
     }
 
     #[inline(always)]
     fn sub(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
-        lanes(|k| a[k] - b[k])
+        fill(|k| a[k] - b[k])
     }
 
     #[inline(always)]
     fn mul(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
-        lanes(|k| a[k] * b[k])
+        fill(|k| a[k] * b[k])
     }
 
     #[inline(always)]
     fn mul_add(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
-        lanes(|k| a[k] * b[k] + c[k])
+        fill(|k| a[k] * b[k] + c[k])
     }
 
     #[inline(always)]
     fn max(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
-        lanes(|k| if a[k] > b[k] { a[k] } else { b[k] })
+        fill(|k| if a[k] > b[k] { a[k] } else { b[k] })
     }
 
     #[inline(always)]
     fn at_most(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
         // The bits go to an array first, because the compiler vectorises this form.
-        let bits = lanes(|k| if a[k] <= b[k] { 1u32 << k } else { 0 });
+        let bits: [u32; LANES] = fill(|k| if a[k] <= b[k] { 1 << k } else { 0 });
         bits.iter().fold(0, |mask, bit| mask | bit)
     }
 
@@ -81,7 +71,7 @@ impl Wide for Portable {
 
     #[inline(always)]
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
-        self.pack(&lanes(|k| if k < HALF { low[k] } else { high[k - HALF] }), mask, to);
+        self.pack(&fill(|k| if k < HALF { low[k] } else { high[k - HALF] }), mask, to);
     }
 
     #[inline(always)]
@@ -105,11 +95,11 @@ impl Wide for Portable {
         pairs: &[[u32; 2]; LANES],
     ) -> ([f32; LANES], [[u32; 2]; LANES]) {
         let both = |k: usize| pairs[k].map(|place| &spots[place as usize]);
-        let squares = lanes(|k| {
+        let squares = fill(|k| {
             let [a, b] = both(k);
             a.square(b)
         });
-        (squares, lanes(|k| both(k).map(|spot| spot.id)))
+        (squares, fill(|k| both(k).map(|spot| spot.id)))
     }
 
     #[inline(always)]

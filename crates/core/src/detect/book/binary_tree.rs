@@ -29,6 +29,7 @@ use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
+use crate::wide::fill;
 
 /// The `binary-tree` detector of the book.
 pub struct BinaryTree {
@@ -251,7 +252,7 @@ fn integerise<T: Real, const D: usize>(
     probe: &mut impl Probe,
 ) -> [u32; D] {
     let position = bodies.position(k);
-    std::array::from_fn(|axis| cells.index(position[axis], axis, probe))
+    fill(|axis| cells.index(position[axis], axis, probe))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::contact::Bodies;
 use crate::detect::Refusal;
 use crate::event::Event;
 use crate::probe::{Op, Probe};
+use crate::refusal::at_least;
 use crate::scene::Real;
 use crate::sink::Sink;
 
@@ -65,14 +66,8 @@ impl Heads {
     /// Makes room for lists 0 to `count - 1`. This is the only loop over cells; it runs when the
     /// array is made or grows.
     pub fn prepare(&mut self, count: usize) {
-        if count > self.0.len() {
-            // All heads are empty here, so the old array is freed first and nothing is copied.
-            if count > self.0.capacity() {
-                self.0 = Vec::new();
-                crate::refusal::must_reserve(&mut self.0, count);
-            }
-            self.0.resize(count, EMPTY);
-        }
+        // All heads are empty here, so nothing need be copied.
+        at_least(&mut self.0, count, EMPTY);
         debug_assert!(
             self.0.iter().take(1 << 16).all(|&head| head == EMPTY),
             "a list was not reset"
@@ -154,13 +149,7 @@ fn listed(raw: u32) -> Option<u32> {
 
 impl<const L: usize> Links<L> {
     pub fn prepare(&mut self, count: usize) {
-        if count > self.0.len() {
-            if count > self.0.capacity() {
-                self.0 = Vec::new();
-                crate::refusal::must_reserve(&mut self.0, count);
-            }
-            self.0.resize(count, [EMPTY; L]);
-        }
+        at_least(&mut self.0, count, [EMPTY; L]);
     }
 
     #[inline(always)]

@@ -1,6 +1,8 @@
 //! The contact masks of the book: offsets of the cells that are checked with a central cell, so
 //! that each pair of neighbouring cells is checked once.
 
+use crate::wide::fill;
+
 /// Contact mask in 2D (page 93): the cell to the left and the three cells below.
 pub const PLANE: [[i32; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
@@ -25,7 +27,7 @@ pub const SPACE: [[i32; 3]; 13] = [
 /// Returns the cell at `offset` from `central`; empty border cells ensure that it exists.
 #[inline(always)]
 pub fn neighbour<const D: usize>(central: [u32; D], offset: [i32; D]) -> [u32; D] {
-    std::array::from_fn(|k| central[k].wrapping_add_signed(offset[k]))
+    fill(|k| central[k].wrapping_add_signed(offset[k]))
 }
 
 #[cfg(test)]

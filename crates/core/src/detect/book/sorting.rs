@@ -25,6 +25,7 @@ use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
+use crate::wide::fill;
 
 /// The `sorting` detector, in `D` dimensions.
 pub struct Sorting<const D: usize> {
@@ -201,7 +202,7 @@ impl<const D: usize> Sorting<D> {
 
     #[inline(always)]
     fn cell(&self, at: usize) -> [u32; D] {
-        std::array::from_fn(|k| self.keys[k][at])
+        fill(|k| self.keys[k][at])
     }
 
     #[inline]

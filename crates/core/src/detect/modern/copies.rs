@@ -13,10 +13,11 @@
 //! nothing is decided here. Radii below 2^-126 lose digits, so little is decided.
 
 use crate::contact::{Bodies, Slack};
-use crate::filter::Near;
+use crate::filter::{Near, axes_by_length};
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
+use crate::wide::fill;
 
 /// A copy of one particle.
 #[derive(Clone, Copy, Debug)]
@@ -297,8 +298,7 @@ impl<const D: usize> Bounds<D> {
 
     /// Returns the axes of the two longest edges, the longest first.
     pub fn longest(&self) -> [usize; 2] {
-        let mut axes: [usize; D] = std::array::from_fn(|k| k);
-        axes.sort_unstable_by(|&a, &b| self.half_edge(b).total_cmp(&self.half_edge(a)));
+        let axes: [usize; D] = axes_by_length(fill(|k| -self.half_edge(k)));
         [axes[0], axes[1]]
     }
 

@@ -30,6 +30,7 @@ use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
+use crate::wide::fill;
 
 /// The hash grid, in `D` dimensions.
 pub struct HashGrid<const D: usize> {
@@ -265,5 +266,5 @@ impl<const D: usize> HashGrid<D> {
 
 #[inline(always)]
 fn cell<const D: usize>(position: [f64; D], cells: &Cells<D>, probe: &mut impl Probe) -> [u32; D] {
-    std::array::from_fn(|k| cells.index(position[k], k, probe))
+    fill(|k| cells.index(position[k], k, probe))
 }

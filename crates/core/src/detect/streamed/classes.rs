@@ -15,6 +15,7 @@ use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
 use crate::detect::modern::crowd::CLASSES;
 use crate::scene::{Real, extremes};
+use crate::wide::fill;
 
 /// Number of octaves; the last one holds all radii below 2^-31 of the largest.
 pub(super) const MOST: usize = CLASSES;
@@ -65,15 +66,14 @@ impl<const D: usize> Class<D> {
             octaves: self.octaves + other.octaves,
             largest: self.largest.max(other.largest),
             sum: self.sum + other.sum,
-            low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
-            high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
+            low: fill(|k| self.low[k].min(other.low[k])),
+            high: fill(|k| self.high[k].max(other.high[k])),
         }
     }
 
     /// Returns the approximate number of cells of the class, and their edge.
     fn cells(&self) -> (f64, f64) {
-        let lengths: [f64; D] =
-            std::array::from_fn(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
+        let lengths: [f64; D] = fill(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
         let share = lengths.iter().product::<f64>() / (CELLS_PER_PARTICLE * self.bodies as f64);
         let edge = (2.0 * self.largest).max(root::<D>(share)).max(f64::MIN_POSITIVE);
         (lengths.iter().map(|length| length / edge).product(), edge)

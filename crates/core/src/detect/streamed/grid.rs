@@ -22,10 +22,11 @@
 use crate::contact::{Bodies, Margin};
 use crate::detect::Refusal;
 use crate::detect::modern::crowd::{CROWD, company};
-use crate::filter::bounds_by;
 use crate::filter::cells::MOST_CELLS;
+use crate::filter::{axes_by_length, bounds_by};
 use crate::scene::Real;
 use crate::sink::splitmix64;
+use crate::wide::fill;
 
 /// Maximum number of fraction bits of a coordinate.
 const FRACTION: u32 = 20;
@@ -80,15 +81,13 @@ type Corners<const D: usize> = ([f64; D], [f64; D]);
 
 /// Returns the axes of a box sorted by length, the longest last, or [`Refusal::Extent`].
 pub(super) fn axes<const D: usize>((low, high): Corners<D>) -> Result<[usize; D], Refusal> {
-    let mut axes: [usize; D] = std::array::from_fn(|k| k);
     for axis in 0..D {
         if !(high[axis] - low[axis]).is_finite() {
             let name = ["x", "y", "z"][axis.min(2)];
             return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
         }
     }
-    axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
-    Ok(axes)
+    Ok(axes_by_length(fill(|k| high[k] - low[k])))
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -153,10 +152,10 @@ impl<const D: usize> Domain<D> {
     fn flat(&self, asked: bool) -> Option<Grid<D>> {
         let order = |k: usize| [1, 0, 2][k];
         let turned = Domain {
-            axes: std::array::from_fn(|k| self.axes[order(k)]),
-            low: std::array::from_fn(|k| self.low[order(k)]),
-            high: std::array::from_fn(|k| self.high[order(k)]),
-            lengths: std::array::from_fn(|k| self.lengths[order(k)]),
+            axes: fill(|k| self.axes[order(k)]),
+            low: fill(|k| self.low[order(k)]),
+            high: fill(|k| self.high[order(k)]),
+            lengths: fill(|k| self.lengths[order(k)]),
             ..*self
         };
         let count = turned.grid(self.reach, FRACTION).count;
@@ -217,7 +216,7 @@ impl<const D: usize> Grid<D> {
     /// Returns the coordinates of a particle in integer steps, in the order of the grid's axes.
     #[inline(always)]
     pub fn steps(&self, position: [f64; D]) -> [u64; D] {
-        std::array::from_fn(|k| self.along(k, position[self.axes[k]]))
+        fill(|k| self.along(k, position[self.axes[k]]))
     }
 
     #[inline(always)]
@@ -239,7 +238,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the origin of another grid with the same order of axes, in steps of this grid.
     pub fn origin_of(&self, other: &Grid<D>) -> [f64; D] {
-        std::array::from_fn(|k| self.length(other.low[k] - self.low[k]))
+        fill(|k| self.length(other.low[k] - self.low[k]))
     }
 
     pub fn length(&self, length: f64) -> f64 {

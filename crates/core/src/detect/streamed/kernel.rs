@@ -316,10 +316,14 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 
     #[inline(always)]
     fn shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 5] {
-        std::array::from_fn(|r| {
+        let mut all = [[w.all(0.0); D]; 5];
+        for (r, all) in all.iter_mut().enumerate() {
             let shift = self.shift(r.min(ranges_used::<F, D>() - 1));
-            std::array::from_fn(|k| w.all(shift[k]))
-        })
+            for k in 0..D {
+                all[k] = w.all(shift[k]);
+            }
+        }
+        all
     }
 
     /// Returns offsets for two ranges tested together: the first range in the lower half of the

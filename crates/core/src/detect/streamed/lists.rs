@@ -10,7 +10,9 @@ use super::grid::Grid;
 use super::plan::Plan;
 use crate::contact::Bodies;
 use crate::radix::prefetch_to_write;
+use crate::refusal::at_least;
 use crate::scene::Real;
+use crate::wide::fill;
 use crate::wide::{Kernel, Level, Wide};
 
 /// Type of the radius in a record; it is empty if all radii are equal.
@@ -166,7 +168,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
     ) {
         let steps = grid.steps(position);
         let radius = if R::EACH { R::new(grid.length(radius) as f32) } else { R::default() };
-        filling.most = std::array::from_fn(|k| filling.most[k].max(steps[k]));
+        filling.most = fill(|k| filling.most[k].max(steps[k]));
         let list = (steps[D - 1] >> (grid.bits + filling.layers)) as usize;
         debug_assert!(!grid.flat, "a flat grid of discs has one list");
         self.put(filling, list, Record { at: steps.map(|steps| steps as u32), radius, id });
@@ -257,7 +259,7 @@ where
                 let id = first + k as u32;
                 let radius =
                     if R::EACH { R::new(grid.length(radius(id)) as f32) } else { R::default() };
-                Record { at: std::array::from_fn(|axis| steps[axis][k] as u32), radius, id }
+                Record { at: fill(|axis| steps[axis][k] as u32), radius, id }
             };
             if let [next] = &mut lists.next[..slabs] {
                 let places = lists.records[*next as usize..][..many].iter_mut();
@@ -291,17 +293,5 @@ impl<const D: usize> Filling<D> {
             (0..D).all(|k| self.most[k] >> grid.bits < grid.count[k]),
             "positions changed during a detection"
         );
-    }
-}
-
-/// Makes an array at least `count` long. If it must grow, its contents are dropped first, so that
-/// the old and the new array do not coexist.
-pub(super) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
-    if count > array.len() {
-        if count > array.capacity() {
-            *array = Vec::new();
-            crate::refusal::must_reserve(array, count);
-        }
-        array.resize(count, value);
     }
 }

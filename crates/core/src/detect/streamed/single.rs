@@ -6,6 +6,7 @@ use super::near::{limits, nearest};
 use super::ranges::{Find, ranges_used};
 use super::unchecked::{element, element_mut};
 use crate::wide::Wide;
+use crate::wide::fill;
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
     /// Sweeps all particles. The careful form handles a particle with too many candidates, or with
@@ -29,7 +30,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 // array over particles has an entry for each place.
                 let (id, from) = unsafe {
                     let at = |k: usize| element(&self.slab.lanes[k], place);
-                    (element(&self.slab.ids, place), std::array::from_fn::<_, D, _>(at))
+                    (element(&self.slab.ids, place), fill::<_, D>(at))
                 };
                 let radius = if EACH {
                     // SAFETY: if particles have individual radii, `radii` has one for each place.
@@ -39,7 +40,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 };
                 for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
                     let slab = self.other(r);
-                    let at: [f32; D] = std::array::from_fn(|k| from[k] - shifts[r][k]);
+                    let at: [f32; D] = fill(|k| from[k] - shifts[r][k]);
                     for other in begin as usize..(begin + len) as usize {
                         // SAFETY: a range ends at most at the slab's `len`.
                         let of = |lane: &[f32]| unsafe { element(lane, other) };

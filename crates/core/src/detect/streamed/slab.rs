@@ -1,9 +1,10 @@
 //! One bundle of layers, sorted by cell into arrays that stay in cache.
 
-use super::lists::{Lists, Record, Size, at_least};
+use super::lists::{Lists, Record, Size};
 use super::pair_sink::PairSink;
 use super::plan::Plan;
 use crate::probe::Op;
+use crate::refusal::at_least;
 use crate::wide::{Kernel, LANES, Level, Wide};
 
 pub(super) struct Slab<const D: usize> {

@@ -9,7 +9,7 @@
 
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
-use super::lists::{Size, at_least};
+use super::lists::Size;
 use super::pair_sink::{Deliver, PairSink};
 use super::ranges::{Find, Ranges};
 use super::slab::Slab;
@@ -18,6 +18,7 @@ use crate::contact::Bodies;
 use crate::detect::{Refusal, within};
 use crate::probe::{Op, Probe};
 use crate::radix::{DIGIT, part};
+use crate::refusal::at_least;
 use crate::scene::Real;
 use crate::sink::Sink;
 use crate::wide::Level;
@@ -202,6 +203,15 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 }
 
+/// A separate function, so that it is not compiled for each `cell` of [`sort`].
+fn sort_few<R>(places: &mut [Place<R>], probe: &mut impl Probe) {
+    probe.add(Op::Move, places.len() as u64);
+    places.sort_unstable_by(|a, b| {
+        probe.count(Op::KeyCompare);
+        (a.row, a.x).cmp(&(b.row, b.x))
+    });
+}
+
 /// Sorts places by their cells. Cell numbers differ at most in the lowest `bits` bits; if `bits` is
 /// 0, they may differ in any bit.
 fn sort<R>(
@@ -212,11 +222,7 @@ fn sort<R>(
 ) {
     const FEW: usize = 64;
     if places.len() <= FEW || bits == 0 {
-        probe.add(Op::Move, places.len() as u64);
-        return places.sort_unstable_by(|a, b| {
-            probe.count(Op::KeyCompare);
-            (a.row, a.x).cmp(&(b.row, b.x))
-        });
+        return sort_few(places, probe);
     }
     // Each part holds a few particles on average.
     let digit = (places.len() / 4).ilog2().min(bits).min(DIGIT);

@@ -41,6 +41,7 @@ use super::slab::Slab;
 use super::unchecked::{Run16, TwoRuns8, element};
 use crate::contact::Slack;
 use crate::probe::Op;
+use crate::wide::fill;
 use crate::wide::{HALF, Kernel, LANES, Wide};
 
 /// Rows of a ball are shortened to chords if its radius exceeds this many cells.
@@ -133,10 +134,9 @@ impl<const D: usize> Kernel for Visit<'_, D> {
                     if !(low..=high).contains(&z) {
                         continue;
                     }
-                    let p: [f64; D] = std::array::from_fn(|k| {
-                        if k < D - 1 { f64::from(record.at[k]) } else { z as f64 }
-                    });
-                    let at: [f64; D] = std::array::from_fn(|k| scale * p[k] + shift[k]);
+                    let p: [f64; D] =
+                        fill(|k| if k < D - 1 { f64::from(record.at[k]) } else { z as f64 });
+                    let at: [f64; D] = fill(|k| scale * p[k] + shift[k]);
                     let radius = scale * f64::from(record.radius);
                     let reach = reach_of(radius);
                     let far =

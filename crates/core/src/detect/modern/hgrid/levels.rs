@@ -14,6 +14,7 @@ use crate::filter::cells::spacing;
 use crate::probe::{Probe, Silent};
 use crate::scene::Real;
 use crate::sink::splitmix64;
+use crate::wide::fill;
 
 /// Largest number of levels; the last one holds all radii below the last border.
 pub const MOST_LEVELS: usize = CLASSES;
@@ -59,7 +60,7 @@ impl<const D: usize> Level<D> {
 
     #[inline(always)]
     pub fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> [u32; D] {
-        let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
+        let mut cell: [u32; D] = fill(|k| cells.index(position[k], k, probe));
         cell[0] -= cell[0] % STRIP;
         cell
     }

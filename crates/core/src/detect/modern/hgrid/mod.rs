@@ -142,6 +142,14 @@ impl<const D: usize> Strip<D> {
     const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
 }
 
+/// A separate function, so that it is not compiled for each type of bodies.
+fn sort_by_cell<const D: usize>(strips: &mut [Strip<D>], probe: &mut impl Probe) {
+    strips.sort_unstable_by(|a, b| {
+        probe.count(Op::KeyCompare);
+        a.first.iter().rev().cmp(b.first.iter().rev())
+    });
+}
+
 /// Begins and ends of the records in a strip's cells and in the cells before and after the strip.
 type Edges = [u32; STRIP as usize + 3];
 
@@ -203,10 +211,7 @@ impl<const D: usize> HGrid<D> {
                 // Holds the strip's slot until strips are sorted; starts of records come later.
                 strip.starts[0] = slot;
             }
-            strips.sort_unstable_by(|a, b| {
-                probe.count(Op::KeyCompare);
-                a.first.iter().rev().cmp(b.first.iter().rev())
-            });
+            sort_by_cell(strips, probe);
             for (strip, number) in strips.iter_mut().zip(level.strips.start as u32..) {
                 slots[strip.starts[0] as usize] = number;
                 strip.starts[0] = 0;
