@@ -10,9 +10,12 @@ use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
+use crate::wide::fill;
 
 /// Positions and radii for a detector's filters, and the contact test for its decisions.
 pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
+    /// Whether radii may differ; if false, code for radii that differ need not be compiled.
+    const RADII_DIFFER: bool = true;
     /// Returns the number of particles.
     fn len(&self) -> usize;
     /// Returns whether the number of particles is 0.
@@ -42,6 +45,10 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn uniform(&self) -> Option<f64>;
     /// Returns how much the test's rounding can change the distance at which two particles touch.
     fn slack(&self) -> Slack;
+    /// Returns the reach up to which particles touch only if they coincide or squares underflow.
+    fn underflow(&self) -> f64 {
+        T::UNDERFLOW
+    }
     /// Returns the margin of filters: safe, or the textbook's, which may lose pairs to rounding.
     fn margin(&self) -> Margin {
         Margin::Safe
@@ -114,6 +121,8 @@ pub type AnyBodies<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, P
 impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     for SceneBodies<'_, T, R, C, D>
 {
+    const RADII_DIFFER: bool = R::RADII_DIFFER;
+
     fn len(&self) -> usize {
         self.centres.count()
     }
@@ -121,7 +130,7 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     #[inline(always)]
     fn position(&self, i: u32) -> [f64; D] {
         let centre = self.centres.at(i as usize);
-        std::array::from_fn(|k| centre[k].wide())
+        fill(|k| centre[k].wide())
     }
 
     #[inline(always)]
@@ -157,6 +166,100 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
 
     fn corners(&self) -> Option<Corners<D>> {
         self.corners
+    }
+}
+
+/// A scene in any storage whose contact test is chosen at run time, for each pair. Code that works
+/// on it is compiled once, for all storages and tests. If it is `TIMED`, positions are read inline.
+#[derive(Clone, Copy)]
+pub enum StoredBodies<'a, const D: usize, const TIMED: bool> {
+    /// A scene in f32.
+    F32(Plain<'a, f32, D>),
+    /// A scene in f64, which may have images.
+    F64(AnyBodies<'a, f64, D>),
+    /// A scene by cells.
+    Cell(Plain<'a, CellF32, D>),
+}
+
+type Plain<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, &'a [Point<T, D>], D>;
+
+macro_rules! any {
+    ($stored:expr, $bodies:ident => $value:expr) => {
+        match $stored {
+            StoredBodies::F32($bodies) => $value,
+            StoredBodies::F64($bodies) => $value,
+            StoredBodies::Cell($bodies) => $value,
+        }
+    };
+}
+
+impl<'a, const D: usize, const TIMED: bool> StoredBodies<'a, D, TIMED> {
+    /// Returns the scene with this test. Fails with [`Refusal::Overflow`] as [`with_bodies`].
+    pub fn new(scene: &'a Stored<'_, D>, test: Test) -> Result<Self, Refusal> {
+        Ok(match scene {
+            Stored::F32(scene) => StoredBodies::F32(plain(scene, test)?),
+            Stored::F64(scene) => StoredBodies::F64(any_bodies(scene, test)?),
+            Stored::Cell(scene) => StoredBodies::Cell(plain(scene, test)?),
+        })
+    }
+
+    #[inline(never)]
+    fn at(&self, i: u32) -> [f64; D] {
+        any!(self, bodies => bodies.position(i))
+    }
+}
+
+fn plain<'a, T: Real, const D: usize>(
+    scene: &'a Scene<'_, T, D>,
+    test: Test,
+) -> Result<Plain<'a, T, D>, Refusal> {
+    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
+    Ok(envelope.with(scene.centres(), scene.radii(), rule))
+}
+
+impl<const D: usize, const TIMED: bool> Bodies<f64, D> for StoredBodies<'_, D, TIMED> {
+    fn len(&self) -> usize {
+        any!(self, bodies => bodies.len())
+    }
+
+    #[inline(always)]
+    fn position(&self, i: u32) -> [f64; D] {
+        if TIMED { any!(self, bodies => bodies.position(i)) } else { self.at(i) }
+    }
+
+    // All tests of all storages, inlined, would be most of the code of a detector.
+    #[inline(never)]
+    fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
+        any!(self, bodies => bodies.touch(i, j, probe))
+    }
+
+    fn reach(&self) -> f64 {
+        any!(self, bodies => bodies.reach())
+    }
+
+    #[inline(always)]
+    fn radius(&self, i: u32) -> f64 {
+        any!(self, bodies => bodies.radius(i))
+    }
+
+    fn uniform(&self) -> Option<f64> {
+        any!(self, bodies => bodies.uniform())
+    }
+
+    fn slack(&self) -> Slack {
+        any!(self, bodies => bodies.slack())
+    }
+
+    fn underflow(&self) -> f64 {
+        any!(self, bodies => bodies.underflow())
+    }
+
+    fn margin(&self) -> Margin {
+        any!(self, bodies => bodies.margin())
+    }
+
+    fn corners(&self) -> Option<Corners<D>> {
+        any!(self, bodies => bodies.corners())
     }
 }
 

@@ -45,8 +45,8 @@ pub mod slack;
 pub mod swept;
 
 pub use bodies::{
-    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,
-    with_stored,
+    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, StoredBodies, WithBodies, any_bodies,
+    with_bodies, with_stored,
 };
 pub use contactbench_terms::arithmetic::{Arithmetic, Margin, Test, UnknownArithmetic};
 pub use rule::{

@@ -26,6 +26,8 @@ impl<T, const D: usize> Pair<'_, T, D> {
 
 /// The contact test for one kind of radii and one arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
+    /// Whether radii may differ.
+    const RADII_DIFFER: bool = true;
     /// Returns whether the two particles touch.
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool;
 }
@@ -55,6 +57,8 @@ impl<T: Real> RoundedUniform<T> {
 }
 
 impl<T: Real> Rule<T> for RoundedUniform<T> {
+    const RADII_DIFFER: bool = false;
+
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, _: &mut P) -> bool {
         square_distance(of.a, of.b) <= self.square
@@ -131,6 +135,8 @@ impl ExactUniform {
 }
 
 impl Rule<f64> for ExactUniform {
+    const RADII_DIFFER: bool = false;
+
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, f64, D>, probe: &mut P) -> bool {
         decide(of.a, of.b, || (self.radius, self.radius), self.band, self.test, probe)
@@ -229,7 +235,7 @@ pub enum AnyRule<'a, T: Real> {
 }
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {
-    #[inline(always)]
+    #[inline]
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool {
         let wide = |p: &[T; D]| p.map(Real::wide);
         let exact = || (wide(of.a), wide(of.b));

@@ -3,12 +3,13 @@
 
 use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Bodies, Imaged, Test, WithBodies, any_bodies, with_bodies, with_stored};
+use crate::contact::{
+    Bodies, Imaged, StoredBodies, Test, WithBodies, any_bodies, with_bodies, with_stored,
+};
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
 use crate::sink::Sink;
-use crate::with_stored;
 
 /// A detector of any algorithm, for scenes of both dimensions and all storages.
 ///
@@ -55,7 +56,7 @@ pub trait AnyDetector: Send {
     }
 
     /// Calls `sink` for every contact and counts every operation. The code is that of
-    /// [`AnyDetector::list`], compiled once for all kinds of radii and tests. Fails as
+    /// [`AnyDetector::list`], compiled once for all storages, radii and tests. Fails as
     /// [`AnyDetector::list`].
     fn count(
         &mut self,
@@ -167,20 +168,23 @@ fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
     task: Task<'_, '_>,
 ) -> Result<(), Refusal> {
     match (of, task) {
+        (Of::Scene(Stored::F64(scene), test), Task::List(pairs)) if X::DECIDES_FROM_COPIES => {
+            detector.detect(any_bodies(scene, *test)?, &mut Silent, pairs)
+        }
         (Of::Scene(scene, test), Task::List(pairs)) if X::DECIDES_FROM_COPIES => {
-            run_any(detector, scene, *test, &mut Silent, pairs)
+            detector.detect(StoredBodies::<D, true>::new(scene, *test)?, &mut Silent, pairs)
         }
         (Of::Scene(scene, test), Task::List(pairs)) => {
             run_stored(detector, scene, *test, &mut Silent, pairs)
         }
         (Of::Scene(scene, test), Task::Count(tally, mut sink)) => {
-            run_any(detector, scene, *test, tally, &mut sink)
+            detector.detect(StoredBodies::<D, false>::new(scene, *test)?, tally, &mut sink)
         }
         (Of::Images(images), Task::List(pairs)) => {
             detector.detect(images.bodies()?, &mut Silent, pairs)
         }
         (Of::Images(images), Task::Count(tally, mut sink)) => {
-            detector.detect(images.bodies()?, tally, &mut sink)
+            detector.detect(StoredBodies::<D, false>::F64(images.bodies()?), tally, &mut sink)
         }
     }
 }
@@ -237,20 +241,6 @@ pub fn run_stored<const D: usize>(
     with_stored(scene, test, Run { detector, probe, sink })
 }
 
-/// Does the same as [`run_stored`], but is compiled once for all kinds of radii and tests.
-pub(crate) fn run_any<const D: usize>(
-    detector: &mut impl DetectorOfAll<D>,
-    scene: &Stored<'_, D>,
-    test: Test,
-    probe: &mut impl Probe,
-    sink: &mut impl Sink,
-) -> Result<(), Refusal> {
-    if test.is_exact() {
-        return detector.detect(any_bodies(&*scene.widened(), test)?, probe, sink);
-    }
-    with_stored!(scene, scene => detector.detect(any_bodies(scene, test)?, probe, sink))
-}
-
 struct Run<'a, X, P, S> {
     detector: &'a mut X,
     probe: &'a mut P,
@@ -263,5 +253,35 @@ impl<T: Real, const D: usize, X: Detector<T, D>, P: Probe, S: Sink> WithBodies<T
     type Output = Result<(), Refusal>;
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
         self.detector.detect(bodies, self.probe, self.sink)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Arithmetic;
+    use crate::detect::book::screening::Screening;
+    use crate::scene::Radii;
+    use crate::sink::splitmix64;
+
+    /// Many spheres nearly touch, so the number of exact tests depends on every rounding.
+    #[test]
+    fn counts_and_pairs_do_not_depend_on_the_type_of_bodies() {
+        let place = |k| [0, 20, 40].map(|bit| (splitmix64(k) >> bit) % 6).map(|x| x as f64 / 3.0);
+        let centres: Vec<_> = (0..200).map(|k| place(k).into()).collect();
+        let each = (0..200).map(|k| if k % 3 == 0 { 1.0 / 3.0 } else { 1.0 / 6.0 }).collect();
+        for (radii, arithmetic) in [Radii::Uniform(1.0 / 6.0), Radii::Each(each)]
+            .into_iter()
+            .flat_map(|radii| Arithmetic::ALL.map(|arithmetic| (radii.clone(), arithmetic)))
+        {
+            let scene = AnyScene::from(Scene::new(centres.clone(), radii).unwrap());
+            let AnyScene::Space(scene) = scene.stored(arithmetic).unwrap() else { continue };
+            let (mut detector, test) = (Screening::with(Options::default()), arithmetic.test());
+            let (mut any, mut fixed) = <[(Tally, Vec<_>); 2]>::default().into();
+            let bodies = StoredBodies::<3, false>::new(&scene, test).unwrap();
+            detector.detect(bodies, &mut any.0, &mut any.1).unwrap();
+            run_stored(&mut detector, &scene, test, &mut fixed.0, &mut fixed.1).unwrap();
+            assert!(any == fixed && !any.1.is_empty(), "{arithmetic:?}: {any:?}, {fixed:?}");
+        }
     }
 }

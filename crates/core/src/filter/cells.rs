@@ -157,7 +157,7 @@ pub fn cell_reach<T: Real, const D: usize>(
     high: [f64; D],
 ) -> f64 {
     let points = spacing(low, high, bodies.len());
-    if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() }
+    if bodies.reach() <= bodies.underflow() { bodies.reach().max(points) } else { bodies.reach() }
 }
 
 /// Divides out of line, so that the compiler does not also divide for other arithmetics.

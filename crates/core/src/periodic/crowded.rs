@@ -10,9 +10,9 @@
 
 use super::IMAGE_PAIR_BYTES;
 use super::made::Made;
-use crate::contact::Bodies;
+use crate::contact::{Bodies, StoredBodies};
 use crate::detect::Detector;
-use crate::detect::any::{Of, Searched, run_any};
+use crate::detect::any::{Of, Searched};
 use crate::probe::Probe;
 use crate::refusal::Refusal;
 use crate::scene::{Real, array};
@@ -105,7 +105,9 @@ fn of_owners<const D: usize>(
     let mut direct = OfOwners(owners);
     match of {
         Of::Images(images) => direct.detect(images.bodies()?, probe, sink),
-        Of::Scene(scene, test) => run_any(&mut direct, scene, *test, probe, sink),
+        Of::Scene(scene, test) => {
+            direct.detect(StoredBodies::<D, false>::new(scene, *test)?, probe, sink)
+        }
     }
 }
 

@@ -37,8 +37,10 @@ use crate::contact::{Bodies, Margin, Slack};
 use crate::detect::{Declare, Detector, Options, Refusal, within};
 use crate::filter::{Cells, bounds};
 use crate::probe::{Op, Probe};
+use crate::refusal::at_least;
 use crate::scene::Real;
 use crate::sink::Sink;
+use crate::wide::fill;
 
 /// Number of size classes; the last one holds all smaller particles.
 const CLASSES: usize = 32;
@@ -106,16 +108,33 @@ impl<T: Real, A: Detector<T, D> + Declare, const D: usize> Detector<T, D> for Nb
         sink: &mut S,
     ) -> Result<(), Refusal> {
         numbered("nbs", bodies.len())?;
-        let Some(classes) = Classes::new(&bodies) else {
-            let result = self.plain.detect(bodies, probe, sink);
-            self.formula = self.plain.formula_bytes();
-            return result;
-        };
+        if B::RADII_DIFFER
+            && let Some(classes) = Classes::new(&bodies)
+        {
+            return self.by_class(bodies, &classes, probe, sink);
+        }
+        let result = self.plain.detect(bodies, probe, sink);
+        self.formula = self.plain.formula_bytes();
+        result
+    }
+}
+
+impl<A, const D: usize> NbsLevels<A, D> {
+    fn by_class<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        classes: &Classes,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal>
+    where
+        A: Detector<T, D>,
+    {
         let order = 4 * bodies.len() as u64;
         within(&self.options, "nbs", order, || format!("{} particles", bodies.len()))?;
-        self.sort(&bodies, &classes, probe);
-        let grids = self.grids(&bodies, &classes)?;
-        self.prepare(&classes, &grids)?;
+        self.sort(&bodies, classes, probe);
+        let grids = self.grids(&bodies, classes)?;
+        self.prepare(classes, &grids)?;
         for (k, grids) in grids.iter().enumerate() {
             let Some(grids) = grids else { continue };
             let ids = classes.range(k);
@@ -128,9 +147,7 @@ impl<T: Real, A: Detector<T, D> + Declare, const D: usize> Detector<T, D> for Nb
         }
         Ok(())
     }
-}
 
-impl<A, const D: usize> NbsLevels<A, D> {
     fn sort<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -138,12 +155,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
         probe: &mut impl Probe,
     ) {
         let n = bodies.len();
-        if n > self.order.capacity() {
-            self.order = Vec::new();
-            crate::refusal::must_reserve(&mut self.order, n);
-        }
         self.order.clear();
-        self.order.resize(n, 0);
+        at_least(&mut self.order, n, 0);
         let mut next = classes.ends;
         for id in 0..n as u32 {
             let place = &mut next[classes.of(bodies.radius(id))];
@@ -184,8 +197,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
                 let reach = bodies.class_reach(own, below);
                 // Subtraction is monotone: every point within reach of a particle is in the rounded
                 // box.
-                let low = std::array::from_fn(|k| (low[k] - reach).max(whole_low[k]));
-                let high = std::array::from_fn(|k| (high[k] + reach).min(whole_high[k]));
+                let low = fill(|k| (low[k] - reach).max(whole_low[k]));
+                let high = fill(|k| (high[k] + reach).min(whole_high[k]));
                 let reach = reach.max(wide(&low, &high));
                 let cells = Cells::spanning(low, high, reach, bodies.margin())?;
                 Some(Cross { cells, low, high })
@@ -205,9 +218,8 @@ impl<A, const D: usize> NbsLevels<A, D> {
             let count = |cells: Cells<D>| u64::from(cells.count[k]);
             grids.iter().flatten().filter_map(cells).map(count).max().unwrap_or(0)
         };
-        let own: [u64; D] = std::array::from_fn(|k| most_of(&|grids| Some(grids.own), k));
-        let cross: [u64; D] =
-            std::array::from_fn(|k| most_of(&|grids| Some(grids.cross?.cells), k));
+        let own: [u64; D] = fill(|k| most_of(&|grids| Some(grids.own), k));
+        let cross: [u64; D] = fill(|k| most_of(&|grids| Some(grids.cross?.cells), k));
         let most = (0..CLASSES).map(|k| classes.range(k).len()).max().unwrap_or(0);
         // Plain NBS has one set of lists along the last axis and two along each other axis.
         let plain = 2 * own.iter().sum::<u64>() - own[D - 1] + (D * most) as u64;
@@ -374,6 +386,10 @@ impl<T: Real, B: Bodies<T, D>, const D: usize> Bodies<T, D> for Part<'_, B> {
 
     fn slack(&self) -> Slack {
         self.bodies.slack()
+    }
+
+    fn underflow(&self) -> f64 {
+        self.bodies.underflow()
     }
 
     fn margin(&self) -> Margin {

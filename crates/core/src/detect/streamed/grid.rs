@@ -210,7 +210,7 @@ impl<const D: usize> Grid<D> {
         {
             return Ok((grid, Form::Dense));
         }
-        Ok((domain.sparse(reach <= T::UNDERFLOW)?, Form::Sparse))
+        Ok((domain.sparse(reach <= bodies.underflow())?, Form::Sparse))
     }
 
     /// Returns the coordinates of a particle in integer steps, in the order of the grid's axes.

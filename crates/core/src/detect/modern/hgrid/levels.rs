@@ -46,7 +46,7 @@ impl<const D: usize> Level<D> {
     /// wide as the reach.
     fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
         let Class { low, high, largest, bodies: count, .. } = self.class;
-        let points = bodies.class_reach(largest, largest) <= T::UNDERFLOW;
+        let points = bodies.class_reach(largest, largest) <= bodies.underflow();
         // The book's cells are always as wide as the reach.
         let filled = filled && bodies.margin() == Margin::Safe;
         let least = if filled || points { spacing(low, high, count) } else { 0.0 };
