@@ -1,6 +1,7 @@
 //! Compares two records cell by cell: exact values (pairs, counts, bytes, outcomes), and times.
 
 mod builds;
+pub mod comparison;
 pub mod records;
 mod summary;
 mod timing;

@@ -1,3 +1,5 @@
+pub mod page;
+
 use crate::table::Table;
 use contactbench_record::findings::compare::{
     Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
