@@ -133,8 +133,8 @@ impl Page<'_> {
         said
     }
 
-    /// Returns the format of the list, how it names particles, and how pairs were compared: value in
-    /// JSON, and description.
+    /// Returns the format of the list, how it names particles, and how pairs were compared, as a
+    /// value in JSON and as a description.
     fn read(&self) -> (&'static str, String, Option<[&'static str; 2]>) {
         let Some((format, naming, taken)) = self.all.read else { return Default::default() };
         let naming = match naming {
