@@ -1,13 +1,12 @@
 //! The scenes and subjects that an experiment plans. Runs follow this plan, and reports are
 //! compared with it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use contactbench_terms::arithmetic::Arithmetic;
 
 use crate::record::id::CellId;
 use crate::record::role::Role;
-use crate::record::value::AxisValue;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Planned {
@@ -17,7 +16,6 @@ pub struct Planned {
     pub subjects: Vec<PlannedSubject>,
     /// Names of scenes that determine their particles: n is 0 unless the experiment gives it.
     pub own_n: BTreeSet<String>,
-    pub defaults: BTreeMap<(String, u32), BTreeMap<String, AxisValue>>,
 }
 
 impl Planned {

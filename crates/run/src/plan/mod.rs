@@ -94,7 +94,6 @@ fn checked<'a>(
         quick: ids(&quick),
         subjects: subjects(&experiment),
         own_n: scenes::own_n(&experiment),
-        defaults: scenes::defaults(&experiment),
     };
     Ok((experiment, document))
 }

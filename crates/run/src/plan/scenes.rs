@@ -7,7 +7,6 @@ use anyhow::{Context, anyhow, bail, ensure};
 
 use contactbench_record::experiment::{Experiment, SceneSweep};
 use contactbench_record::record::id::CellId;
-use contactbench_record::record::value::AxisValue;
 use contactbench_scenes::spec::{Course, Generator, Order, Spec};
 use contactbench_scenes::{generate, hard};
 
@@ -57,16 +56,6 @@ pub(super) fn own_n(experiment: &Experiment) -> BTreeSet<String> {
 
 fn generators(experiment: &Experiment) -> impl Iterator<Item = &'static Generator> {
     experiment.scenes.iter().filter_map(|sweep| generate::table::find(&sweep.name).ok())
-}
-
-pub(super) fn defaults(
-    experiment: &Experiment,
-) -> BTreeMap<(String, u32), BTreeMap<String, AxisValue>> {
-    let of = |generator: &Generator, dim| {
-        let known = generator.defaults(dim).into_iter();
-        ((generator.name.into(), dim), known.map(|(name, value)| (name, value.into())).collect())
-    };
-    generators(experiment).flat_map(|generator| [2, 3].map(|dim| of(generator, dim))).collect()
 }
 
 fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {

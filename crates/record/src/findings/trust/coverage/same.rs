@@ -17,10 +17,6 @@ pub fn key(plan: &Planned, id: &CellId, open: bool) -> CellId {
     if plan.own_n.contains(&id.scene) {
         key.n = 0;
     }
-    // An older record may lack parameters that the generator has now.
-    for (name, value) in plan.defaults.get(&(id.scene.clone(), id.dim)).into_iter().flatten() {
-        key.params.entry(name.clone()).or_insert_with(|| value.clone());
-    }
     if id.scene == FILE {
         key.dim = 0;
     }
