@@ -61,20 +61,17 @@ impl Errors {
     }
 }
 
-/// Errors by cause. The serde aliases are the names in older records.
+/// Errors by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Causes {
     /// Errors of representation: exact contacts of the stored scene, compared with exact contacts
     /// of the given scene.
-    #[serde(alias = "input")]
     pub representation: Errors,
     /// Errors of the predicate: pairs that the arithmetic's contact test accepts, compared with
     /// exact contacts, both of the stored scene.
-    #[serde(alias = "arithmetic")]
     pub predicate: Errors,
     /// Errors of the search: the detector's pairs, compared with all pairs that the arithmetic's
     /// contact test accepts.
-    #[serde(alias = "algorithm")]
     pub search: Errors,
     /// Errors of predicate and search together, which may cancel: the detector's pairs, compared
     /// with exact contacts of the stored scene.

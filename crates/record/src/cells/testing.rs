@@ -91,11 +91,8 @@ impl Lab {
         self
     }
     pub fn time(&mut self, blocks: &[u64]) -> &mut Lab {
-        self.timed(Pass::Time, blocks)
-    }
-    fn timed(&mut self, pass: Pass, blocks: &[u64]) -> &mut Lab {
         for (block, &time) in blocks.iter().enumerate() {
-            self.push(pass, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
+            self.push(Pass::Time, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
         }
         self
     }
@@ -105,8 +102,13 @@ impl Lab {
         rows.zip(pulses).for_each(|(row, &pulse)| row.pulse_ns = Some(pulse));
         self
     }
-    pub fn copies(&mut self, blocks: &[u64]) -> &mut Lab {
-        self.timed(Pass::Ceiling, blocks)
+    pub fn copies(&mut self, alone: &[u64], together: &[u64]) -> &mut Lab {
+        for (block, (&alone, &time)) in alone.iter().zip(together).enumerate() {
+            self.push(Pass::Ceiling, |row| {
+                (row.block, row.time_ns, row.alone_ns) = (block as u32, Some(time), Some(alone))
+            });
+        }
+        self
     }
     pub fn count(&mut self, counts: &[(&str, u64)]) -> &mut Lab {
         let counts = counts.iter().map(|&(name, count)| (name.into(), count)).collect();

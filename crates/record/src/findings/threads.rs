@@ -84,8 +84,6 @@ fn gain(
         name,
         speedup: series::ratio(one, many)?,
         ceiling: series::ratio_of(many, |cell| &cell.alone_ns, many, |cell| &cell.copies_ns)
-            // Older records lack times of copies alone; the time with one thread replaces them.
-            .or_else(|| series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns))
             .map(|ratio| ratio.scaled(k)),
         fraction: series::ratio_of(many, |cell| &cell.copies_ns, many, |cell| &cell.times)
             .map(|ratio| ratio.scaled(1.0 / k)),
@@ -109,7 +107,6 @@ fn typical(name: String, gains: &[&Gain]) -> Option<Typical> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cells;
     use crate::cells::testing::Lab;
     use crate::record::row::Pass;
 
@@ -120,7 +117,7 @@ mod tests {
         let times = |unit: u64| (1..=15).map(|block| unit * (100 + block)).collect::<Vec<u64>>();
         lab.detector("direct").time(&times(12)).count(&[]);
         assert_eq!(lab.find(Threads::new), None);
-        lab.threads(2).time(&times(8)).copies(&times(15));
+        lab.threads(2).time(&times(8)).copies(&times(12), &times(15));
         lab.threads(4).time(&times(6)).fail(Pass::Ceiling, Outcome::OutOfMemory, "no room for 4");
         lab.threads(1).detector("nbs").time(&times(1));
         let good = lab.find(|cells| cells.iter().all(|cell| cell.overall().0 == Outcome::Ok));
@@ -148,14 +145,5 @@ mod tests {
         {
             assert!((value - expected).abs() < 1e-9, "{first:?}");
         }
-        // Copies timed alone take precedence over the time with one thread.
-        let mut rows = lab.rows();
-        for row in rows.iter_mut().filter(|row| row.pass == Pass::Ceiling) {
-            row.alone_ns = row.time_ns.map(|time| time * 2 / 3);
-        }
-        let cells = cells::cells(&rows);
-        let again = Threads::new(&cells.iter().collect::<Vec<_>>()).unwrap();
-        is(again.gains[0].ceiling.unwrap(), 4.0 / 3.0);
-        assert_eq!(again.gains[0].fraction, two.fraction);
     }
 }

@@ -34,11 +34,11 @@ pub const WORST_STEP: &str = "worst_step_ns";
 type Whose = fn(&Causes) -> &Errors;
 type Which = fn(&Errors) -> f64;
 
-/// For each cause of error: prefix of its columns, prefix in older records, and its errors.
-const CAUSES: [(&str, &str, Whose); 3] = [
-    ("representation_", "input_", |causes| &causes.representation),
-    ("predicate_", "arithmetic_", |causes| &causes.predicate),
-    ("search_", "algorithm_", |causes| &causes.search),
+/// For each cause of error: prefix of its columns, and its errors.
+const CAUSES: [(&str, Whose); 3] = [
+    ("representation_", |causes| &causes.representation),
+    ("predicate_", |causes| &causes.predicate),
+    ("search_", |causes| &causes.search),
 ];
 
 const ERRORS: [(&str, &str, Which); 7] = [
@@ -81,7 +81,7 @@ fn columns() -> Vec<Column> {
     columns.extend(ERRORS.map(|(name, unit, read)| {
         Column::new(name, None, unit, move |row| row.errors.as_ref().map(read))
     }));
-    for (prefix, _, whose) in CAUSES {
+    for (prefix, whose) in CAUSES {
         columns.extend(ERRORS.map(|(name, unit, read)| {
             let read = move |row: &Row| Some(read(whose(row.causes.as_ref()?)));
             Column::new(format!("{prefix}{name}"), None, unit, read)
@@ -111,13 +111,7 @@ impl Column {
         Column { name: name.into(), pass, unit, read: Box::new(read) }
     }
 
-    /// The column with this name, or with this name in older records: `input_missed` is
-    /// `representation_missed`.
     pub fn find(name: &str) -> Option<&'static Column> {
-        let renamed = CAUSES
-            .iter()
-            .find_map(|(prefix, old, _)| Some(format!("{prefix}{}", name.strip_prefix(old)?)));
-        let name = renamed.as_deref().unwrap_or(name);
         COLUMNS.iter().find(|column| column.name == name)
     }
 
@@ -158,17 +152,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_told_apart_and_old_ones_are_understood() {
+    fn names_are_told_apart() {
         let names: BTreeSet<&str> = COLUMNS.iter().map(|column| &*column.name).collect();
         assert_eq!((names.len(), errors().count()), (COLUMNS.len(), 28));
-        for (old, new) in [
-            ("wrong", "wrong"),
-            ("input_missed", "representation_missed"),
-            ("arithmetic_wrong", "predicate_wrong"),
-            ("algorithm_deepest_miss", "search_deepest_miss"),
-        ] {
-            assert_eq!(Column::find(old).unwrap().name, new);
-        }
         assert!(Column::find("storage_missed").is_none() && Column::find("wron").is_none());
         let is_whole = |name: &&str| Column::find(name).unwrap().is_whole();
         let whole =

@@ -49,12 +49,9 @@ impl Origin {
     }
 }
 
-/// Returns the command of a run as it was typed. Older records hold a list of words.
+/// Returns the command of a run as it was typed.
 pub fn command(provenance: &Value) -> Option<String> {
-    Some(match provenance.get("command")? {
-        Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
-        word => shown(word),
-    })
+    provenance.get("command").map(shown)
 }
 
 pub fn shown(value: &Value) -> String {

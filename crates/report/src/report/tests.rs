@@ -15,7 +15,7 @@ fn written(folder: &Path, experiment: Experiment, lab: &Lab) -> (Report, [String
 fn a_report_has_question_verdicts_figures_and_provenance() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let provenance = r#"{"command": ["contactbench", "run"], "cpu": {"name": "A_1"}}"#;
+    let provenance = r#"{"command": "contactbench run", "cpu": {"name": "A_1"}}"#;
     std::fs::write(folder.join("provenance.json"), provenance).unwrap();
     let mut lab = Lab::new("e", "packed");
     for n in [100, 1000] {
