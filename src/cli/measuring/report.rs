@@ -13,7 +13,6 @@ use contactbench_record::findings::claim;
 use contactbench_record::findings::trust::failures::Culprit;
 use contactbench_record::record::faults::{self, Fault};
 use contactbench_record::record::folder;
-use contactbench_record::record::folder::copies;
 use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::{Outcome, Record};
 use contactbench_report::sections::claims::evidence;
@@ -27,18 +26,9 @@ pub struct Report {
     folder: PathBuf,
     #[command(flatten)]
     ci: Outputs,
-    /// Seal the copies of experiments in an older record; make no report
-    #[arg(long)]
-    seal: bool,
 }
 
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
-    if options.seal {
-        read(&options.folder)?;
-        let count = copies::seal(&options.folder)?;
-        writeln!(terminal::out(), "sealed: {count} copies of experiments")?;
-        return Ok(ExitCode::SUCCESS);
-    }
     finish(&options.folder, &options.ci)
 }
 

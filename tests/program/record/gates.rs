@@ -143,10 +143,6 @@ fn what_cannot_be_compared_is_refused() {
     at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);
     changed(&at, "b", |row| row["seed"] = 7.into(), |_| ());
     at.ends(2, "compare a b", &["a and b"]);
-    // Records of an older schema can be compared.
-    let old = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/records/schema-3");
-    let line = format!("compare {old} {old} --strict --against nbs");
-    at.ends(0, &line, &[]);
 }
 
 /// A gate on times is an error if it could not fail, as when a control has changed.

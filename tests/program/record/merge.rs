@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use contactbench::record::folder::copies;
 use contactbench::record::row::Row;
 use serde_json::Value;
 
@@ -74,7 +75,7 @@ fn a_merge_keeps_machines_apart() {
     changed(&at, "namesake", slower, |fields| fields["cpu"] = "another model".into());
     changed(&at, "cousin", slower, |fields| fields["caches"]["L3"] = "300M".into());
     changed(&at, "older", slower, |fields| {
-        let kept = ["machine", "cpu", "cores", "revision"];
+        let kept = ["machine", "cpu", "cores", "revision", copies::FIELD];
         fields.as_object_mut().unwrap().retain(|name, _| kept.contains(&name.as_str()));
     });
     at.good("merge a other namesake --out three");
@@ -126,12 +127,17 @@ fn what_does_not_belong_together_is_not_merged() {
     at.ends(2, "merge a count --out b", &["nbs (exact, packed)", "N = 50", "count"]);
     changed(&at, "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     at.ends(2, "merge a scene --out b", &["packed", "N = 50"]);
-    // Without its checksum, a different experiment is not taken for an edit.
-    changed(&at, "text", |_| (), |fields| fields["experiments_sha256"] = Value::Null);
-    at.file("text/experiments/t.toml", EXPERIMENT.replace("blocks = 5", "blocks = 6"));
-    at.ends(2, "merge a text --out b", &["text", "t.toml"]);
-    let name = |name: &str| at.path("text/experiments").join(name);
-    std::fs::rename(name("t.toml"), name("u.toml")).unwrap();
-    at.ends(2, "merge a text --out b", &["text has u"]);
+    // Another experiment, with its own checksum, is not taken for an edit.
+    let text = EXPERIMENT.replace("blocks = 5", "blocks = 6");
+    let of = |name: &'static str| {
+        let sum = copies::field([(name, &*text)].into_iter());
+        changed(&at, name, |_| (), |fields| fields[copies::FIELD] = sum.clone());
+        std::fs::remove_file(at.path(name).join("experiments/t.toml")).unwrap();
+        at.file(&format!("{name}/experiments/{name}.toml"), &text);
+    };
+    of("t");
+    at.ends(2, "merge a t --out b", &["t", "t.toml"]);
+    of("u");
+    at.ends(2, "merge a u --out b", &["u has u"]);
     assert!(!at.path("b").exists());
 }

@@ -56,11 +56,6 @@ fn copied(
     change: impl Fn(&mut Value),
     fields_changed: impl Fn(&mut Value),
 ) {
-    let edit = |text: &str, change: &dyn Fn(&mut Value)| {
-        let mut value: Value = serde_json::from_str(text).unwrap();
-        change(&mut value);
-        value
-    };
     // Keeps the changed row valid: a sample has one detection, and the checksum is made again.
     let change = |row: &mut Value| {
         change(row);
@@ -72,12 +67,19 @@ fn copied(
     for name in ["experiments/t.toml", ledger::FILE] {
         std::fs::copy(at.path(from).join(name), at.path(to).join(name)).unwrap();
     }
-    let sealed =
-        |line: &str| seal::sealed(&edit(&seal::unsealed(line), &change).to_string()) + "\n";
     let record = at.read(&format!("{from}/{}", row::FILE));
-    at.file(&format!("{to}/{}", row::FILE), record.lines().map(sealed).collect::<String>());
-    let fields = edit(&at.read(&format!("{from}/{}", provenance::FILE)), &fields_changed);
-    at.file(&format!("{to}/{}", provenance::FILE), provenance::text(&fields).unwrap());
+    let rows = record.lines().map(|line| edited(line, change) + "\n");
+    at.file(&format!("{to}/{}", row::FILE), rows.collect::<String>());
+    let fields = at.read(&format!("{from}/{}", provenance::FILE));
+    at.file(&format!("{to}/{}", provenance::FILE), edited(&fields, fields_changed));
+}
+
+/// Returns a row or a provenance, changed and with a new checksum.
+fn edited(text: &str, change: impl FnOnce(&mut Value)) -> String {
+    let mut fields: Value = serde_json::from_str(text).unwrap();
+    fields.as_object_mut().unwrap().remove(seal::NAME);
+    change(&mut fields);
+    seal::sealed(&fields.to_string())
 }
 
 /// Returns a folder with a record `a` whose times do not depend on the load: 1000 ns plus the

@@ -167,13 +167,13 @@ fn a_resumed_run_notices_that_a_file_has_changed() {
 }
 
 #[test]
-fn records_of_later_schemas_are_refused() {
+fn records_of_other_schemas_are_refused() {
     let (at, ..) = undisturbed();
     let whole = at.read(RECORD);
     assert!(whole.lines().all(|line| line.starts_with("{\"schema\":4,\"")));
     at.file(RECORD, whole.replacen("{\"schema\":4,", "{\"schema\":5,", 2));
     for verb in ["report result", RESUME, "compare result result"] {
-        let words = ["samples.jsonl: line 1", "schema 5", "3 to 4"];
+        let words = ["samples.jsonl: line 1", "schema 5", "reads schema 4"];
         assert_eq!(at.ends(2, verb, &words).stderr.lines().count(), 1, "{verb}");
     }
 }

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use contactbench::record::folder::{copies, seal};
 use serde_json::{Value, json};
 
 use super::browser::Browser;
@@ -48,7 +49,7 @@ fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
     n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
 }
 
-/// Returns the rows of a made-up record in schema 3, which has no checksums.
+/// Returns the rows of a made-up record.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
     let scenes: [(&str, u64, u32); 3] = [("packed", 2, 3), ("packed", 3, 3), ("loose", 2, 2)];
@@ -65,7 +66,7 @@ fn rows() -> Vec<Value> {
                 EVIL => "runner",
                 _ => "detector",
             };
-            let row = json!({"schema": 3, "machine": "here", "role": role,
+            let row = json!({"schema": 4, "machine": "here", "role": role,
                 "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n,
                 "seed": 1, "order": "shuffled", "detector": detector, "arithmetic": arithmetic,
                 "pass": "time", "block": 0, "calls": 1,
@@ -100,9 +101,11 @@ fn rows() -> Vec<Value> {
 pub fn report(at: &Place) -> PathBuf {
     std::fs::create_dir_all(at.path("experiments")).unwrap();
     at.file("experiments/e.toml", EXPERIMENT);
-    let provenance = json!({"command": "contactbench run e.toml <b>", "cpu": "A & B"});
-    at.file("provenance.json", provenance.to_string());
-    at.file("samples.jsonl", rows().iter().map(|row| format!("{row}\n")).collect::<String>());
+    let sealed = |value: &Value| seal::sealed(&value.to_string()) + "\n";
+    let mut provenance = json!({"command": "contactbench run e.toml <b>", "cpu": "A & B"});
+    provenance[copies::FIELD] = copies::field([("e", EXPERIMENT)].into_iter());
+    at.file("provenance.json", sealed(&provenance));
+    at.file("samples.jsonl", rows().iter().map(sealed).collect::<String>());
     at.good("report .");
     at.path("report.html")
 }

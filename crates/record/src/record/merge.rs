@@ -10,7 +10,7 @@ use crate::record::column::COLUMNS;
 use crate::record::folder;
 use crate::record::folder::done::Began;
 use crate::record::folder::ledger::Ledger;
-use crate::record::folder::{copies, done, file};
+use crate::record::folder::{done, file};
 use crate::record::id::Projection;
 use crate::record::origin::machines::{Labels, Machine, described};
 use crate::record::origin::provenance;
@@ -63,12 +63,10 @@ impl Part {
         let copies = folder::experiments(folder);
         let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
         let (provenance, others) = (provenance::of_folder(folder), provenance::others(folder));
-        let mut warnings = record.warnings;
-        warnings.extend(copies::unsealed(folder, provenance.iter().chain(&others)));
         Ok(Part {
             folder: folder.to_path_buf(),
             rows: record.rows,
-            warnings,
+            warnings: record.warnings,
             experiments,
             provenance,
             others,

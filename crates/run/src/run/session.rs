@@ -275,8 +275,6 @@ fn previous(
     let of = path.parent().unwrap_or(Path::new("."));
     folder::sound(of)?;
     let record = row::read(path)?;
-    let unsealed = copies::unsealed(of, provenance::all(of).iter());
-    unsealed.into_iter().for_each(|it| note(format!("note: {it}")));
     record.warnings.iter().for_each(|warning| note(warning.clone()));
     note(format!("resuming: {} rows are there already", record.rows.len()));
     let other = |row: &Row| row.id.machine.clone().filter(|machine| machine != here);

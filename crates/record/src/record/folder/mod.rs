@@ -11,8 +11,6 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::record::faults::{self, Damaged, Fault, is_word};
-use crate::record::folder::file::SEALED;
-use crate::record::folder::seal::Flaw;
 use crate::record::origin::provenance;
 
 pub const EXPERIMENTS: &str = "experiments";
@@ -93,8 +91,5 @@ fn damage(path: &Path) -> Option<String> {
         let value = fields.get(name).filter(|value| !value.is_null() && !is(value))?;
         Some(format!("its {name} is {value}; it must be {kind}"))
     });
-    // Records of older schemas have no check.
-    let old = fields.get("record_schema").and_then(Value::as_u64) < Some(SEALED.into());
-    let edited = seal::verify(&bytes).err().filter(|flaw| !(old && *flaw == Flaw::Absent));
-    of_another_kind.or_else(|| edited.map(|flaw| flaw.to_string()))
+    of_another_kind.or_else(|| Some(seal::verify(&bytes).err()?.to_string()))
 }

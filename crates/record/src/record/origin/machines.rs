@@ -103,12 +103,8 @@ impl Labels {
                 several => all[name] = json!(several.join(", ")),
             }
         }
-        // Merging must not seal copies that no part had sealed.
-        let sealed = parts.iter().find(|part| copies::are_sealed(part.provenances()));
-        if let Some(part) = sealed {
-            let copies = part.experiments.iter().map(|(name, text)| (name.as_str(), text.as_str()));
-            all[copies::FIELD] = copies::field(copies);
-        }
+        let copies = parts.iter().flat_map(|part| &part.experiments);
+        all[copies::FIELD] = copies::field(copies.map(|(name, text)| (&**name, &**text)));
         all["record_schema"] = json!(file::SCHEMA);
         all["merged_from"] =
             json!(parts.iter().map(|part| part.folder.display().to_string()).collect::<Vec<_>>());

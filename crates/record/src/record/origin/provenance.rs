@@ -118,11 +118,6 @@ pub fn all(folder: &Path) -> Vec<Value> {
     of_folder(folder).into_iter().chain(others(folder)).collect()
 }
 
-pub fn machine_of(folder: Option<&Path>) -> Option<String> {
-    let provenance = of_folder(folder.unwrap_or(Path::new(".")))?;
-    Some(provenance.get("machine")?.as_str()?.to_string())
-}
-
 /// The current time (UTC) for a folder name, such as 2004-03-01T12-30-59.
 pub fn date() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
 use crate::record::folder::ledger::Ledger;
-use crate::record::folder::seal::{self, Flaw};
-use crate::record::origin::provenance;
+use crate::record::folder::seal;
 use crate::record::row::Row;
 
 pub const FILE: &str = "samples.jsonl";
@@ -21,11 +20,8 @@ const MOST_FAULTS: usize = 10_000;
 /// Number of unpacked bytes after which reading stops.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// Version of the record's schema, the field `schema` of every row; see docs/RECORD.md. Schema 3
-/// had no check of each line.
+/// Version of the record's schema, the field `schema` of every row; see docs/RECORD.md.
 pub const SCHEMA: u32 = 4;
-const OLDEST: u32 = 3;
-pub const SEALED: u32 = 4;
 
 #[derive(Serialize)]
 struct Line<'a> {
@@ -175,13 +171,12 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
 }
 
 /// Reads a record, compressed or not. An incomplete last line is left out with a warning. A line of
-/// a newer schema is an error. Damaged or contradictory lines are reported together as
+/// another schema is an error. Damaged or contradictory lines are reported together as
 /// `faults::Damaged`.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
     let (path, mut text) = text(path)?;
-    let (mut beside, mut bytes, mut line) = (None, 0, Vec::new());
+    let (mut bytes, mut line, mut found) = (0, Vec::new(), Vec::new());
     let (mut rows, mut lines, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut found, mut newest) = (Vec::new(), 0);
     for number in 1.. {
         let length = next_line(&mut *text, &path, &mut line)?;
         bytes += length;
@@ -204,9 +199,16 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                 at()
             ));
         } else if !line.trim_ascii().is_empty() {
-            let schema = schema_of(&line, newest, at)?;
-            newest = schema.max(newest);
-            match whole(&line, schema, newest) {
+            // A line that is not JSON is damaged, and has no schema.
+            let schema = serde_json::from_slice(&line).map_or(SCHEMA, |it: Version| it.schema);
+            anyhow::ensure!(
+                schema == SCHEMA,
+                "{} has record schema {schema}, and this contactbench ({}) reads schema {SCHEMA}: \
+                 use the version that wrote it",
+                at(),
+                env!("CARGO_PKG_VERSION")
+            );
+            match whole(&line) {
                 Ok(row) => {
                     rows.push(row);
                     lines.push(number);
@@ -214,10 +216,6 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                 Err(what) => found.push((number, what)),
             }
         }
-    }
-    for row in rows.iter_mut().filter(|row: &&mut Row| row.id.machine.is_none()) {
-        let machine = beside.get_or_insert_with(|| provenance::machine_of(path.parent()));
-        row.id.machine.clone_from(machine);
     }
     let ledger = Ledger::read(path.parent().unwrap_or(Path::new(".")));
     found.extend(faults::faults(&rows, &ledger).into_iter().map(|(k, what)| (lines[k], what)));
@@ -240,31 +238,10 @@ fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow:
     }
 }
 
-fn schema_of(line: &[u8], newest: u32, at: impl Fn() -> String) -> anyhow::Result<u32> {
-    // A line that is not JSON is damaged, and has no schema.
-    let version = serde_json::from_slice(line).map(|it: Version| it.schema);
-    let schema = version.unwrap_or(newest.max(OLDEST));
-    let or = if schema > SCHEMA { ", or a later one" } else { "" };
-    anyhow::ensure!(
-        (OLDEST..=SCHEMA).contains(&schema) || schema < OLDEST && newest > 0,
-        "{} has record schema {schema}, and this contactbench ({}) reads schemas {OLDEST} to \
-         {SCHEMA}: use the version that wrote it{or}",
-        at(),
-        env!("CARGO_PKG_VERSION")
-    );
-    Ok(schema)
-}
-
-fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
+fn whole(line: &[u8]) -> Result<Row, String> {
     let row = serde_json::from_slice(line).map_err(|e| format!("it is not a row: {e}"))?;
-    if schema < OLDEST || schema < newest && newest >= SEALED {
-        return Err(format!("its schema is {schema}, after lines of schema {newest}"));
-    }
-    // If there is a check, it is always verified, because an edit could lower the schema.
-    match seal::verify(line) {
-        Err(Flaw::Absent) if schema < SEALED => Ok(row),
-        verified => verified.map(|()| row).map_err(|flaw| flaw.to_string()),
-    }
+    seal::verify(line).map_err(|flaw| flaw.to_string())?;
+    Ok(row)
 }
 
 #[cfg(test)]
