@@ -64,7 +64,7 @@ int main(void) {
     contactbench_errors errors;
     uint32_t listed[] = {1, 0};
     int32_t none[] = {0, 0};
-    check(contactbench_verify(&scene, 1, listed, none, &errors));
+    check(contactbench_verify(&scene, "exact", 1, listed, none, &errors));
     printf("list: %u of %u missed, by %g mean radii\n", (unsigned)errors.missed,
            (unsigned)errors.contacts, errors.deepest_miss);
 

@@ -51,7 +51,8 @@ program contacts
     call contactbench_tracker_free(tracker)
 
     ! A list that misses a contact.
-    call check(contactbench_verify(scene, 1_c_size_t, [1, 0], c_loc(none), errors))
+    call check(contactbench_verify(scene, c_null_char, 1_c_size_t, [1, 0], c_loc(none), &
+        errors))
     print '(a, i0, a, i0, a)', "list: ", errors%missed, " of ", errors%contacts, " missed"
     call contactbench_free(detector)
 

@@ -78,9 +78,11 @@ module contactbench
             type(c_ptr) :: contactbench_images
         end function
 
-        function contactbench_verify(scene, count, pairs, images, errors) bind(c)
-            import :: c_int, c_size_t, c_int32_t, c_ptr, contactbench_scene, contactbench_errors
+        function contactbench_verify(scene, arithmetic, count, pairs, images, errors) bind(c)
+            import :: c_int, c_char, c_size_t, c_int32_t, c_ptr
+            import :: contactbench_scene, contactbench_errors
             type(contactbench_scene), intent(in) :: scene
+            character(kind=c_char), intent(in) :: arithmetic(*)
             integer(c_size_t), value :: count
             integer(c_int32_t), intent(in) :: pairs(*)
             type(c_ptr), value :: images

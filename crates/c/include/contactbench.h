@@ -188,8 +188,10 @@ const int32_t *contactbench_images(const struct contactbench_detector *detector)
  * Compares a list of `count` pairs, of particles numbered from 0, with the exact truth. The truth
  * comes from testing all pairs or, for many particles, from detectors that agree. In a box
  * `images` has dim numbers per pair, like contactbench_images; in open space it is NULL.
+ * `arithmetic` is as for contactbench_new: a neighbour list is right in "exact-open".
  */
 int contactbench_verify(const struct contactbench_scene *scene,
+                        const char *arithmetic,
                         size_t count,
                         const uint32_t *pairs,
                         const int32_t *images,
@@ -202,7 +204,7 @@ int contactbench_verify(const struct contactbench_scene *scene,
  * `tracker` is a text such as "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in
  * diameters of the largest particle; NULL or an empty text selects
  * "verlet(streamed-nbs,skin=auto)". The other arguments are those of contactbench_new; a list in a
- * box requires "exact" arithmetic.
+ * box requires "exact" or "exact-open" arithmetic.
  */
 int contactbench_tracker_new(const char *tracker,
                              const char *arithmetic,

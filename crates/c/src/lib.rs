@@ -148,10 +148,8 @@ pub unsafe extern "C" fn contactbench_new(
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(ptr::null_mut()) };
         // SAFETY: the caller promises that texts end with a NUL.
-        let (detector, arithmetic) = unsafe { (text(detector)?, text(arithmetic)?) };
+        let (detector, arithmetic) = unsafe { (text(detector)?, self::arithmetic(arithmetic)?) };
         let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
-        let arithmetic: Arithmetic =
-            arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
         usable(&spec, threads)?;
         let make = move |memory_limit| Searcher::new(&spec, Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
@@ -189,6 +187,14 @@ unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
     let text = unsafe { CStr::from_ptr(text) };
     let text = text.to_str().map_err(|_| Failure::invalid("a name is not valid UTF-8"))?;
     Ok(Some(text).filter(|text| !text.is_empty()))
+}
+
+/// # Safety
+/// As for [`text`].
+unsafe fn arithmetic(name: *const c_char) -> Result<Arithmetic, Failure> {
+    // SAFETY: promised by the caller.
+    let name = unsafe { text(name) }?;
+    name.unwrap_or("exact").parse().map_err(Failure::invalid)
 }
 
 /// Frees a detector with its buffers and contacts; does nothing if it is NULL.
@@ -275,12 +281,14 @@ fn images_of<S: Send>(handle: Option<&Handle<S>>) -> *const i32 {
 /// Compares a list of `count` pairs, of particles numbered from 0, with the exact truth. The truth
 /// comes from testing all pairs or, for many particles, from detectors that agree. In a box
 /// `images` has dim numbers per pair, like contactbench_images; in open space it is NULL.
+/// `arithmetic` is as for contactbench_new: a neighbour list is right in "exact-open".
 ///
 /// # Safety
-/// Scene and lists can be read, `errors` can be written to.
+/// Scene and lists can be read, texts end with a NUL, `errors` can be written to.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_verify(
     scene: *const contactbench_scene,
+    arithmetic: *const c_char,
     count: usize,
     pairs: *const u32,
     images: *const i32,
@@ -291,7 +299,7 @@ pub unsafe extern "C" fn contactbench_verify(
             return Err(Failure::invalid("errors is NULL; give a place for them"));
         }
         // SAFETY: promised by the caller.
-        let given = unsafe { Given::new(scene) }?;
+        let (given, arithmetic) = unsafe { (Given::new(scene)?, self::arithmetic(arithmetic)?) };
         if given.lattice.is_some() == images.is_null() && count > 0 {
             return Err(Failure::invalid(
                 "give images for a scene in a box, and NULL in open space",
@@ -311,7 +319,7 @@ pub unsafe extern "C" fn contactbench_verify(
             None => &[],
         };
         // The comparison runs on one thread, since only the caller may decide to use more.
-        let found = pool(1)?.install(|| held(&given, pairs, images))?;
+        let found = pool(1)?.install(|| held(&given, arithmetic, pairs, images))?;
         // SAFETY: `errors` is not null, and the caller promises that it can be written to.
         unsafe { errors.write(found) };
         Ok(())
@@ -320,20 +328,21 @@ pub unsafe extern "C" fn contactbench_verify(
 
 fn held(
     given: &Given<'_>,
+    arithmetic: Arithmetic,
     pairs: &[[u32; 2]],
     images: &[i32],
 ) -> Result<contactbench_errors, Failure> {
     let limit = memory::limit_for(given.scene.len());
-    let loaded = Loaded::new(&given.scene, given.lattice, Arithmetic::Exact)?;
+    let loaded = Loaded::new(&given.scene, given.lattice, arithmetic)?;
     let (contacts, found) = match &loaded {
         Loaded::Open(scene) => {
-            let truth = oracle::truth_as_stored(scene, Arithmetic::Exact.test(), limit)?.pairs;
+            let truth = oracle::truth_as_stored(scene, arithmetic.test(), limit)?.pairs;
             let mut pairs = copied(pairs.iter().copied())?;
             contactbench_core::sink::normalise(&mut pairs);
             (truth.len(), oracle::compare(&pairs, &truth, scene))
         }
         Loaded::InBox(scene) => {
-            let truth = periodic::truth(scene, Arithmetic::Exact, limit)?.pairs;
+            let truth = periodic::truth(scene, arithmetic, limit)?.pairs;
             let named = pairs.iter().zip(images.chunks(given.dim));
             let mut pairs = copied(named.map(|(&[i, j], image)| {
                 let at = |k| image.get(k).copied().unwrap_or(0);

@@ -29,7 +29,7 @@ pub struct contactbench_tracker {
 /// `tracker` is a text such as "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in
 /// diameters of the largest particle; NULL or an empty text selects
 /// "verlet(streamed-nbs,skin=auto)". The other arguments are those of contactbench_new; a list in a
-/// box requires "exact" arithmetic.
+/// box requires "exact" or "exact-open" arithmetic.
 ///
 /// # Safety
 /// Texts end with a NUL; `made` can be written to.
@@ -48,11 +48,9 @@ pub unsafe extern "C" fn contactbench_tracker_new(
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(ptr::null_mut()) };
         // SAFETY: the caller promises that texts end with a NUL.
-        let (tracker, arithmetic) = unsafe { (text(tracker)?, text(arithmetic)?) };
+        let (tracker, arithmetic) = unsafe { (text(tracker)?, super::arithmetic(arithmetic)?) };
         let spec = track::parse(tracker.unwrap_or(DEFAULT)).map_err(Failure::invalid)?;
         usable(spec.detector(), threads)?;
-        let arithmetic: Arithmetic =
-            arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
         let make = move |memory_limit| spec.make(Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
         let new = Box::new(contactbench_tracker { arithmetic, handle });
