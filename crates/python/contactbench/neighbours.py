@@ -42,8 +42,12 @@ def complete(cell: npt.ArrayLike | None, pbc: Any, dim: int = 3) -> Box | None:
     A cell gives `dim` lengths or vectors as rows. Vectors of open axes do not affect a list, so ASE
     allows them to be zero. None stands for open space.
     """
+    flags = np.asarray(True if pbc is None else pbc)
+    if flags.shape not in ((), (dim,)) or flags.dtype.kind not in "biu":
+        raise ValueError(f"pbc is {pbc!r}; give one bool, or {dim}, one for each vector")
+    flags = np.broadcast_to(flags.astype(bool), dim)
     if cell is None:
-        if pbc is not None and np.any(pbc):
+        if pbc is not None and flags.any():
             raise ValueError(f"pbc is {pbc!r} without a cell; give the cell, or pbc=None")
         return None
     vectors = numbers(cell, "cell")
@@ -53,11 +57,10 @@ def complete(cell: npt.ArrayLike | None, pbc: Any, dim: int = 3) -> Box | None:
         raise ValueError(
             f"cell has the shape {vectors.shape}; give {dim} lengths, or {dim} vectors as rows"
         )
-    flags = np.broadcast_to(True if pbc is None else np.asarray(pbc), dim)
     if not flags.any():
         return None
     missing = ~vectors.any(axis=1)
-    if (missing & flags.astype(bool)).any():
+    if (missing & flags).any():
         raise ValueError(f"cell has a vector of zeros along a periodic axis; pbc is {pbc!r}")
     if missing.any():
         # Rows of the last factor that are orthogonal to all given vectors.
@@ -69,10 +72,10 @@ def complete(cell: npt.ArrayLike | None, pbc: Any, dim: int = 3) -> Box | None:
 
 def _system(positions: Any, cell: Any, pbc: Any, cutoff: Any) -> tuple[Any, Any, Any, Any]:
     """Take positions, cell and pbc from an object such as `ase.Atoms`."""
-    if not all(hasattr(positions, name) for name in ("positions", "cell", "pbc")):
-        return positions, cell, pbc, cutoff
     if cutoff is None and cell is not None and np.ndim(cell) == 0:
         cell, cutoff = None, cell
+    if not all(hasattr(positions, name) for name in ("positions", "cell", "pbc")):
+        return positions, cell, pbc, cutoff
     if cell is not None or pbc is not None:
         raise ValueError("atoms have their own cell and pbc; give atoms and a cutoff only")
     return positions.positions, np.asarray(positions.cell), positions.pbc, cutoff
@@ -142,7 +145,8 @@ def neighbour_list(
         vector from i to the image of j, float64 (M, 3).
     positions : array_like, shape (N, 3) or (N, 2), or atoms
         Positions, inside or outside the cell; or an object with `positions`, `cell` and `pbc`, such
-        as `ase.Atoms`. Other float types are widened without rounding.
+        as `ase.Atoms`, whose cutoff may follow as in ASE: ``neighbour_list("ij", atoms, 5.0)``.
+        Other float types are widened without rounding.
     cell : array_like, shape (3, 3) or (3,), optional
         Three vectors as rows, of any direction and handedness, or three lengths. A vector along an
         open axis may be zero. Without a cell, space is open.
@@ -202,9 +206,7 @@ def neighbour_list(
     return result[0] if len(result) == 1 else tuple(result)
 
 
-def neighbor_list(quantities: str, a: Any, cutoff: Any, *rest: Any, **options: Any) -> Any:
-    """Do the same as `neighbour_list`, also called as ``neighbor_list("ij", atoms, 5.0)``."""
-    return neighbour_list(quantities, a, cutoff, *rest, **options)
+neighbor_list = neighbour_list
 
 
 def max_neighbours(
@@ -239,7 +241,8 @@ def pairs_between(
     set, so two dense sets cost more than their answer.
     """
     sets = [numbers(queries, "queries"), numbers(points, "points")]
-    sets = [np.reshape(x, (0, 3)) if x.size == 0 else x for x in sets]
+    width = max((x.shape[1] for x in sets if x.ndim == 2), default=3)
+    sets = [np.reshape(x, (0, width)) if x.size == 0 and x.ndim < 2 else x for x in sets]
     if any(x.ndim != 2 for x in sets) or sets[0].shape[1] != sets[1].shape[1]:
         raise ValueError(
             f"queries and points have the shapes {sets[0].shape} and {sets[1].shape}; give rows of "
@@ -268,7 +271,7 @@ def batch_neighbour_list(
     int64 (M,). Other arguments are those of `neighbour_list`, except csr.
     """
     x, ends = numbers(positions, "positions"), np.asarray(offsets)
-    ends = ends.astype(np.int64) if ends.dtype.kind in "iu" else np.array([-1])
+    ends = ends.astype(np.int64) if ends.dtype.kind in "iu" and ends.ndim == 1 else np.array([-1])
     if len(ends) < 1 or ends[0] != 0 or (np.diff(ends) < 0).any() or ends[-1] != len(x):
         raise ValueError(
             f"offsets are {offsets!r}; give whole numbers that rise from 0 to {len(x)}, the number "
@@ -277,6 +280,8 @@ def batch_neighbour_list(
     systems = len(ends) - 1
     if cells is not None and len(cells) != systems:
         raise ValueError(f"there are {len(cells)} cells for {systems} systems; give one for each")
+    if np.ndim(pbc) == 2 and len(pbc) != systems:
+        raise ValueError(f"pbc has {len(pbc)} rows for {systems} systems; give one for each")
     if options.pop("csr", False):
         raise ValueError("csr: a batch has the system of each pair instead; leave csr out")
     parts = []
@@ -289,5 +294,5 @@ def batch_neighbour_list(
         ]
         parts.append([*arrays, np.full(own[-1][-1], k, np.int64)])
     if not parts:
-        return batch_neighbour_list(quantities, np.zeros((0, 3)), [0, 0], None, None, cutoff)
+        return batch_neighbour_list(quantities, x, [0, 0], None, None, cutoff, **options)
     return tuple(np.concatenate(arrays) for arrays in zip(*parts))

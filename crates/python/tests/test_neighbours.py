@@ -92,6 +92,7 @@ def test_atoms_bring_their_cell():
     atoms = SimpleNamespace(positions=places(), cell=cell, pbc=np.array(pbc))
     expected = listed(neighbour_list("ijS", places(), cell, pbc, 1.5))
     assert listed(neighbours.neighbor_list("ijS", atoms, 1.5)) == expected
+    assert len(neighbours.neighbor_list("ij", places(), 1.5)[0]) > 0
     assert listed(neighbour_list("ijS", atoms, cutoff=1.5)) == expected
     with pytest.raises(ValueError, match="atoms"):
         neighbour_list("ij", atoms, cell, cutoff=1.5)
@@ -111,6 +112,7 @@ def test_queries_find_points():
     all_pairs = brute(np.concatenate([a, b]), cell, pbc, 1.5)
     assert found == {(i, j - 20, *s) for i, j, *s in all_pairs if i < 20 <= j}
     assert len(neighbours.pairs_between([], b, cutoff=1.5)[0]) == 0
+    assert len(neighbours.pairs_between([], b[:, :2], cutoff=1.5)[0]) == 0
 
 
 def test_batches_keep_systems_apart():
@@ -125,8 +127,16 @@ def test_batches_keep_systems_apart():
     }
     assert listed(answer) == expected
     assert [len(array) for array in batch_neighbour_list("ij", [], [0], [], None, 1.0)] == [0, 0, 0]
-    with pytest.raises(ValueError, match="rise"):
-        batch_neighbour_list("ij", parts[0], [0, 5], None, None, 1.0)
+    for arguments, match in [
+        (("ij", parts[0], [0, 5], None, None, 1.0), "rise"),
+        (("ij", parts[0], 20, None, None, 1.0), "rise"),
+        (("ij", parts[0], [0, 20], cells[:1], np.array(pbc), 1.0), "pbc"),
+        (("ij", parts[0], [0, 20], cells, True, 1.0), "cells"),
+    ]:
+        with pytest.raises(ValueError, match=match):
+            batch_neighbour_list(*arguments)
+    with pytest.raises(ValueError, match="rule"):
+        batch_neighbour_list("ij", [], [0], [], None, 1.0, rule="zz")
 
 
 @pytest.mark.parametrize(
@@ -141,6 +151,8 @@ def test_batches_keep_systems_apart():
         (dict(pbc=True), "pbc"),
         (dict(cell=np.diag([1.0, 1.0, 0.0])), "zeros"),
         (dict(positions=np.zeros(3)), "positions"),
+        (dict(cell=np.eye(3), pbc=[True, False]), "pbc"),
+        (dict(cell=np.eye(3), pbc="xy"), "pbc"),
         (dict(rule="=<"), "rule"),
         (dict(positions=[[np.nan, 0.0, 0.0]]), "finite"),
     ],
