@@ -67,11 +67,16 @@ pub fn stats(given: &Given, contacts: u64) -> Stats {
     });
     Stats {
         packing_fraction,
-        coordination: if n == 0 { 0.0 } else { 2.0 * contacts as f64 / n as f64 },
+        coordination: coordination(n as u64, contacts),
         radius_ratio: with_scene!(scene, scene => radius_ratio(scene)),
         box_diameters,
         scene_hash: hash(given),
     }
+}
+
+/// Returns the mean number of contacts per particle; 0 without particles.
+pub fn coordination(particles: u64, contacts: u64) -> f64 {
+    if particles == 0 { 0.0 } else { 2.0 * contacts as f64 / particles as f64 }
 }
 
 /// Returns the volume of the particles over that of the box, or 0 if the box has no volume.

@@ -77,7 +77,7 @@ fn the_commands_work_as_written() {
     }
 }
 
-/// The output shown in README equals that of its record.
+/// The output shown in README is that of its record, except the last column.
 #[test]
 fn the_output_of_readme_is_that_of_the_record() {
     let at = Place::new();
@@ -88,7 +88,7 @@ fn the_output_of_readme_is_that_of_the_record() {
     let printed: Vec<String> = at.good("report standard").stdout.lines().map(words).collect();
     let shown = &blocks(README, "text")[0];
     for line in shown.lines().map(words) {
-        assert!(printed.contains(&line), "README shows '{line}'");
+        assert!(printed.iter().any(|it| it.starts_with(&line)), "README shows '{line}'");
     }
 }
 

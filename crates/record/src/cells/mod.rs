@@ -181,7 +181,7 @@ impl Cell {
         frames.unwrap_or(1.0).max(1.0)
     }
 
-    /// Returns `value` over the true contacts of a frame, each counted once; `None` without contacts.
+    /// Returns `value` over the true contacts of a frame, counted once; `None` without contacts.
     pub fn per_pair(&self, value: f64) -> Option<f64> {
         let pairs = errors::true_contacts(self) / self.frames();
         (pairs > 0.0).then(|| value / pairs)

@@ -11,6 +11,7 @@ use crate::record::id::Projection;
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::record::row::{Course, Row};
+use contactbench_terms::arithmetic::Arithmetic;
 use contactbench_terms::errors::Errors;
 use contactbench_terms::number::plural;
 use contactbench_terms::text;
@@ -173,7 +174,7 @@ fn answer(row: &Row) -> Option<String> {
         return None;
     }
     let search = row.causes.map(|causes| causes.search);
-    let exact = row.id.arithmetic == "exact";
+    let exact = row.id.arithmetic.parse().is_ok_and(Arithmetic::is_exact);
     if let Some(digest) = row.digest.as_deref().filter(|_| row.outcome.is_good()) {
         must!(is_hex(digest), "its digest is '{}'", digest.escape_default());
     }

@@ -17,6 +17,7 @@ use crate::run::subject::Subject;
 use contactbench_core::contact::Arithmetic;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};
+use contactbench_scenes::stats::coordination;
 
 /// Minimum length of a sample; in a shorter one, the clock's overhead and resolution would matter.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
@@ -100,6 +101,10 @@ impl Stage<'_, '_> {
         if let Err(failure) = bench.load(&mut client) {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
+        }
+        if arithmetic.exact() != Arithmetic::Exact {
+            let contacts = bench.judge.count(arithmetic)?.0.first;
+            blank.stats.coordination = coordination(blank.id.n, contacts);
         }
         let hello = client.hello.clone();
         let mut running = Running { subject, arithmetic, hello, blank, copy: None };

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Check;
-use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::spec;
 use contactbench_core::memory::default_limit;
 use contactbench_core::periodic::{self, ImagePair, depth};
@@ -57,7 +56,7 @@ pub(super) fn rounding(failure: &Failure) -> Option<String> {
     let (_, depth) = worst(failure).filter(|(_, depth)| depth.abs() < TANGENT)?;
     let others = selves.is_empty() && duplicate.is_empty();
     let count = missed.len() + spurious.len();
-    (others && failure.arithmetic == Arithmetic::Exact).then(|| {
+    (others && failure.arithmetic.is_exact()).then(|| {
         let all = if count == 1 { "the pair".into() } else { format!("all {count} pairs") };
         format!(
             "{all} it gets wrong there: tangent to within {}; it seems to decide contacts in \

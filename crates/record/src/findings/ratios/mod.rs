@@ -112,7 +112,7 @@ fn library(
 ) -> Option<Library> {
     let libraries = group.ranked(n, |line| matches!(line.role, Role::Peer | Role::Runner));
     let (own, _) = group.fastest_of(n, |line| {
-        line.detector == reference && line.arithmetic == Arithmetic::Exact.name()
+        line.detector == reference && line.arithmetic.parse().is_ok_and(Arithmetic::is_exact)
     })?;
     let ratio = |line: &Line| series::ratio(group.at(line, n)?, group.at(own, n)?);
     let (first, _) = *libraries.first()?;

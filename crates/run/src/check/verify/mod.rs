@@ -148,6 +148,7 @@ pub fn explain(
     let pairs = job.list.pairs.len() as u64 + found.truth.len();
     if job.list.pairs.is_empty() && found.errors.deepest_miss == 0.0 && !found.is_same() {
         let mistakes = vec![Mistake::Strict];
+        let plain = plain && job.terms.arithmetic == Arithmetic::Exact;
         return Ok(plain.then(|| Reading { mistakes, ..Reading::plain(0) }));
     }
     // The search is only a hint, so it must not use all memory. Other empty lists explain nothing.

@@ -70,7 +70,7 @@ fn strict(search: &Search<'_>, at: At<'_>, each: Each<'_>) {
     if search.largest() > 0.0 {
         return;
     }
-    if errors.spurious == 0 {
+    if errors.spurious == 0 && terms.arithmetic == Arithmetic::Exact {
         each(Mistake::Strict, at.truth.filtered(|pair| depth(at.space, pair) != 0.0));
     } else if errors.missed == 0 && terms.arithmetic == Arithmetic::ExactOpen {
         let closed = truth(at.space, Arithmetic::Exact, terms.memory_limit);
