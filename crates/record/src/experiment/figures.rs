@@ -61,7 +61,7 @@ pub struct Lines {
     #[serde(default)]
     pub slopes: bool,
     /// Whether y is divided by N, so that a cost of order N is a horizontal line.
-    #[serde(default, alias = "per-element")]
+    #[serde(default)]
     pub per_particle: bool,
     #[serde(default)]
     pub caches: bool,

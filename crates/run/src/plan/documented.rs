@@ -8,7 +8,6 @@ use contactbench_record::experiment::{
 };
 
 const PAGE: &str = include_str!("../../../../docs/EXPERIMENTS.md");
-const OLD: &str = "per-element";
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
 
@@ -75,7 +74,7 @@ fn sections() -> Vec<(&'static str, Vec<&'static str>)> {
 fn every_key_is_on_the_page_and_no_other() {
     let sections = sections();
     for (heading, keys) in &sections {
-        let known: BTreeSet<&str> = keys.iter().copied().filter(|key| *key != OLD).collect();
+        let known: BTreeSet<&str> = keys.iter().copied().collect();
         let listed: Vec<&str> = rows(section(heading)).into_iter().map(|(key, _)| key).collect();
         assert_eq!(listed.iter().copied().collect::<BTreeSet<_>>(), known, "{heading}");
         assert_eq!(listed.len(), known.len(), "{heading}: a key is listed twice");
