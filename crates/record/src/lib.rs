@@ -6,7 +6,3 @@ pub mod experiment;
 pub mod findings;
 pub mod record;
 pub mod stats;
-
-#[cfg(test)]
-#[path = "../../../tests/program/committed.rs"]
-mod committed;

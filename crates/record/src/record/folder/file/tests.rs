@@ -79,23 +79,6 @@ fn rows_of_other_schemas_are_refused() {
 }
 
 #[test]
-fn every_committed_record_is_read() {
-    let mut rows = 0;
-    for folder in crate::committed::committed() {
-        let path = folder.join(FILE);
-        if exists(&path) {
-            let record = read(&path).unwrap();
-            assert!(record.warnings.is_empty(), "{:?}", record.warnings);
-            let known = |row: &Row| row.id.threads() > 0 && row.id.machine.is_some();
-            assert!(record.rows.iter().all(known), "{}", path.display());
-            assert!(record.rows.iter().any(|row| row.role == Role::Detector));
-            rows += record.rows.len();
-        }
-    }
-    assert!(rows > 10_000, "{rows}");
-}
-
-#[test]
 fn a_compressed_record_is_read_and_never_appended_to() {
     use flate2::{Compression, write::GzEncoder};
     let (folder, text) = (folder(), seal::sealed(&line(&full()).to_string()) + "\n");
