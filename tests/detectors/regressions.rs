@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::Options;
-use contactbench::detect::table::{Entry, TABLE};
+use contactbench::detect::table::TABLE;
 use contactbench::scene::Given;
 use contactbench::{io, oracle};
 
@@ -23,7 +24,8 @@ fn given(path: &Path) -> Given {
 
 #[test]
 fn all_detectors_are_right_on_all_files() {
-    let detectors: Vec<&Entry> = TABLE.iter().filter(|entry| entry.must_be_right()).collect();
+    let detectors = TABLE.iter().filter(|entry| entry.must_be_right()).map(CheckedSubject::from);
+    let detectors: Vec<CheckedSubject> = detectors.collect();
     // This limit lets detectors refuse scenes that need an array over very many cells.
     let options = Options { memory_limit: 64 << 20, ..Options::default() };
     let limits = Limits { options, ..Limits::default() };

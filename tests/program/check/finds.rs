@@ -181,7 +181,7 @@ fn a_tangent_pair_stays_tangent_and_its_file_finds_the_failure_again() {
 
 fn again(given: &Given, entry: &'static Entry, arithmetic: Arithmetic) -> Failure {
     let limits = Limits::default();
-    let report = check::check_scene(given, "again", &[entry], &[arithmetic], &limits);
+    let report = check::check_scene(given, "again", &[entry.into()], &[arithmetic], &limits);
     report.unwrap().failures.remove(0)
 }
 

@@ -159,18 +159,6 @@ pub fn battery(
 pub fn check_scene(
     scene: &Given,
     name: &str,
-    detectors: &[&'static Entry],
-    arithmetics: &[Arithmetic],
-    limits: &Limits,
-) -> anyhow::Result<Report> {
-    let subjects: Vec<CheckedSubject> =
-        detectors.iter().copied().map(CheckedSubject::from).collect();
-    one_scene(scene, name, &subjects, arithmetics, limits)
-}
-
-pub fn one_scene(
-    scene: &Given,
-    name: &str,
     subjects: &[CheckedSubject],
     arithmetics: &[Arithmetic],
     limits: &Limits,

@@ -105,7 +105,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     for group in &groups {
         let Group { subjects, arithmetics } = group;
         for (path, given) in &scenes {
-            let report = check::one_scene(given, path, subjects, arithmetics, &limits)?;
+            let report = check::check_scene(given, path, subjects, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {
