@@ -191,13 +191,10 @@ fn files_runners_and_grading_curves_are_known_again() {
 
     let mut lab = Lab::new("e", "loose");
     for path in ["/home/a/sand.csv", "1 0, 2 100"] {
-        lab.param("grading", path).param("fraction", 0.5).count(&[]).memory(1, 1);
+        lab.param("grading", path).count(&[]).memory(1, 1);
     }
     let curve = |path: &str| [("grading".to_string(), path.into())].into();
     let planned = testing::planned("loose", &["nbs"], &["sand.csv", "1 0, 2 100"].map(curve));
-    let given = [("fraction".to_string(), 0.5.into())].into();
-    let defaults = [(("loose".to_string(), 2), given)].into();
-    let planned = Planned { defaults, ..planned };
     let experiment = Experiment { planned, blocks: 0, ..testing::experiment("") };
     let Held { summary, .. } = Held::new(&lab, &experiment, Value::Null);
     assert_eq!((summary.cells, summary.outside), ([2, 2], 0));
