@@ -64,6 +64,9 @@ def main(arguments: list[str] | None = None) -> int:
         parser().print_usage(sys.stderr)
         return NOT_CHECKED
     try:
+        folder = Path(given.junit).parent if given.junit else Path()
+        if not folder.is_dir():
+            raise ValueError(f"--junit: there is no folder {folder}; make it first")
         f, options = function_of(given.function)
         if given.convention:
             options["convention"] = given.convention
@@ -95,10 +98,14 @@ def main(arguments: list[str] | None = None) -> int:
     finally:
         asking.END_PROCESS = False
     print(result)
-    if given.save:
-        result.save(given.save)
-    if given.junit:
-        Path(given.junit).write_text(result.junit(), encoding="utf-8")
+    try:
+        if given.save:
+            result.save(given.save)
+        if given.junit:
+            Path(given.junit).write_text(result.junit(), encoding="utf-8")
+    except OSError as error:
+        print(f"contactbench.kit: the report cannot be written: {error}", file=sys.stderr)
+        return NOT_CHECKED
     return {"right": RIGHT, "wrong": WRONG}.get(result.verdict, NOT_CHECKED)
 
 

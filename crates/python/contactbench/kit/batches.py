@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from .asking import Asker, Refusal, deadline
+from .asking import Asker, called
 from .cases import Case
 from .compare import NONE, Difference, compare, failed
 from .convention import Malformed, parts, with_
-from .systems import OPEN, PERIODIC, Random, Rows, System, inside, skewed
+from .systems import OPEN, PERIODIC, Random, Refusal, Rows, System, inside, skewed
 
 Batch = tuple[System, ...]
 
@@ -73,6 +73,8 @@ class BatchAsker:
         """Return what is wrong on a batch, or None. Atoms are numbered across all its systems."""
         try:
             return self._compared(batch)
+        except Refusal:
+            raise
         except self.asker.refuses as why:
             raise Refusal(f"batches: {type(why).__name__}: {why}") from None
         except Malformed as why:
@@ -87,8 +89,8 @@ class BatchAsker:
         if convention.cell == "columns":
             cells = cells.transpose(0, 2, 1).copy()
         pbcs, owner = np.array([system.pbc for system in batch]), owners(batch)
-        with deadline(self.asker.call_seconds):
-            answer = self.f(whole.positions.copy(), cells, pbcs, whole.cutoff, owner.copy())
+        arguments = (whole.positions.copy(), cells, pbcs, whole.cutoff, owner.copy())
+        answer = called(self.f, self.asker.call_seconds, self.asker.refuses, arguments)
         i, j, third = parts(answer, whole, convention)
         i, j = i - convention.base, j - convention.base
         known = (i >= 0) & (j >= 0) & (i < len(whole)) & (j < len(whole))

@@ -8,32 +8,47 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from .asking import CHANGES, Asker, Refusal
+from .asking import CHANGES, Asker
 from .compare import Difference, difference
 from .convention import Convention, comparable, expected_rows
-from .systems import Rows, System
+from .systems import Refusal, Rows, System
 from .truth import band, canonical, distances, half_list
 
 
-def cause_of(asker: Asker, system: System, wrong: Difference) -> str | None:
-    """Return the likely mistake, or None if none of the table explains the answer."""
+def cause_of(asker: Asker, answers: list[tuple[System, Difference]]) -> str | None:
+    """Return the likely mistake, or None if none of the table explains all answers.
+
+    The first system's order of mistakes counts.
+    """
+    (system, wrong), *others = answers
+    also = [set(causes(asker, *other)) for other in others]
+    if not all(also):
+        return None
+    return next(
+        (text for text in causes(asker, system, wrong) if all(text in a for a in also)), None
+    )
+
+
+def causes(asker: Asker, system: System, wrong: Difference) -> Iterator[str]:
+    """Return the mistakes that explain an answer, the likeliest first."""
     if not wrong.text:
         convention = asker.convention
         listed = comparable(wrong.answer, system, convention)
         for text, rows in _predictions(system, convention):
             if difference(listed, rows, rows[:0], listed) is None:
-                return text
-        for test in (_capacity, _single, _faces):
+                yield text
+        for test in (_capacity, _single):
             found = test(system, convention, wrong)
-            if found and test is not _faces:
-                return found
+            if found:
+                yield found
     if wrong.text.startswith(CHANGES):
-        return None
+        return
     for text, remedy in REMEDIES:
         mended = remedy(system)
         if mended is not None and mended.modest() and _right(asker, mended):
-            return text
-    return None if wrong.text else _faces(system, asker.convention, wrong)
+            yield text
+    if not wrong.text:
+        yield from _faces(system, asker.convention, wrong)
 
 
 def _right(asker: Asker, system: System) -> bool:
@@ -145,11 +160,11 @@ def _single(system: System, convention: Convention, wrong: Difference) -> str | 
     return "rounding to single precision" if plain else None
 
 
-def _faces(system: System, convention: Convention, wrong: Difference) -> str | None:
+def _faces(system: System, convention: Convention, wrong: Difference) -> Iterator[str]:
     """Return what all wrong pairs have in common."""
     rows = np.vstack([wrong.missing, wrong.extra, wrong.doubled])
     if convention.shifts == "none" or not len(rows):
-        return None
+        return
     boxes, x = system.boxes(), system.positions
     needed = half_list(system, convention.rule)
 
@@ -166,8 +181,7 @@ def _faces(system: System, convention: Convention, wrong: Difference) -> str | N
     ):
         # It explains nothing if nearly all pairs are such.
         if test(rows).all() and len(needed) and test(needed).mean() < 0.8:
-            return text
-    return None
+            yield text
 
 
 def _wrapped(system: System) -> System | None:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .asking import Asker, Refusal
+from .asking import Asker
 from .batches import BATCH, BatchAsker, batches, joined, shrink_batch
 from .cases import CASES, Case
 from .causes import cause_of
@@ -22,11 +22,13 @@ from .failure import NeighbourFailure
 from .recognise import recognise
 from .result import NeighbourCheck
 from .shrinking import shrink
-from .systems import System
+from .systems import Refusal, System
 
 _log = logging.getLogger(__name__)
 #: Cutoffs of the systems, of the size of those of molecules in angstrom.
 CUTOFFS = (5.0, 3.0)
+#: The largest limit of a call that is accepted.
+MOST_SECONDS = 1e6
 #: Failures that are reduced and explained; the others are counted.
 REDUCED = 8
 
@@ -105,8 +107,20 @@ def check_neighbours(
         raise ValueError("f is not a function; give one that takes positions, cell, pbc, cutoff")
     if division not in ("exact", "tolerant"):
         raise ValueError(f"division is {division!r}; give 'exact' or 'tolerant'")
+    try:
+        cutoffs = [float(cutoff) for cutoff in cutoffs]
+    except (TypeError, ValueError):
+        raise ValueError(f"cutoffs are {cutoffs!r}; give a sequence of numbers") from None
     if not cutoffs or not all(np.isfinite(c) and c > 0 for c in cutoffs):
-        raise ValueError(f"cutoffs are {list(cutoffs)}; give at least one positive number")
+        raise ValueError(f"cutoffs are {cutoffs}; give at least one positive number")
+    if not 0 < call_seconds <= MOST_SECONDS:
+        raise ValueError(
+            f"call_seconds is {call_seconds:g}; give a number above 0, at most {MOST_SECONDS:g}"
+        )
+    if seconds is not None and not seconds >= 0:
+        raise ValueError(f"seconds is {seconds:g}; give a number of at least 0")
+    if seed < 0:
+        raise ValueError(f"seed is {seed}; give a whole number of at least 0")
     chosen = chosen_cases(cases, batch is not None)
     started = time.monotonic()
     asker = Asker(f, refuses, division == "tolerant", call_seconds=call_seconds)
@@ -186,7 +200,7 @@ class _Run:
         state = ""
         for system in systems:
             if self.over():
-                state = state or "not tried"
+                state = "not tried"
                 break
             try:
                 wrong = self.asker.wrong(system)
@@ -209,12 +223,15 @@ class _Run:
         if found is None:
             found = failed("right when called again: the answer depends on earlier calls")
         elif len(self.failures) < REDUCED:
-            cause = cause_of(asker, system, found)
             small = shrink(asker.fails, system)
         wrong = (asker.wrong(small) or found) if small is not system else found
+        if small is not system:
+            cause = cause_of(asker, [(system, found), (small, wrong)])
+        elif len(self.failures) < REDUCED:
+            cause = cause_of(asker, [(system, found)])
         return NeighbourFailure(
             case.name, case.reason, system, found, small, wrong, cause, asker.convention,
-            self.function,
+            self.function, limit=asker.limit,
         )  # fmt: skip
 
     def batches(self, asker: BatchAsker, seed: int, cutoff: float) -> None:

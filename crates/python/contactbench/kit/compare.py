@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .convention import Convention, comparable, expected, read
+from .convention import Convention, Malformed, comparable, expected, read
 from .systems import Rows, System
 
 
@@ -60,11 +60,23 @@ def failed(text: str) -> Difference:
 
 
 def compare(
-    answer: Any, system: System, convention: Convention, tolerant: bool = False
+    answer: Any,
+    system: System,
+    convention: Convention,
+    tolerant: bool = False,
+    either: Rows | None = None,
 ) -> tuple[Difference | None, float]:
-    """Return how an answer differs from the truth (None if it does not), and the band."""
-    listed = read(answer, system, convention)
-    needed, optional, width = expected(system, convention, tolerant)
+    """Return how an answer differs from the truth (None if it does not), and the band.
+
+    Pairs of the half list `either` may be listed or not.
+    """
+    try:
+        listed = read(answer, system, convention)
+    except Malformed:
+        raise
+    except Exception as error:
+        raise Malformed(f"the answer cannot be read: {type(error).__name__}: {error}") from None
+    needed, optional, width = expected(system, convention, tolerant, either)
     rows = comparable(listed, system, convention)
     return difference(rows, needed, optional, listed, width), width
 

@@ -80,7 +80,8 @@ class Convention:
                     raise ValueError(f"{name} of the convention is {value!r}; give true or false")
                 chosen[name] = value == "true"
             else:
-                chosen[name] = int(value) if isinstance(default, int) else value
+                whole = isinstance(default, int) and value.lstrip("-").isdecimal()
+                chosen[name] = int(value) if whole else value
         made = cls(**chosen)
         for name, choices in CHOICES.items():
             if getattr(made, name) not in choices:
@@ -129,7 +130,10 @@ class Malformed(ValueError):
 
 
 def _integers(value: Any, name: str) -> Rows:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise Malformed(f"{name} is no array: its rows differ in length") from None
     if array.size == 0:
         return array.astype(np.int64)
     if array.dtype.kind not in "iu":
@@ -148,7 +152,7 @@ def parts(answer: Any, system: System, convention: Convention) -> tuple[Rows, Ro
     if not isinstance(answer, (tuple, list)):
         raise Malformed(f"the answer is a {type(answer).__name__}, not a tuple of arrays")
     given = list(answer)
-    third = given[-1] if convention.shifts != "none" else None
+    third = given[-1] if given and convention.shifts != "none" else None
     if convention.layout == "flat":
         if len(given) != (2 if third is None else 3):
             raise Malformed(f"the answer has {len(given)} parts")
@@ -171,7 +175,10 @@ def parts(answer: Any, system: System, convention: Convention) -> tuple[Rows, Ro
     if i.ndim != 1 or i.shape != j.shape:
         raise Malformed(f"i has the shape {i.shape}, j has {j.shape}")
     if third is not None:
-        third = np.asarray(third)
+        try:
+            third = np.asarray(third)
+        except ValueError:
+            raise Malformed("the third part is no array: its rows differ in length") from None
         if third.size == 0 and len(i) == 0:
             third = third.reshape(0, 3)
         if third.shape != (len(i), 3):
@@ -200,7 +207,8 @@ def read(answer: Any, system: System, convention: Convention) -> Rows:
     if convention.shifts == "vectors":
         rows[:, 2:] = _shifts_of(np.asarray(third, float) * convention.sign, system, rows)
         return rows
-    if third.dtype.kind not in "iu" and not np.array_equal(third, np.round(third)):
+    whole = third.dtype.kind in "iu" or (np.isfinite(third) & (third == np.round(third))).all()
+    if not whole:
         raise Malformed(f"S has the type {third.dtype} and numbers that are not whole")
     rows[:, 2:] = third.astype(np.int64) * convention.sign
     if convention.wrapped:
@@ -219,8 +227,13 @@ def _shifts_of(given: Doubles, system: System, rows: Rows) -> Rows:
     return np.where(fits[:, None], shifts, ASTRAY).astype(np.int64)
 
 
-def expected(system: System, convention: Convention, tolerant: bool) -> tuple[Rows, Rows, float]:
-    """Return the rows that an answer must hold, those that it may hold too, and the band."""
+def expected(
+    system: System, convention: Convention, tolerant: bool, either: Rows | None = None
+) -> tuple[Rows, Rows, float]:
+    """Return the rows that an answer must hold, those that it may hold too, and the band.
+
+    Pairs of the half list `either` are among those that it may hold.
+    """
     width = 0.0
     if tolerant:
         rows, must, width = tolerant_list(system)
@@ -228,6 +241,9 @@ def expected(system: System, convention: Convention, tolerant: bool) -> tuple[Ro
     else:
         needed = half_list(system, convention.rule)
         optional = needed[:0]
+        if either is not None:
+            free = (needed[:, None] == either).all(axis=2).any(axis=1)
+            needed, optional = needed[~free], either
     return (
         expected_rows(needed, system, convention),
         expected_rows(optional, system, convention, own=False),

@@ -43,6 +43,8 @@ class NeighbourFailure:
         The function, as ``module:name``.
     batch : tuple of System
         The smallest batch of systems, for a function that takes batches.
+    limit : str or None
+        The keyword by which the function takes a capacity.
     """
 
     case: str
@@ -55,6 +57,7 @@ class NeighbourFailure:
     convention: Convention
     function: str
     batch: tuple[System, ...] = ()
+    limit: str | None = None
 
     @property
     def heading(self) -> str:
@@ -103,35 +106,51 @@ class NeighbourFailure:
         name = name if known else "f"
         where = f"from {module} import {root}" if known else f"# f = {self.function}"
         kind = "" if s.dtype == "float64" else f", dtype=np.{s.dtype}"
-        cells = [b.cell.T if convention.cell == "columns" else b.cell for b in self.batch or (s,)]
-        flags = [list(b.pbc) for b in self.batch or (s,)]
+        systems = self.batch or (s,)
+        # Adding 0 removes the sign of -0.0.
+        cells = [(b.cell.T if convention.cell == "columns" else b.cell) + 0.0 for b in systems]
+        flags = [list(b.pbc) for b in systems]
         cell, pbc = ([c.tolist() for c in cells], flags) if self.batch else (cells[0].tolist(),
                                                                              flags[0])  # fmt: skip
-        more = f", {s.capacity}" if s.capacity is not None else ""
+        more = f", {self.limit}={s.capacity}" if self.limit and s.capacity is not None else ""
         if self.batch:
             more = f", np.repeat(range({len(self.batch)}), {[len(b) for b in self.batch]})"
+        step = "    " * (s.calls > 1)
         head = str(convention).split(", cell")[0]
         return "\n".join(
             [
                 "import numpy as np",
                 where,
                 "",
-                f"positions = np.array({s.positions.tolist()}{kind}).reshape(-1, 3)",
+                f"positions = np.array({(s.positions + 0.0).tolist()}{kind}).reshape(-1, 3)",
+                *_LAYOUTS.get(s.memory, ()),
                 f"cell = np.array({cell}{kind})",
-                f"answer = {name}(positions, cell, np.array({pbc}), {s.cutoff!r}{more})",
-                "print(*answer, sep='\\n')",
+                *([f"for _ in range({s.calls}):"] if s.calls > 1 else []),
+                f"{step}answer = {name}(positions, cell, np.array({pbc}), {s.cutoff!r}{more})",
+                f"{step}print(*answer, sep='\\n')",
                 f"# Expected ({head}):",
-                *_expected(self.batch or (s,), convention),
+                *_expected(systems, convention),
                 "",
             ]
         )
 
 
+#: Statements that give positions their layout in memory.
+_LAYOUTS = {
+    "F": ("positions = np.asfortranarray(positions)",),
+    "strided": (
+        "wide = np.full((2 * len(positions) + 1, 4), 7.0, dtype=positions.dtype)",
+        "wide[:-1:2, :3] = positions",
+        "positions = wide[:-1:2, :3]",
+    ),
+}
+
+
 def _frame(s: System) -> str:
-    lattice = " ".join(repr(float(value)) for value in s.cell.flat)
+    lattice = " ".join(repr(float(value) + 0.0) for value in s.cell.flat)
     pbc = " ".join("FT"[on] for on in s.pbc)
     head = f'Lattice="{lattice}" pbc="{pbc}" Properties=species:S:1:pos:R:3 cutoff={s.cutoff!r}'
-    atoms = [" ".join(["X", *(repr(float(value)) for value in x)]) for x in s.positions]
+    atoms = [" ".join(["X", *(repr(float(value)) for value in x)]) for x in s.positions + 0.0]
     return "\n".join([str(len(s)), head, *atoms, ""])
 
 

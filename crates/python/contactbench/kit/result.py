@@ -12,9 +12,13 @@ from .convention import ASE, Convention
 from .failure import NeighbourFailure
 
 
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
 @dataclass(frozen=True)
 class NeighbourCheck:
-    """The outcome of `check_neighbours`. It is true if answers were compared and none was wrong.
+    """The outcome of `check_neighbours`. It is true if all cases were tried, and none was wrong.
 
     Attributes
     ----------
@@ -25,7 +29,8 @@ class NeighbourCheck:
     systems : int
         Number of systems whose answers were compared with the truth.
     cases : dict
-        ``right``, ``wrong``, ``refused`` or ``not tried`` for each hard case.
+        ``right``, ``wrong``, ``refused`` (all systems), or ``not tried`` (not to the end) for each
+        hard case.
     refused : dict
         Number of systems that the function declined, by reason.
     convention : Convention
@@ -56,10 +61,11 @@ class NeighbourCheck:
 
     @property
     def verdict(self) -> str:
-        """``right``, ``wrong``, or ``nothing`` if no answer was compared."""
+        """``right``, ``wrong``, or ``nothing`` if no answer was compared or the time was over."""
         if self.failures or self.trouble:
             return "wrong"
-        return "right" if self.systems else "nothing"
+        late = "not tried" in self.cases.values()
+        return "right" if self.systems and not late else "nothing"
 
     def __bool__(self) -> bool:
         return self.verdict == "right"
@@ -71,13 +77,25 @@ class NeighbourCheck:
         def fill(text: str) -> str:
             return textwrap.fill(text, 80, subsequent_indent="  ", break_long_words=False)
 
-        tried = sum(state in ("right", "wrong") for state in self.cases.values())
+        states = list(self.cases.values())
+        tried = sum(state in ("right", "wrong") for state in states)
+        late = [name for name, state in self.cases.items() if state == "not tried"]
+        declined = _count(sum(self.refused.values()), "system") if self.refused else ""
+        if "refused" in states:
+            declined += f", {_count(states.count('refused'), 'case')} entirely"
+        declined = declined and f"; refused {declined}"
         if self.trouble:
             lines = [f"WRONG: {self.name} fits no convention", fill(self.trouble)]
         elif self.failures:
-            lines = [f"WRONG: {self.name} in {len(self.failures)} of {tried} hard cases"]
+            lines = [f"WRONG: {self.name} in {len(self.failures)} of {tried} hard cases{declined}"]
+        elif late:
+            lines = [
+                f"NOT CHECKED: {self.name}, because the time was over; "
+                f"right on {self.systems} systems, {tried} of {len(states)} hard cases to the end"
+            ]
         elif self.systems:
-            lines = [f"RIGHT: {self.name} on {self.systems} systems of {tried} hard cases"]
+            on = f"{_count(self.systems, 'system')} of {_count(tried, 'hard case')}"
+            lines = [f"RIGHT: {self.name} on {on}{declined}"]
         else:
             lines = [f"NOT CHECKED: {self.name} answered no system"]
         how = "recognised" if self.recognised else "declared"
@@ -86,10 +104,11 @@ class NeighbourCheck:
         band = f", rounding band up to {self.band:.3g}" if self.division == "tolerant" else ""
         lines.append(f"division {self.division}{band}; {self.seconds:.1f} s")
         for reason, count in sorted(self.refused.items()):
-            lines.append(fill(f"refused {count} system{'s' * (count > 1)}: {reason}"))
-        late = [name for name, state in self.cases.items() if state == "not tried"]
+            lines.append(fill(f"refused {_count(count, 'system')}: {reason}"))
         if late:
-            lines.append(fill(f"not tried, because the time was over: {', '.join(late)}"))
+            lines.append(
+                fill(f"not tried to the end, because the time was over: {', '.join(late)}")
+            )
         # The most instructive failure first: explained, and small.
         shown = sorted(self.failures, key=lambda each: (each.cause is None, len(each.system)))
         if shown:

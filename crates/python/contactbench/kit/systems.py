@@ -13,6 +13,10 @@ Rows = npt.NDArray[np.int64]
 Random = np.random.Generator
 
 
+class Refusal(Exception):
+    """A system that the function declines, or that cannot be judged, with the reason."""
+
+
 @dataclass(frozen=True, eq=False)
 class System:
     """Atoms, their cell, and a cutoff.

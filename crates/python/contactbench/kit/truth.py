@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from .._boxes import Box
 from .._contacts import contacts
-from .systems import Doubles, Rows, System
+from .systems import Doubles, Refusal, Rows, System
 
 #: Pairs closer to the cutoff than this (relative) are decided in whole numbers.
 NEAR = 1e-9
@@ -97,29 +97,36 @@ def squares(
     return signs
 
 
-def fair(system: System) -> bool:
-    """Return whether careful f64 arithmetic decides every pair of the system.
+def undecided(system: System) -> Rows:
+    """Return the pairs that careful f64 arithmetic may decide either way.
 
-    A pair must be farther from the cutoff than 1e-9 (relative), or at exactly the cutoff with
+    The others are farther from the cutoff than 1e-9 (relative), or at exactly the cutoff with
     vectors, shifts and squares that f64 represents.
     """
     limit = system.cutoff * (1 + 4 * NEAR)
     rows = half_list(system, "<=", limit + 2.0**-48 * np.abs(system.positions).max(initial=0.0))
     rows = rows[_near(system, rows, system.cutoff)]
     if len(rows) == 0:
-        return True
-    if squares(system, rows, np.ones(len(rows), bool), system.cutoff).any():
-        return False
+        return rows
+    tie = squares(system, rows, np.ones(len(rows), bool), system.cutoff) == 0
     x, cell, limit_ = _whole(system, system.cutoff)
     shift = rows[:, 2:].astype(object) @ cell
     d = x[rows[:, 1]] - x[rows[:, 0]] + shift
-    needed = [*shift.flat, *d.flat, *(d * d).flat, *(d * d).sum(axis=1), limit_ * limit_]
-    return all(_bits(int(number)) <= 53 for number in needed)
+    square = d * d
+    needed = np.hstack([shift, d, square, square.sum(axis=1)[:, None]])
+    exact = [all(_bits(int(number)) <= 53 for number in (*row, limit_ * limit_)) for row in needed]
+    return np.asarray(rows[~(tie & np.array(exact))], np.int64)
 
 
 def _bits(number: int) -> int:
     """Return the length of a mantissa that holds the number."""
     return number.bit_length() - ((number & -number).bit_length() - 1 if number else 0)
+
+
+def _spread(system: System) -> Doubles:
+    """Return |C^-1| |C| of the cell C, componentwise."""
+    cell = system.full_cell()
+    return np.asarray(np.abs(np.linalg.inv(cell)) @ np.abs(cell))
 
 
 def band(system: System, rows: Rows) -> Doubles:
@@ -136,19 +143,36 @@ def band(system: System, rows: Rows) -> Doubles:
     16u of each term; terms of u^2 are below the difference.
     """
     cell = np.abs(system.full_cell())
-    spread = np.abs(np.linalg.inv(system.full_cell())) @ cell
-    reach = np.linalg.norm(np.abs(system.positions) @ spread, axis=1)
+    reach = np.linalg.norm(np.abs(system.positions) @ _spread(system), axis=1)
     shift = np.linalg.norm(np.abs(rows[:, 2:]) @ cell, axis=1)
     return np.asarray(16 * UNIT32 * (reach[rows[:, 0]] + reach[rows[:, 1]] + shift + system.cutoff))
 
 
+def widest_band(system: System) -> float:
+    """Return a bound of `band` over all pairs of the system that an f32 list may hold.
+
+    Let C be the cell, P = ``|C^-1| |C|``, and d the distance vector. S C = d - x_j + x_i, so
+    ``|S| |C|`` is at most ``(|d| + |x_i| + |x_j|) P``, and its length at most a_i + a_j + |d| |P|.
+    |d| is at most the cutoff and the band.
+    """
+    spread = _spread(system)
+    reach = np.linalg.norm(np.abs(system.positions) @ spread, axis=1).max(initial=0.0)
+    stretch, unit = float(np.linalg.norm(spread)), 16 * UNIT32
+    if unit * stretch > 0.5:
+        return np.inf
+    return float(unit * (4 * reach + (1 + stretch) * system.cutoff) / (1 - unit * stretch))
+
+
 def tolerant_list(system: System) -> tuple[Rows, npt.NDArray[np.bool_], float]:
-    """Return all pairs that an f32 list may hold, whether it must, and the widest band."""
-    rows = half_list(system, "<=")
-    widest = 0.0
-    for _ in range(2):
-        widest = max(widest, float(band(system, rows).max(initial=16 * UNIT32 * system.cutoff)))
-        rows = half_list(system, "<=", system.cutoff + 2 * widest)
+    """Return all pairs that an f32 list may hold, whether it must, and the widest band.
+
+    Raises `Refusal` if rounding may decide nearly all pairs.
+    """
+    widest = widest_band(system)
+    if widest > 4 * system.cutoff:
+        raise Refusal("single precision rounds positions by more than the cutoff")
+    rows = half_list(system, "<=", system.cutoff + widest)
     d, width = distances(system, rows), band(system, rows)
     near = d - width <= system.cutoff
-    return rows[near], (d + width < system.cutoff)[near], float(width[near].max(initial=widest))
+    least = 16 * UNIT32 * system.cutoff
+    return rows[near], (d + width < system.cutoff)[near], float(width[near].max(initial=least))

@@ -59,7 +59,9 @@ def outside(rng: Random, c: float) -> Iterator[System]:
     for k, shear in ((1, 0.0), (1, 0.7), (3, 0.4), (40, 0.0)):
         s = inside(rng, 60, skewed(rng, [3.3 * c, 2.6 * c, 4.1 * c], shear), c)
         moves = rng.integers(-k, k + 1, (60, 3)).astype(float)
-        yield replace(s, positions=s.positions + moves @ s.cell, note=f"up to {k} boxes outside")
+        yield replace(
+            s, positions=s.positions + moves @ s.cell, note=f"up to {k} box{'es' * (k > 1)} outside"
+        )
 
 
 @case("negative coordinates", quick=3)
@@ -79,6 +81,20 @@ def faces(rng: Random, c: float) -> Iterator[System]:
     for side in (4.0, 3.0):
         x = rng.choice([0.0, 1.0, 0.5, 0.25, -1.0], (40, 3)) * side * c
         yield system(x + (rng.random((40, 3)) < 0.4) * 0.3125 * c, np.full(3, side * c), c)
+
+
+@case("upper faces of skewed cells", quick=4)
+def upper(rng: Random, c: float) -> Iterator[System]:
+    """Atoms on upper faces, edges and corners, or one ulp below: OpenMM 8.6.1 loses their pairs."""
+    corners = lattice(2, SIMPLE)[1:]
+    for ulps in (0, 0, 1, 1):
+        cell = skewed(rng, rng.uniform(4.6, 6.4, 3) * c, 0.45)
+        s = np.where(np.tile(corners, (4, 1)) == 1, 1.0, rng.random((28, 3)))
+        x = s @ cell
+        x = np.where(s == 1, x - ulps * np.spacing(x), x)
+        along = rng.normal(size=(28, 3))
+        along *= rng.uniform(0.3, 0.99, (28, 1)) * c / np.linalg.norm(along, axis=1)[:, None]
+        yield system(np.vstack([x, x + along]), cell, c, note="one ulp below" * ulps)
 
 
 @case("one ulp from faces", quick=3)
