@@ -169,100 +169,6 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     }
 }
 
-/// A scene in any storage whose contact test is chosen at run time, for each pair. Code that works
-/// on it is compiled once, for all storages and tests. If it is `TIMED`, positions are read inline.
-#[derive(Clone, Copy)]
-pub enum StoredBodies<'a, const D: usize, const TIMED: bool> {
-    /// A scene in f32.
-    F32(Plain<'a, f32, D>),
-    /// A scene in f64, which may have images.
-    F64(AnyBodies<'a, f64, D>),
-    /// A scene by cells.
-    Cell(Plain<'a, CellF32, D>),
-}
-
-type Plain<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, &'a [Point<T, D>], D>;
-
-macro_rules! any {
-    ($stored:expr, $bodies:ident => $value:expr) => {
-        match $stored {
-            StoredBodies::F32($bodies) => $value,
-            StoredBodies::F64($bodies) => $value,
-            StoredBodies::Cell($bodies) => $value,
-        }
-    };
-}
-
-impl<'a, const D: usize, const TIMED: bool> StoredBodies<'a, D, TIMED> {
-    /// Returns the scene with this test. Fails with [`Refusal::Overflow`] as [`with_bodies`].
-    pub fn new(scene: &'a Stored<'_, D>, test: Test) -> Result<Self, Refusal> {
-        Ok(match scene {
-            Stored::F32(scene) => StoredBodies::F32(plain(scene, test)?),
-            Stored::F64(scene) => StoredBodies::F64(any_bodies(scene, test)?),
-            Stored::Cell(scene) => StoredBodies::Cell(plain(scene, test)?),
-        })
-    }
-
-    #[inline(never)]
-    fn at(&self, i: u32) -> [f64; D] {
-        any!(self, bodies => bodies.position(i))
-    }
-}
-
-fn plain<'a, T: Real, const D: usize>(
-    scene: &'a Scene<'_, T, D>,
-    test: Test,
-) -> Result<Plain<'a, T, D>, Refusal> {
-    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
-    Ok(envelope.with(scene.centres(), scene.radii(), rule))
-}
-
-impl<const D: usize, const TIMED: bool> Bodies<f64, D> for StoredBodies<'_, D, TIMED> {
-    fn len(&self) -> usize {
-        any!(self, bodies => bodies.len())
-    }
-
-    #[inline(always)]
-    fn position(&self, i: u32) -> [f64; D] {
-        if TIMED { any!(self, bodies => bodies.position(i)) } else { self.at(i) }
-    }
-
-    // All tests of all storages, inlined, would be most of the code of a detector.
-    #[inline(never)]
-    fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
-        any!(self, bodies => bodies.touch(i, j, probe))
-    }
-
-    fn reach(&self) -> f64 {
-        any!(self, bodies => bodies.reach())
-    }
-
-    #[inline(always)]
-    fn radius(&self, i: u32) -> f64 {
-        any!(self, bodies => bodies.radius(i))
-    }
-
-    fn uniform(&self) -> Option<f64> {
-        any!(self, bodies => bodies.uniform())
-    }
-
-    fn slack(&self) -> Slack {
-        any!(self, bodies => bodies.slack())
-    }
-
-    fn underflow(&self) -> f64 {
-        any!(self, bodies => bodies.underflow())
-    }
-
-    fn margin(&self) -> Margin {
-        any!(self, bodies => bodies.margin())
-    }
-
-    fn corners(&self) -> Option<Corners<D>> {
-        any!(self, bodies => bodies.corners())
-    }
-}
-
 /// Code that works on a scene and is compiled separately for each type of contact test.
 pub trait WithBodies<T: Real, const D: usize> {
     /// Type of the code's result.
@@ -355,6 +261,18 @@ pub fn any_bodies<'a, T: Real, const D: usize>(
 ) -> Result<AnyBodies<'a, T, D>, Refusal> {
     let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
     Ok(envelope.with(Pieces { first: scene.centres(), rest: &[] }, scene.radii(), rule))
+}
+
+pub(super) type Plain<'a, T, const D: usize> =
+    SceneBodies<'a, T, AnyRule<'a, T>, &'a [Point<T, D>], D>;
+
+/// Returns the scene with a test chosen anew for each pair, without room for images.
+pub(super) fn plain<'a, T: Real, const D: usize>(
+    scene: &'a Scene<'_, T, D>,
+    test: Test,
+) -> Result<Plain<'a, T, D>, Refusal> {
+    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
+    Ok(envelope.with(scene.centres(), scene.radii(), rule))
 }
 
 fn any_rule<'a, T: Real>(

@@ -42,17 +42,19 @@ pub mod exact;
 pub mod image;
 pub mod rule;
 pub mod slack;
+mod stored;
 pub mod swept;
 
 pub use bodies::{
-    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, StoredBodies, WithBodies, any_bodies,
-    with_bodies, with_stored,
+    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,
+    with_stored,
 };
 pub use contactbench_terms::arithmetic::{Arithmetic, Margin, Test, UnknownArithmetic};
 pub use rule::{
     AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
 };
 pub use slack::Slack;
+pub use stored::StoredBodies;
 
 #[cfg(test)]
 mod tests;
