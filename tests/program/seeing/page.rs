@@ -61,13 +61,21 @@ fn rows() -> Vec<Value> {
             (2..2 + sizes).flat_map(|e| ["exact", "f64"].map(|a| (10_u64.pow(e), a)))
         {
             let (rounded, control) = (arithmetic == "f64", detector == "nothing");
+            let mut params = json!({"diameter": 1, "offset": 0, "size-ratio": 1});
+            if scene == "packed" {
+                let lattice = if dim == 2 { "hexagonal" } else { "fcc" };
+                (params["lattice"], params["jitter"]) = (lattice.into(), 0.05.into());
+                params["spacing"] = 0.99.into();
+            } else {
+                params["fraction"] = 0.05.into();
+            }
             let role = match detector {
                 "nothing" => "nothing",
                 EVIL => "runner",
                 _ => "detector",
             };
             let row = json!({"schema": 4, "machine": "here", "role": role,
-                "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n,
+                "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": params, "dim": dim, "n": n,
                 "seed": 1, "order": "shuffled", "detector": detector, "arithmetic": arithmetic,
                 "pass": "time", "block": 0, "calls": 1,
                 "outcome": if control { "control" } else { "ok" }, "reason": "",
