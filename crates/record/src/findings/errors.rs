@@ -27,7 +27,7 @@ pub struct Sum {
     pub cells: usize,
     pub contacts: f64,
     pub errors: Errors,
-    /// Errors by cause; `None` if a cell is from an older record without causes.
+    /// Errors by cause; `None` if exact contacts of a cell are unknown.
     pub causes: Option<Causes>,
     pub outcomes: BTreeSet<Outcome>,
 }
