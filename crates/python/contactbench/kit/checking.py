@@ -81,7 +81,7 @@ def check_neighbours(
     seed : int
         Seed of the random systems.
     seconds : float, optional
-        No system begins after this time.
+        No system begins after this time. The list is then not checked, unless it is wrong.
     call_seconds : float
         A call in Python code that takes longer is a failure.
     name : str, optional
