@@ -25,9 +25,9 @@ fn axes_and_results_are_seen_at_every_width() {
     browser.show(&page);
     // The axis of the table overlaps neither its heading nor the next column.
     let end = side(&browser, "table.answer thead text:last-of-type", "right").unwrap();
-    let next = side(&browser, "table.answer th:nth-child(5)", "left").unwrap();
+    let next = side(&browser, "table.answer th:nth-child(6)", "left").unwrap();
     assert!(end <= next, "{end} {next}");
-    let head = side(&browser, "table.answer th:nth-child(4) span", "bottom").unwrap();
+    let head = side(&browser, "table.answer th:nth-child(5) span", "bottom").unwrap();
     let axis = side(&browser, "table.answer thead svg", "top").unwrap();
     assert!(head <= axis + 1.0, "{head} {axis}");
     assert_eq!(side(&browser, ".strip.own", "top"), None, "one axis is enough");
