@@ -29,7 +29,7 @@ macro_rules! any {
 }
 
 impl<'a, const D: usize, const TIMED: bool> StoredBodies<'a, D, TIMED> {
-    /// Returns the scene with this test. Fails with [`Refusal::Overflow`] as [`with_bodies`].
+    /// Returns the scene with this test. Fails with [`Refusal::Overflow`] for a rounded test.
     pub fn new(scene: &'a Stored<'_, D>, test: Test) -> Result<Self, Refusal> {
         Ok(match scene {
             Stored::F32(scene) => StoredBodies::F32(plain(scene, test)?),
