@@ -75,12 +75,16 @@ where
         let which = (n > 0).then(|| self.random.random_range(0..n))?;
         let order: Vec<u32> = (0..n).chain([which]).collect();
         let after = self.scene.reordered(&order);
+        // Two points at one place are a tie.
+        let closed = self.arithmetic != Arithmetic::ExactOpen;
+        let itself = closed || self.scene.radius(which as usize) > 0.0;
         self.becomes(after, move |pairs| {
             let partner = |&[i, j]: &[u32; 2]| match which {
                 _ if i == which => Some(j),
                 _ => (j == which).then_some(i),
             };
-            let more = pairs.iter().filter_map(partner).chain([which]).map(|k| [k, n]);
+            let more =
+                pairs.iter().filter_map(partner).chain(itself.then_some(which)).map(|k| [k, n]);
             pairs.iter().copied().chain(more).collect()
         })
     }
