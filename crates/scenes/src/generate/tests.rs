@@ -313,7 +313,7 @@ fn neighbours_are_as_many_as_asked_for() {
     for (text, neighbours) in [
         (lattice, &[(6.0, 12.0), (14.0, 12.0), (40.0, 42.0), (64.0, 54.0), (113.0, 134.0)][..]),
         ("packed:n=36,jitter=0,periodic=true,offset=1e3", &[(2.9, 0.0), (3.0, 6.0), (13.0, 12.0)]),
-        (random, &[(0.5, 0.5), (40.0, 40.0), (816.0, 816.0)]),
+        (random, &[(0.5, 76.0 / 150.0), (40.0, 40.0), (816.0, 816.0)]),
         ("loose:n=300,periodic=x,size-ratio=3", &[(6.0, 6.0), (250.0, 250.0)]),
         ("clustered:n=200,dim=3,diameter=1e-3", &[(14.0, 14.0), (199.0, 199.0)]),
     ] {
