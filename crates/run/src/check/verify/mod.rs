@@ -146,16 +146,12 @@ pub fn explain(
 ) -> anyhow::Result<Option<Reading>> {
     let plain = job.terms.allowed == Allowed::default() && job.terms.without.is_none();
     let pairs = job.list.pairs.len() as u64 + found.truth.len();
-    if job.list.pairs.is_empty() && found.errors.deepest_miss == 0.0 && !found.is_same() {
-        let mistakes = vec![Mistake::Strict];
-        let plain = plain && job.terms.arithmetic == Arithmetic::Exact;
-        return Ok(plain.then(|| Reading { mistakes, ..Reading::plain(0) }));
-    }
-    // The search is only a hint, so it must not use all memory. Other empty lists explain nothing.
+    // The search is only a hint, so it must not use all memory. An empty list explains nothing,
+    // unless all contacts are ties.
     if found.is_same()
         || !plain
         || pairs * READING_BYTES > job.terms.memory_limit
-        || job.list.pairs.is_empty()
+        || job.list.pairs.is_empty() && found.errors.deepest_miss > 0.0
     {
         return Ok(None);
     }
