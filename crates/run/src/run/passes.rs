@@ -102,6 +102,7 @@ impl Stage<'_, '_> {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
+        // The scene was counted by the closed rule.
         if arithmetic.exact() != Arithmetic::Exact {
             let contacts = bench.judge.count(arithmetic)?.0.first;
             blank.stats.coordination = coordination(blank.id.n, contacts);

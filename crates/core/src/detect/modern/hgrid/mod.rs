@@ -142,7 +142,7 @@ impl<const D: usize> Strip<D> {
     const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
 }
 
-/// A separate function, so that it is compiled only once.
+/// Sorts strips by their first cells. As a separate function it is compiled only once.
 fn sort_by_cell<const D: usize>(strips: &mut [Strip<D>], probe: &mut impl Probe) {
     strips.sort_unstable_by(|a, b| {
         probe.count(Op::KeyCompare);
