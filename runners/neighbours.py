@@ -1,8 +1,8 @@
 """The neighbour list of a library, by its adapter: ``python3 runners/neighbours.py NAME``.
 
-The names are those of crates/python/contactbench/adapters. The clock has the library's
-call alone. Afterwards, a full list is halved, and shifts are added if the library returns none. All
-libraries are for 3D: in 2D, z is 0 and the box is open along z.
+The names are those of crates/python/contactbench/adapters. The clock has the library's call alone.
+Afterwards, its answer is turned into arrays, a full list is halved, and shifts are added if the
+library returns none. All libraries are for 3D: in 2D, z is 0 and the box is open along z.
 """
 
 import os
@@ -12,7 +12,7 @@ from runner import Refusal, np, serve, unavailable
 
 root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 sys.path.insert(0, os.path.join(root, "crates", "python", "contactbench"))
-from adapters import ADAPTERS, shifts
+from adapters import ADAPTERS, listed, shifts
 
 if len(sys.argv) != 2 or sys.argv[1] not in ADAPTERS:
     sys.exit(f"give one of the libraries {', '.join(ADAPTERS)}")
@@ -35,8 +35,8 @@ def prepare(scene):
     except NotImplementedError as refusal:
         raise Refusal(str(refusal)) from refusal
 
-    def finish(found):
-        i, j, images = shifts(points, cell, periodic, *found)
+    def finish(answer):
+        i, j, images = shifts(points, cell, periodic, *listed(search, answer))
         if not adapter.half:
             first = images[np.arange(len(images)), (images != 0).argmax(axis=1)]
             once = (i < j) | ((i == j) & (first > 0))
@@ -44,9 +44,9 @@ def prepare(scene):
         return (i, j, images[:, :d]) if scene.box else (i, j)
 
     def detect():
-        found = search()
+        answer = search()
         # The contact test of different radii is inside the clock.
-        return found if scene.radii is None else scene.touching(*finish(found))
+        return answer if scene.radii is None else scene.touching(*finish(answer))
 
     if scene.radii is None:
         detect.finish = finish

@@ -65,7 +65,7 @@ def test_a_library_lists_all_pairs(name, system):
     adapter = ADAPTERS[name]
     if adapter.missing:
         pytest.skip(adapter.missing)
-    if adapter.command == "cargo" and not (external.CACHE / "list-rs").exists():
+    if adapter.command == "cargo" and not [*external.CACHE.glob("list-rs-*")]:
         pytest.skip("its program is not compiled, which takes minutes; call the adapter once")
     if "ties" in system and adapter.division == "tolerant":
         pytest.skip("rounding decides ties")

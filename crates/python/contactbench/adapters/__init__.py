@@ -15,7 +15,7 @@ from __future__ import annotations
 import importlib
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import metadata, util
 from typing import Any
 
@@ -52,6 +52,8 @@ class Adapter:
         The compiler that the adapter starts at its first call.
     absent : str
         The reason why the list cannot be had at all.
+    options : dict
+        What `prepare` of the module gets besides the system.
     """
 
     package: str
@@ -64,6 +66,7 @@ class Adapter:
     self_images: bool = True
     command: str = ""
     absent: str = ""
+    options: dict[str, Any] = field(default_factory=dict)
 
     @property
     def convention(self) -> str:
@@ -88,15 +91,22 @@ class Adapter:
         return ""
 
     def prepare(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Callable[[], Any]:
-        """Convert the input and return the library's call, which returns (i, j, S). S is None if
+        """Convert the input and return the library's call. Its attribute `listed`, if it has one,
+        turns the library's answer into (i, j, S); otherwise the answer has this form. S is None if
         the library returns no shifts; `shifts` computes them."""
         arrays = (np.array(a, kind, order="C") for a, kind in ((positions, float), (cell, float), (pbc, bool)))
         module = importlib.import_module(f".{self.module}", __name__)
-        return module.prepare(*arrays, float(cutoff))
+        return module.prepare(*arrays, float(cutoff), **self.options)
 
     def __call__(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Any:
         """Return the arrays i, j and S of a neighbour list."""
-        return shifts(positions, cell, pbc, *self.prepare(positions, cell, pbc, cutoff)())
+        search = self.prepare(positions, cell, pbc, cutoff)
+        return shifts(positions, cell, pbc, *listed(search, search()))
+
+
+def listed(search: Callable[[], Any], answer: Any) -> Any:
+    """Return the arrays (i, j, S) of a library's answer."""
+    return search.listed(answer) if hasattr(search, "listed") else answer
 
 
 def shifts(positions: Any, cell: Any, pbc: Any, i: Any, j: Any, S: Any) -> Any:
@@ -112,7 +122,10 @@ _UPRIGHT = "cells with angles other than 90 degrees"
 
 #: The adapters by name.
 ADAPTERS = {
-    "contactbench": Adapter("contactbench", "", "contactbench"),
+    "contactbench": Adapter("contactbench", "contactbench", "contactbench"),
+    "contactbench-half": Adapter(
+        "contactbench", "contactbench", "contactbench", half=True, options={"half": True}
+    ),
     "ase": Adapter("ase", "ase", "ase_primitive"),
     "ase-new": Adapter("ase", "ase", "ase_new"),
     "matscipy": Adapter("matscipy", "matscipy", "matscipy"),
@@ -120,14 +133,15 @@ ADAPTERS = {
         "matscipy-neighbours", "matscipy_neighbours", "matscipy_neighbours"
     ),
     "vesin": Adapter("vesin", "vesin", "vesin"),
+    "vesin-half": Adapter("vesin", "vesin", "vesin", half=True, options={"half": True}),
     "neighborlist-rs": Adapter("neighborlist-rs", "neighborlist_rs", "neighborlist_rs", half=True),
     "freud-aabb": Adapter(
-        "freud-analysis", "freud", "freud_aabb", division="tolerant",
+        "freud-analysis", "freud", "freud", division="tolerant",
         refuses=f"{_WIDE}; cells that are not lower triangular",
     ),
     "freud-linkcell": Adapter(
-        "freud-analysis", "freud", "freud_linkcell", division="tolerant",
-        refuses=f"{_WIDE}; cells that are not lower triangular",
+        "freud-analysis", "freud", "freud", division="tolerant",
+        refuses=f"{_WIDE}; cells that are not lower triangular", options={"query": "LinkCell"},
     ),
     "mdanalysis": Adapter(
         "MDAnalysis", "MDAnalysis", "mdanalysis", "<=", True, "tolerant",
@@ -153,7 +167,8 @@ ADAPTERS = {
     ),
     "nvalchemi": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi"),
     "nvalchemi-naive": Adapter(
-        "nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi_naive", division="tolerant"
+        "nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi", division="tolerant",
+        options={"method": "naive_neighbor_list"},
     ),
     "torch-cluster": Adapter(
         "torch-cluster", "torch_cluster", "torch_cluster", division="tolerant",

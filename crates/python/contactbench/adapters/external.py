@@ -15,6 +15,7 @@ the source in zelll_rust.py.
 import os
 import subprocess
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 
@@ -43,9 +44,10 @@ def program(command, timeout=60.0):
 
 
 def compiled(source, command):
-    """Return the path of a program, compiled if its source has changed."""
+    """Return the path of a program, compiled if its source or the command has changed."""
     CACHE.mkdir(parents=True, exist_ok=True)
-    path = CACHE / source.name.replace(".", "-")
+    # The command names the library, which may move with its environment.
+    path = CACHE / f"{source.name.replace('.', '-')}-{crc32(' '.join(command).encode()):08x}"
     if not path.exists() or path.stat().st_mtime < source.stat().st_mtime:
         made = subprocess.run(
             [*command, "-o", str(path)], cwd=CACHE, capture_output=True, text=True, check=False

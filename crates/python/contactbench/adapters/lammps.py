@@ -51,7 +51,9 @@ def prepare(positions, cell, pbc, cutoff):
 
     def search():
         code.command("run 0 post no")
-        index = code.find_pair_neighlist("zero")
+        return code.find_pair_neighlist("zero")
+
+    def listed(index):
         rows = [code.numpy.get_neighlist_element_neighbors(index, k)
                 for k in range(code.get_neighlist_size(index))]
         a = np.repeat([row[0] for row in rows], [len(row[1]) for row in rows]).astype(int)
@@ -61,4 +63,5 @@ def prepare(positions, cell, pbc, cutoff):
         i, j = tag[a], tag[b]
         return i, j, np.rint((x[b] - x[a] - positions[j] + positions[i]) @ inverse)
 
+    search.listed = listed
     return search

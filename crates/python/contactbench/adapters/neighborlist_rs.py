@@ -15,11 +15,14 @@ def prepare(positions, cell, pbc, cutoff):
     box = PyCell(cell.T.tolist(), pbc.tolist()) if pbc.any() else None
 
     def search():
-        found = build_neighborlists(box, positions, cutoff, parallel=False)
+        return build_neighborlists(box, positions, cutoff, parallel=False)
+
+    def listed(found):
         i, j = found["edge_index"]
         S = found["shift"]
         first = S[np.arange(len(S)), (S != 0).argmax(axis=1)]
         once = (i != j) | (first > 0)
         return i[once], j[once], S[once]
 
+    search.listed = listed
     return search

@@ -1,6 +1,6 @@
 """nvalchemiops.jax.neighbors, cell_list and naive_neighbor_list: Warp kernels called by JAX on the
-CPU, in f64 (JAX is set to f64 for the whole process). Rows that exceed `max_neighbors` are cut, so
-it grows until each row has a free place."""
+CPU, in f64 (JAX is set to f64 for the whole process). The list is a padded matrix. Rows that exceed
+`max_neighbors` are cut, so it grows until each row has a free place."""
 
 import numpy as np
 
@@ -22,13 +22,16 @@ def prepare(positions, cell, pbc, cutoff, method="cell_list"):
         nonlocal capacity
         while True:
             call = getattr(neighbors, method)
-            matrix, count, shifts = map(
-                np.asarray, call(places, cutoff, max_neighbors=capacity, **arrays)
-            )
-            if count.max(initial=0) < capacity:
-                break
-            capacity = 2 * max(capacity, int(count.max()))
+            answer = call(places, cutoff, max_neighbors=capacity, **arrays)
+            most = int(np.asarray(answer[1]).max(initial=0))
+            if most < capacity:
+                return [np.asarray(part) for part in answer]
+            capacity = 2 * max(capacity, most)
+
+    def listed(answer):
+        matrix, count, shifts = answer
         filled = np.arange(matrix.shape[1]) < count[:, None]
         return np.nonzero(filled)[0], matrix[filled], shifts[filled]
 
+    search.listed = listed
     return search

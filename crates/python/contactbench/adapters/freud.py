@@ -1,11 +1,13 @@
-"""freud.locality.AABBQuery: a tree of boxes in C++, in f32. It returns no shifts."""
+"""freud.locality, in f32: AABBQuery is a tree of boxes, LinkCell cells as wide as the cutoff. The
+default width of the cells depends on the number of points and fails if there are few. They return
+no shifts."""
 
 import numpy as np
 
 from ._systems import complete, require_lower, require_wide, wrap
 
 
-def prepare(positions, cell, pbc, cutoff, query="AABBQuery", **width):
+def prepare(positions, cell, pbc, cutoff, query="AABBQuery"):
     import freud
 
     if not len(positions):
@@ -19,6 +21,7 @@ def prepare(positions, cell, pbc, cutoff, query="AABBQuery", **width):
     places = wrap(positions, cell, pbc, origin) - cell.sum(axis=0) / 2
     places = box.wrap(places.astype("f4"))
     locality = getattr(freud.locality, query)
+    width = {"cell_width": cutoff} if query == "LinkCell" else {}
     freud.parallel.set_num_threads(1)
 
     def search():
