@@ -179,19 +179,77 @@ def limited(positions, cell, pbc, cutoff, max_neighbours=10**6, cut=False):
     return i[kept], j[kept], S[kept]
 
 
+#: The mistakes of lists for batches, and a part of the cause that is then named.
+BATCH_MISTAKES = {
+    "all systems are one": "different systems are listed",
+    "pairs across systems": "different systems are listed",
+    "local numbers": "numbers of atoms begin at 0",
+    "first cell for all": "cell and axes of the first",
+    "last cell for all": "cell and axes of the last",
+    "cell of the system before": "cell and axes of the system before",
+    "first axes for all": "all systems get the axes of the first",
+    "cells of systems with atoms": "after an empty one get the cell and axes of another",
+    "ends at an empty system": "after an empty one are left out",
+    "counts systems with atoms": "the last systems are left out",
+    "last system left out": "the last system is left out",
+    "equal systems once": None,
+    "empty is an error": None,
+    "empty among others is an error": "right without empty systems",
+    "last atom left out": None,
+    "sign of S": "S has the other sign",
+    "writes to systems": None,
+    "blocks of 32 systems": None,
+}
+
+
 def batch(positions, cells, pbcs, cutoff, systems, mistake=None):
     """A list for several systems, with one mistake or none."""
-    if mistake == "mixed" and len(cells):
+    assert mistake is None or mistake in BATCH_MISTAKES
+    if mistake == "all systems are one":
         return CellList()(positions, cells[0], pbcs[0], cutoff)
     parts = [(np.empty(0, int), np.empty(0, int), np.empty((0, 3), int))]
-    numbers = np.unique(systems) if mistake == "empty systems skipped" else range(len(cells))
-    for at, number in enumerate(numbers):
+    full, seen = np.unique(systems), set()
+    for number in range(len(full) if mistake == "counts systems with atoms" else len(cells)):
         own = np.flatnonzero(systems == number)
-        at = at if mistake == "empty systems skipped" else number
-        at = 0 if mistake == "first cell for all" else at
-        i, j, S = CellList()(positions[own], cells[at], pbcs[at], cutoff)
+        if len(own) == 0 and mistake == "ends at an empty system":
+            break
+        if len(own) == 0 and "is an error" in str(mistake):
+            if len(positions) or mistake == "empty is an error":
+                raise IndexError("index 0 is out of bounds")
+        if mistake == "equal systems once" and positions[own].tobytes() in seen:
+            continue
+        if mistake == "blocks of 32 systems" and number >= 32:
+            continue
+        seen.add(positions[own].tobytes())
+        at = {
+            "first cell for all": 0,
+            "last cell for all": len(cells) - 1,
+            "cell of the system before": number - 1,
+            "cells of systems with atoms": np.searchsorted(full, number),
+        }.get(mistake, number)
+        pbc = pbcs[0 if mistake == "first axes for all" else min(at, len(cells) - 1)]
+        own = own[:-1] if mistake == "last atom left out" else own
+        i, j, S = CellList()(positions[own], cells[min(at, len(cells) - 1)], pbc, cutoff)
+        S = -S if mistake == "sign of S" else S
         parts.append((i, j, S) if mistake == "local numbers" else (own[i], own[j], S))
+    if mistake == "last system left out" and len(parts) > 2:
+        parts.pop()
+    if mistake == "pairs across systems":
+        i, j, S = CellList()(positions, cells[0], np.zeros(3, bool), cutoff)
+        across = systems[i] != systems[j]
+        parts.append((i[across], j[across], S[across]))
+    if mistake == "writes to systems":
+        systems += 1
     return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
+
+
+def by_offsets(positions, cells, pbcs, cutoff, offsets, mistake=None):
+    """`batch` with the first atom of each system instead of the system of each atom."""
+    assert offsets[0] == 0 and offsets[-1] == len(positions) and len(offsets) == len(cells) + 1
+    systems = np.repeat(np.arange(len(cells)), np.diff(offsets))
+    if mistake == "writes to systems":
+        offsets += 1
+    return batch(positions, cells, pbcs, cutoff, systems, mistake)
 
 
 def wait(seconds, *arguments):

@@ -1,10 +1,15 @@
 """Each mistake that authors of cell lists make is found, and its cause is named."""
 
+from dataclasses import replace
+from functools import partial
+
 import mutants
+import numpy as np
 import pytest
-from mutants import MISTAKES, CellList
+from mutants import BATCH_MISTAKES, MISTAKES, CellList
 
 import contactbench
+from contactbench.kit.systems import system
 
 
 def test_a_right_cell_list_passes():
@@ -49,18 +54,55 @@ def test_a_mistake_that_is_no_convention_fails_at_once(mistake):
     assert not found and "listed too often" in found.trouble
 
 
-@pytest.mark.parametrize(
-    "mistake", ["mixed", "empty systems skipped", "local numbers", "first cell for all"]
-)
-def test_mistakes_of_batches_are_found(mistake):
-    def wrong(*arguments):
-        return mutants.batch(*arguments, mistake=mistake)
-
-    options = {"convention": "ase", "cases": ["batches"]}
-    assert contactbench.check_neighbours(CellList(), batch=mutants.batch, **options)
+@pytest.mark.parametrize("mistake", BATCH_MISTAKES)
+@pytest.mark.parametrize("form", [mutants.batch, mutants.by_offsets])
+def test_a_mistake_of_batches_is_found(mistake, form):
+    systems = "offsets" if form is mutants.by_offsets else "index"
+    options = {"quick": True, "convention": f"systems={systems}", "cases": ["batches"]}
+    wrong = partial(form, mistake=mistake)
     (failure,) = contactbench.check_neighbours(CellList(), batch=wrong, **options).failures
-    assert 1 < len(failure.batch) <= 3 and len(failure.system) <= 4
+    cause = BATCH_MISTAKES[mistake]
+    assert cause is None or cause in str(failure.cause), failure.cause
+    assert len(failure.batch) <= (33 if "32" in mistake else 3) and len(failure.system) <= 5
     assert failure.xyz().count("Lattice") == len(failure.batch)
+    division = "np.array([0" if systems == "offsets" else "np.repeat(range("
+    assert division in failure.program()
+
+
+@pytest.mark.parametrize("form", [mutants.batch, mutants.by_offsets])
+def test_a_function_may_take_batches_only(form):
+    found = contactbench.check_neighbours(form, quick=True, batch=True)
+    assert found and found.recognised and found.cases["batches"] == "right", found
+    assert found.convention.systems == ("index" if form is mutants.batch else "offsets")
+    both = contactbench.check_neighbours(CellList(), batch=form, cases=["batches", "gas"])
+    assert both and both.convention == found.convention
+    wrong = partial(form, mistake="local numbers")
+    found = contactbench.check_neighbours(wrong, quick=True, batch=True)
+    assert [failure.case for failure in found.failures] == ["batches"]
+    assert found.convention.systems == both.convention.systems
+
+
+def test_a_single_system_is_a_batch_of_one():
+    def f(*given):
+        return mutants.by_offsets(*given, mistake="last atom left out")
+
+    options = {"batch": True, "convention": "systems=offsets", "quick": True}
+    (failure,) = contactbench.check_neighbours(f, cases=["gas"], **options).failures
+    assert len(failure.batch) == 1
+    names = {"f": lambda *given: (given[1].shape, given[2].shape, given[4].tolist())}
+    exec(failure.program().replace("print(", "(lambda *_, **__: 0)("), names)
+    assert names["answer"] == ((1, 3, 3), (1, 3), [0, len(failure.system)])
+
+
+def test_pairs_of_a_batch_are_shown_in_their_own_cells():
+    cubes = tuple(system([[0, 0, 0]], [size] * 3, 5.0) for size in (9, 4))
+    rows = np.array([[1, 1, 0, 0, 1], [0, 1, 0, 0, 0]])
+    options = {"quick": True, "cases": ["batches"], "convention": "ase"}
+    wrong = partial(mutants.batch, mistake="local numbers")
+    (failure,) = contactbench.check_neighbours(CellList(), batch=wrong, **options).failures
+    shown = replace(failure, batch=cubes, wrong=replace(failure.wrong, missing=rows))
+    assert "missing: (1, 1), S = [0, 0, 1], distance 4.0\n" in str(shown)
+    assert "missing: (0, 1), atoms of the systems 0 and 1\n" in str(shown)
 
 
 def test_a_list_that_is_cut_at_its_capacity_is_found():

@@ -32,7 +32,12 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--quick", action="store_true", help="only the first systems of each case")
     p.add_argument("--convention", help="e.g. pairs=half,rule=<= (default: recognised)")
     p.add_argument("--tolerant", action="store_true", help="judge a list that computes in float32")
-    p.add_argument("--batch", help="module:function for several systems at once")
+    p.add_argument(
+        "--batch",
+        nargs="?",
+        const=True,
+        help="module:function for several systems at once; no value: the function itself",
+    )
     p.add_argument("--case", action="append", help="try only this case; may be repeated")
     p.add_argument("--cutoff", type=float, action="append", help="cutoff (default: 5 and 3)")
     p.add_argument("--seed", type=int, default=0, help="seed of the random systems (default: 0)")
@@ -75,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
         if given.cutoff:
             options["cutoffs"] = given.cutoff
         if given.batch:
-            options["batch"] = function_of(given.batch)[0]
+            options["batch"] = given.batch is True or function_of(given.batch)[0]
         if given.refuses:
             options["refuses"] = (NotImplementedError, _exception(given.refuses))
         if given.verbose:

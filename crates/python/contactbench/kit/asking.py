@@ -6,7 +6,7 @@ import faulthandler
 import inspect
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
@@ -16,7 +16,7 @@ import numpy as np
 
 from .compare import Difference, compare, failed
 from .convention import ASE, Convention, Malformed
-from .systems import Refusal, System
+from .systems import Refusal, Rows, System
 from .truth import half_list, undecided
 
 #: Names under which functions take a limit for the neighbours of an atom.
@@ -65,17 +65,33 @@ def called(
     arguments: tuple[Any, ...],
     more: dict[str, Any] | None = None,
 ) -> Any:
-    """Call a function. What it raises is an `Exception`, one of `refuses`, or KeyboardInterrupt."""
+    """Call a function. What it raises is an `Exception`, one of `refuses`, or KeyboardInterrupt.
+
+    Raises `Malformed` if the function changes an argument.
+    """
     kept: tuple[type[BaseException], ...] = (Exception, KeyboardInterrupt, *refuses)
+    before = [np.copy(value) for value in arguments]
     with deadline(seconds):
         try:
-            return f(*arguments, **(more or {}))
+            answer = f(*arguments, **(more or {}))
         except kept:
             raise
         except BaseException as error:
             # SystemExit, or a panic of Rust. It must not end the check.
             kind: type[Exception] = type(type(error).__name__, (Exception,), {})
             raise kind(str(error)) from None
+    names = ("positions", "cell", "pbc", "cutoff", "systems")
+    for name, old, new in zip(names, before, arguments, strict=False):
+        if not np.array_equal(old, new):
+            raise Malformed(f"{CHANGES} {name}")
+    return answer
+
+
+def division_of(sizes: Sequence[int], convention: Convention) -> Rows:
+    """Return the argument that divides the atoms of a batch into systems of these sizes."""
+    if convention.systems == "offsets":
+        return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    return np.repeat(np.arange(len(sizes)), sizes)
 
 
 def limit_of(f: Callable[..., Any]) -> str | None:
@@ -89,13 +105,17 @@ def limit_of(f: Callable[..., Any]) -> str | None:
 
 @dataclass
 class Asker:
-    """A function under test, its convention, and how its answers are judged."""
+    """A function under test, its convention, and how its answers are judged.
+
+    A system is a batch of one if the function takes batches.
+    """
 
     f: Callable[..., Any]
     refuses: tuple[type[BaseException], ...] = (NotImplementedError,)
     tolerant: bool = False
     convention: Convention = ASE
     call_seconds: float = 30.0
+    batched: bool = False
     band: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -106,18 +126,14 @@ class Asker:
         x, cell, pbc, cutoff = system.given()
         if convention.cell == "columns":
             cell = np.ascontiguousarray(cell.T)
-        before = x.copy(), cell.copy(), pbc.copy()
         more: dict[str, Any] = {}
         if system.capacity is not None and self.limit is not None:
             more[self.limit] = system.capacity
-        arguments = (x, cell, pbc, cutoff)
-        answer = called(self.f, self.call_seconds, self.refuses, arguments, more)
-        for name, old, new in zip(
-            ("positions", "cell", "pbc"), before, (x, cell, pbc), strict=True
-        ):
-            if not np.array_equal(old, new):
-                raise Malformed(f"{CHANGES} {name}")
-        return answer
+        arguments: tuple[Any, ...] = (x, cell, pbc, cutoff)
+        if self.batched:
+            division = division_of([len(x)], convention)
+            arguments = (x, cell[None], pbc[None], cutoff, division)
+        return called(self.f, self.call_seconds, self.refuses, arguments, more)
 
     def wrong(self, system: System) -> Difference | None:
         """Return what is wrong on a system, or None; raise `Refusal` if it cannot be judged."""

@@ -8,22 +8,33 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from .asking import Asker
-from .batches import BATCH, BatchAsker, batches, joined, shrink_batch
+from .batch_causes import cause_of_batch
+from .batches import (
+    BATCH,
+    Batch,
+    BatchAsker,
+    across,
+    batches_of,
+    joined,
+    recognised,
+    shrink_batch,
+)
 from .cases import CASES, Case
 from .causes import cause_of
-from .compare import failed
-from .convention import Convention
+from .compare import Difference, failed
+from .convention import ASE, Convention, with_
 from .failure import NeighbourFailure
-from .recognise import recognise
+from .recognise import Recognised, recognise
 from .result import NeighbourCheck
 from .shrinking import shrink
 from .systems import Refusal, System
 
+Given = TypeVar("Given", System, Batch)
 _log = logging.getLogger(__name__)
 #: Cutoffs of the systems, of the size of those of molecules in angstrom.
 CUTOFFS = (5.0, 3.0)
@@ -31,6 +42,8 @@ CUTOFFS = (5.0, 3.0)
 MOST_SECONDS = 1e6
 #: Failures that are reduced and explained; the others are counted.
 REDUCED = 8
+#: The error of a function that is wrong in the first of two calls only.
+AGAIN = "right when called again: the answer depends on earlier calls"
 
 
 def check_neighbours(
@@ -41,7 +54,7 @@ def check_neighbours(
     convention: Convention | str | None = None,
     division: Literal["exact", "tolerant"] = "exact",
     refuses: tuple[type[BaseException], ...] = (NotImplementedError,),
-    batch: Callable[..., Any] | None = None,
+    batch: Callable[..., Any] | bool | None = None,
     cases: Sequence[str] | None = None,
     seed: int = 0,
     seconds: float | None = None,
@@ -72,10 +85,12 @@ def check_neighbours(
         farther from the cutoff than rounding explains. The band is printed.
     refuses : tuple of exceptions
         Exceptions by which `f` declines a system. These systems are counted and printed.
-    batch : callable, optional
-        ``batch(positions, cells, pbcs, cutoff, systems)`` lists the pairs of several systems at
-        once. ``systems`` holds for each atom the number of its system, ``cells`` has the shape
-        (B, 3, 3), and atoms are numbered across all systems.
+    batch : callable or bool, optional
+        ``batch(positions, cells, pbcs, cutoff, systems)`` lists the pairs of B systems whose atoms
+        follow each other; ``cells`` has the shape (B, 3, 3), and i and j are rows of
+        ``positions``. ``systems`` holds for each atom the number of its system, or the B + 1
+        offsets of the systems if the convention has ``systems=offsets``, which is recognised. If
+        it is True, `f` is such a function; a single system is then a batch of one.
     cases : sequence of str, optional
         Names of the hard cases to try; by default all.
     seed : int
@@ -121,12 +136,16 @@ def check_neighbours(
         raise ValueError(f"seconds is {seconds:g}; give a number of at least 0")
     if seed < 0:
         raise ValueError(f"seed is {seed}; give a whole number of at least 0")
+    if not (batch is None or isinstance(batch, bool) or callable(batch)):
+        raise ValueError(f"batch is {batch!r}; give a function, or True if f takes batches")
+    batched = batch is True
+    batch = (f if batched else None) if isinstance(batch, bool) else batch
     chosen = chosen_cases(cases, batch is not None)
     started = time.monotonic()
-    asker = Asker(f, refuses, division == "tolerant", call_seconds=call_seconds)
+    asker = Asker(f, refuses, division == "tolerant", ASE, call_seconds, batched=batched)
     trouble = ""
     if convention is None:
-        found = recognise(asker.call, refuses)
+        found = recognised_convention(asker, batch)
         asker.convention, trouble = found.convention, found.trouble
     else:
         asker.convention = (
@@ -137,7 +156,7 @@ def check_neighbours(
     for case in [] if trouble else chosen:
         _log.info("%s", case.name)
         if batch is not None and case is BATCH:
-            run.batches(BatchAsker(asker, batch), seed, cutoffs[0])
+            run.batches(BatchAsker(asker, batch), batches_of(cutoffs, quick, seed))
         else:
             run.case(case, systems_of(case, cutoffs, quick, seed))
     return NeighbourCheck(
@@ -153,6 +172,22 @@ def check_neighbours(
         asker.band,
         time.monotonic() - started,
     )
+
+
+def recognised_convention(asker: Asker, batch: Callable[..., Any] | None) -> Recognised:
+    """Find the convention of a function and of its batches."""
+    found = recognise(asker.call, asker.refuses)
+    if asker.batched and found.trouble:
+
+        def by_offsets(system: System, convention: Convention) -> Any:
+            return asker.call(system, with_(convention, systems="offsets"))
+
+        other = recognise(by_offsets, asker.refuses)
+        if not other.trouble:
+            found = Recognised(with_(other.convention, systems="offsets"))
+    elif batch is not None and not (asker.batched or found.trouble):
+        found = Recognised(recognised(replace(asker, convention=found.convention), batch))
+    return found
 
 
 def chosen_cases(names: Sequence[str] | None = None, batch: bool = False) -> list[Case]:
@@ -177,6 +212,10 @@ def systems_of(case: Case, cutoffs: Sequence[float], quick: bool, seed: int) -> 
 
 def function_name(f: Callable[..., Any]) -> str:
     """Return a function as module:name."""
+    owner: Any = getattr(f, "__self__", None)
+    if "__qualname__" in getattr(owner, "__dict__", {}):
+        # A method of an adapter.
+        return f"{owner.__module__}:{owner.__qualname__}.{f.__name__}"
     name = getattr(f, "__qualname__", None) or f"{type(f).__qualname__}()"
     return f"{getattr(f, '__module__', '')}:{name}"
 
@@ -197,21 +236,34 @@ class _Run:
 
     def case(self, case: Case, systems: Iterator[System]) -> None:
         """Try the systems of a case until one fails."""
+        self._try(case, systems, self.asker.wrong, lambda system: self._failure(case, system))
+
+    def batches(self, asker: BatchAsker, batches: Iterator[Batch]) -> None:
+        """Try the batches until one fails."""
+        self._try(BATCH, batches, asker.wrong, lambda batch: self._batch_failure(asker, batch))
+
+    def _try(
+        self,
+        case: Case,
+        given: Iterator[Given],
+        wrong: Callable[[Given], Difference | None],
+        failure: Callable[[Given], NeighbourFailure],
+    ) -> None:
         state = ""
-        for system in systems:
+        for each in given:
             if self.over():
                 state = "not tried"
                 break
             try:
-                wrong = self.asker.wrong(system)
+                found = wrong(each)
             except Refusal as why:
                 self.refused[str(why)] += 1
                 state = state or "refused"
                 continue
             self.compared += 1
             state = "right"
-            if wrong is not None:
-                self.failures.append(self._failure(case, system))
+            if found is not None:
+                self.failures.append(failure(each))
                 state = "wrong"
                 break
         self.states[case.name] = state or "not tried"
@@ -221,7 +273,7 @@ class _Run:
         asker, small, cause = self.asker, system, None
         found = asker.wrong(system)
         if found is None:
-            found = failed("right when called again: the answer depends on earlier calls")
+            found = failed(AGAIN)
         elif len(self.failures) < REDUCED:
             small = shrink(asker.fails, system)
         wrong = (asker.wrong(small) or found) if small is not system else found
@@ -231,31 +283,22 @@ class _Run:
             cause = cause_of(asker, [(system, found)])
         return NeighbourFailure(
             case.name, case.reason, system, found, small, wrong, cause, asker.convention,
-            self.function, limit=asker.limit,
+            self.function, (small,) if asker.batched else (), asker.limit,
         )  # fmt: skip
 
-    def batches(self, asker: BatchAsker, seed: int, cutoff: float) -> None:
-        """Try the batches until one fails."""
-        state = "right"
-        for note, batch in batches(np.random.default_rng(seed), float(cutoff)):
-            if self.over():
-                state = "not tried"
-                break
-            try:
-                found = asker.wrong(batch)
-            except Refusal as why:
-                self.refused[str(why)] += 1
-                state = "refused"
-                break
-            self.compared += 1
-            if found is not None:
-                small = shrink_batch(asker, batch)
-                wrong = asker.wrong(small) or found
-                given = replace(joined(batch), note=note)
-                self.failures.append(NeighbourFailure(
-                    BATCH.name, BATCH.reason, given, found, joined(small), wrong, None,
-                    self.asker.convention, function_name(asker.f), small,
-                ))  # fmt: skip
-                state = "wrong"
-                break
-        self.states[BATCH.name] = state
+    def _batch_failure(self, asker: BatchAsker, batch: Batch) -> NeighbourFailure:
+        """Reduce and explain a failing batch."""
+        small, cause, found = batch, None, asker.wrong(batch)
+        if found is None:
+            found = failed(AGAIN)
+        else:
+            mixed = across(batch, found)
+            small = shrink_batch(lambda candidate: asker.fails(candidate, mixed), batch)
+        wrong = asker.wrong(small) or found
+        if found.text != AGAIN:
+            cause = cause_of_batch(asker, [(batch, found), (small, wrong)])
+        return NeighbourFailure(
+            BATCH.name, BATCH.reason, joined(batch), found, joined(small), wrong, cause,
+            self.asker.convention, self.function if asker.asker.batched else function_name(asker.f),
+            small,
+        )  # fmt: skip

@@ -46,6 +46,9 @@ class Convention:
     layout : str
         ``flat`` (``i, j, S``), ``rows`` (pairs of shape (M, 2), S), ``columns`` (pairs of shape
         (2, M), S), or ``matrix`` (neighbours of shape (N, K) with padding, S of shape (N, K, 3)).
+    systems : str
+        How a function for batches takes its systems: ``index`` (for each atom the number of its
+        system) or ``offsets`` (the first atom of each system, then the number of atoms).
     """
 
     pairs: Literal["full", "half"] = "full"
@@ -60,6 +63,7 @@ class Convention:
     nearest: bool = False
     padding: bool = False
     layout: Literal["flat", "rows", "columns", "matrix"] = "flat"
+    systems: Literal["index", "offsets"] = "index"
 
     @classmethod
     def parse(cls, text: str) -> Convention:
@@ -110,6 +114,7 @@ class Convention:
         words += ["one entry for all images"] if self.nearest else []
         words += ["padded"] if self.padding else []
         words += [] if self.layout == "flat" else [f"pairs as {self.layout}"]
+        words += ["systems by offsets"] if self.systems == "offsets" else []
         return ", ".join(words)
 
 
@@ -122,6 +127,7 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "sign": (1, -1),
     "cell": ("rows", "columns"),
     "layout": ("flat", "rows", "columns", "matrix"),
+    "systems": ("index", "offsets"),
 }
 
 

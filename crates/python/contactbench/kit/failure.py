@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .asking import division_of
 from .compare import Difference
 from .convention import Convention, expected_rows
 from .systems import Rows, System
@@ -63,6 +64,8 @@ class NeighbourFailure:
     def heading(self) -> str:
         """One line: the case, the size, and the error."""
         size = f"{len(self.system)} atom{'s' * (len(self.system) != 1)}"
+        if len(self.batch) > 1:
+            size += f" in {len(self.batch)} systems"
         return f"{self.case}: {self.wrong} ({size})"
 
     def __str__(self) -> str:
@@ -84,14 +87,25 @@ class NeighbourFailure:
         lines = []
         for name in ("missing", "extra", "doubled"):
             rows: Rows = getattr(self.wrong, name)
-            for row, d in zip(rows[:MOST], distances(self.system, rows[:MOST]), strict=True):
-                shifts = f", S = {row[2:].tolist()}" if self.convention.shifts != "none" else ""
-                astray = (np.abs(row[2:]) >= 2**32).any()
-                far = "fits no image" if astray else f"distance {float(d)!r}"
-                lines.append(f"  {name}: ({row[0]}, {row[1]}){'' if astray else shifts}, {far}")
+            lines += [f"  {name}: {self._pair(row)}" for row in rows[:MOST]]
             if len(rows) > MOST:
                 lines.append(f"  {name}: {len(rows) - MOST} more")
         return lines
+
+    def _pair(self, row: Rows) -> str:
+        """Return a pair with its shift and distance, or why it has none."""
+        pair = f"({row[0]}, {row[1]})"
+        systems = self.batch or (self.system,)
+        ends = np.cumsum([len(s) for s in systems])
+        one, other = (int(k) for k in np.searchsorted(ends, row[:2], side="right"))
+        if one != other:
+            return f"{pair}, atoms of the systems {one} and {other}"
+        if (np.abs(row[2:]) >= 2**32).any():
+            return f"{pair}, fits no image"
+        shift = f", S = {row[2:].tolist()}" if self.convention.shifts != "none" else ""
+        start = ends[one] - len(systems[one])
+        (d,) = distances(systems[one], (row - np.array([start, start, 0, 0, 0]))[None])
+        return f"{pair}{shift}, distance {float(d)!r}"
 
     def xyz(self) -> str:
         """Return the smallest system as extended XYZ; one frame for each system of a batch."""
@@ -112,9 +126,14 @@ class NeighbourFailure:
         flags = [list(b.pbc) for b in systems]
         cell, pbc = ([c.tolist() for c in cells], flags) if self.batch else (cells[0].tolist(),
                                                                              flags[0])  # fmt: skip
-        more = f", {self.limit}={s.capacity}" if self.limit and s.capacity is not None else ""
+        more = ""
         if self.batch:
-            more = f", np.repeat(range({len(self.batch)}), {[len(b) for b in self.batch]})"
+            sizes = [len(b) for b in self.batch]
+            offsets = division_of(sizes, convention).tolist()
+            index = f"np.repeat(range({len(sizes)}), {sizes})"
+            more = f", np.array({offsets})" if convention.systems == "offsets" else f", {index}"
+        if self.limit and s.capacity is not None:
+            more += f", {self.limit}={s.capacity}"
         step = "    " * (s.calls > 1)
         head = str(convention).split(", cell")[0]
         return "\n".join(

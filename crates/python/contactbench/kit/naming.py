@@ -41,8 +41,11 @@ def _adapter(name: str) -> tuple[Callable[..., Any], dict[str, Any]]:
     adapter = adapters[name]
     if adapter.missing:
         raise ValueError(f"{name} is unavailable: {adapter.missing}")
-    return adapter, {
+    options = {
         "name": f'contactbench.adapters:ADAPTERS["{name}"]',
         "convention": adapter.convention,
         "division": adapter.division,
     }
+    if getattr(adapter, "batches", False):
+        options.update(batch=adapter.batch, convention=f"{adapter.convention},systems=offsets")
+    return adapter, options

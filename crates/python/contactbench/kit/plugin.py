@@ -25,6 +25,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="hold this neighbour list to the exact truth, one test for each hard case",
     )
     group.addoption("--contactbench-convention", help="its convention (default: recognised)")
+    group.addoption(
+        "--contactbench-batch",
+        metavar="MODULE:FUNCTION",
+        help="hold this list of several systems to the truth too; it may be the same function",
+    )
     group.addoption("--contactbench-quick", action="store_true", help="few systems of each case")
 
 
@@ -69,24 +74,28 @@ def pytest_collection_modifyitems(
     if not text:
         return
     from .asking import Asker
-    from .checking import chosen_cases
+    from .checking import chosen_cases, recognised_convention
     from .convention import Convention
     from .naming import function_of
-    from .recognise import recognise
 
     try:
         f, options = function_of(text)
+        together = config.getoption("--contactbench-batch")
+        if together:
+            options["batch"] = together == text or function_of(together)[0]
         declared = config.getoption("--contactbench-convention") or options.get("convention")
         convention = Convention.parse(declared) if declared else None
     except ValueError as error:
         raise pytest.UsageError(str(error)) from None
     options.update(f=f, quick=config.getoption("--contactbench-quick"))
+    batch = options.get("batch")
     if convention is None:
-        found = recognise(Asker(f).call, (NotImplementedError,))
+        asker = Asker(f, batched=batch is True)
+        found = recognised_convention(asker, f if batch is True else batch)
         convention = None if found.trouble else found.convention
     options["convention"] = convention
     # If no convention fits, one test reports it.
-    for case in chosen_cases()[: None if convention else 1]:
+    for case in chosen_cases(batch=bool(batch))[: None if convention else 1]:
         name, nodeid = case.name, f"contactbench::{case.name}"
         items.append(CaseItem.from_parent(session, name=name, nodeid=nodeid, options=options))
 
