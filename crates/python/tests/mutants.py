@@ -252,6 +252,11 @@ def by_offsets(positions, cells, pbcs, cutoff, offsets, mistake=None):
     return batch(positions, cells, pbcs, cutoff, systems, mistake)
 
 
+def mixed(*arguments):
+    """A list of batches that takes all systems for one."""
+    return batch(*arguments, mistake="all systems are one")
+
+
 def wait(seconds, *arguments):
     """A right list that takes its time."""
     time.sleep(seconds)

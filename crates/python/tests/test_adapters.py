@@ -10,6 +10,8 @@ import pytest
 
 from contactbench import check_neighbours
 from contactbench.adapters import ADAPTERS, available, external
+from contactbench.kit.checking import function_name
+from contactbench.kit.naming import function_of
 
 SKEWED = [[5, 0, 0], [1.5, 5, 0], [-1, 2, 6]]
 ROTATED = [[5, 1, 0.5], [1.5, 5, -0.3], [-1, 2, 6]]
@@ -125,6 +127,21 @@ def test_a_program_that_shows_a_failure_calls_the_adapter(capsys):
     exec(compile(program, "program", "exec"), {})
     assert "from contactbench.adapters import ADAPTERS" in program
     assert capsys.readouterr().out.count("\n") >= 3
+
+
+@pytest.mark.parametrize("name", [name for name, a in ADAPTERS.items() if a.batches])
+def test_batches_of_an_adapter_are_right(name):
+    if ADAPTERS[name].missing or name == "nvalchemi":
+        pytest.skip(ADAPTERS[name].missing or "its cell list of batches raises an exception")
+    _, options = function_of(name)
+    check = check_neighbours(ADAPTERS[name], cases=["batches"], quick=True, **options)
+    assert check and check.systems == 17 and check.convention.systems == "offsets", str(check)
+
+
+def test_a_failure_of_a_batch_names_the_method_of_the_adapter():
+    assert function_name(ADAPTERS["contactbench"].batch) == (
+        'contactbench.adapters:ADAPTERS["contactbench"].batch'
+    )
 
 
 def test_each_adapter_is_available_or_names_the_reason():

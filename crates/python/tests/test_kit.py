@@ -226,6 +226,10 @@ def test_the_command_line_has_exit_codes(tmp_path):
     assert main(["test_kit:raises", "--case", "liquid", "--refuses", "RuntimeError"]) == 2
     assert main(["test_kit:refuses", "--case", "gas"]) == 2
     assert main(["test_kit:refuses", "--refuses", "Mistake"]) == 2
+    only = ["--case", "batches", "--quick"]
+    assert main(["mutants:by_offsets", "--batch", *only]) == 0
+    assert main(["mutants:right", "--batch", "mutants:by_offsets", *only]) == 0
+    assert main(["mutants:right", "--batch", "mutants:mixed", *only]) == 1
 
 
 def test_pytest_has_one_test_for_each_hard_case(tmp_path):
@@ -241,3 +245,12 @@ def test_pytest_has_one_test_for_each_hard_case(tmp_path):
     done = run(*options, "--contactbench-neighbours", "mutants:wrong", "--contactbench-quick")
     assert "1 failed, 1 passed" in done.stdout and "only the nearest image" in done.stdout
     assert run(*options, "--contactbench-neighbours", "mutants:none").returncode == 4
+    options[options.index("-k") + 1] = "batches"
+    for f, batch, words in (
+        ("mutants:right", "mutants:by_offsets", "1 passed"),
+        ("mutants:by_offsets", "mutants:by_offsets", "1 passed"),
+        ("mutants:right", "mutants:mixed", "different systems are listed"),
+    ):
+        given = ("--contactbench-neighbours", f, "--contactbench-batch", batch)
+        done = run(*options, "--contactbench-quick", *given)
+        assert words in done.stdout, done.stdout + done.stderr

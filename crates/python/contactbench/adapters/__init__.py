@@ -54,6 +54,8 @@ class Adapter:
         The reason why the list cannot be had at all.
     options : dict
         What `prepare` of the module gets besides the system.
+    batches : bool
+        Whether the method `batch` takes several systems, with ``systems=offsets``.
     """
 
     package: str
@@ -67,6 +69,7 @@ class Adapter:
     command: str = ""
     absent: str = ""
     options: dict[str, Any] = field(default_factory=dict)
+    batches: bool = False
 
     @property
     def convention(self) -> str:
@@ -98,6 +101,13 @@ class Adapter:
         module = importlib.import_module(f".{self.module}", __name__)
         return module.prepare(*arrays, float(cutoff), **self.options)
 
+    def batch(self, positions: Any, cells: Any, pbcs: Any, cutoff: float, offsets: Any) -> Any:
+        """Return i, j and S of several systems. System k has the atoms ``offsets[k]`` to
+        ``offsets[k + 1]``, the cell ``cells[k]``, and the periodic axes ``pbcs[k]``."""
+        module = importlib.import_module(f".{self.module}", __name__)
+        found = module.batch(positions, cells, pbcs, float(cutoff), offsets, **self.options)
+        return tuple(np.asarray(part, np.int64) for part in found)
+
     def __call__(self, positions: Any, cell: Any, pbc: Any, cutoff: float) -> Any:
         """Return the arrays i, j and S of a neighbour list."""
         search = self.prepare(positions, cell, pbc, cutoff)
@@ -122,9 +132,10 @@ _UPRIGHT = "cells with angles other than 90 degrees"
 
 #: The adapters by name.
 ADAPTERS = {
-    "contactbench": Adapter("contactbench", "contactbench", "contactbench"),
+    "contactbench": Adapter("contactbench", "contactbench", "contactbench", batches=True),
     "contactbench-half": Adapter(
-        "contactbench", "contactbench", "contactbench", half=True, options={"half": True}
+        "contactbench", "contactbench", "contactbench", half=True, options={"half": True},
+        batches=True,
     ),
     "ase": Adapter("ase", "ase", "ase_primitive"),
     "ase-new": Adapter("ase", "ase", "ase_new"),
@@ -165,10 +176,10 @@ ADAPTERS = {
     "warp": Adapter(
         "warp-lang", "warp", "warp", division="tolerant", refuses="periodic cells"
     ),
-    "nvalchemi": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi"),
+    "nvalchemi": Adapter("nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi", batches=True),
     "nvalchemi-naive": Adapter(
         "nvalchemi-toolkit-ops", "nvalchemiops", "nvalchemi", division="tolerant",
-        options={"method": "naive_neighbor_list"},
+        options={"method": "naive_neighbor_list"}, batches=True,
     ),
     "torch-cluster": Adapter(
         "torch-cluster", "torch_cluster", "torch_cluster", division="tolerant",

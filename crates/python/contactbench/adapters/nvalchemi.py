@@ -8,13 +8,26 @@ from ._systems import fill
 
 
 def prepare(positions, cell, pbc, cutoff, method="cell_list"):
+    cell = fill(positions, cell, pbc, cutoff)
+    return _prepare(method, positions, cutoff, cell=cell[None], pbc=pbc[None])
+
+
+def batch(positions, cells, pbcs, cutoff, offsets, method="cell_list"):
+    own = np.split(positions, offsets[1:-1])
+    cells = np.array([fill(*system, cutoff) for system in zip(own, cells, pbcs)])
+    index = np.repeat(np.arange(len(cells)), np.diff(offsets)).astype(np.int32)
+    systems = {"batch_idx": index, "batch_ptr": offsets.astype(np.int32)}
+    search = _prepare(f"batch_{method}", positions, cutoff, cell=cells, pbc=pbcs, **systems)
+    return search.listed(search())
+
+
+def _prepare(method, positions, cutoff, **arrays):
     import jax
 
     jax.config.update("jax_enable_x64", True)
     from nvalchemiops.jax import neighbors
 
-    cell = fill(positions, cell, pbc, cutoff)
-    arrays = {"cell": jax.numpy.asarray(cell[None]), "pbc": jax.numpy.asarray(pbc[None])}
+    arrays = {name: jax.numpy.asarray(array) for name, array in arrays.items()}
     places = jax.numpy.asarray(positions)
     capacity = 64
 

@@ -46,6 +46,6 @@ def _adapter(name: str) -> tuple[Callable[..., Any], dict[str, Any]]:
         "convention": adapter.convention,
         "division": adapter.division,
     }
-    if getattr(adapter, "batches", False):
+    if adapter.batches:
         options.update(batch=adapter.batch, convention=f"{adapter.convention},systems=offsets")
     return adapter, options
