@@ -80,6 +80,9 @@ def test_a_function_may_take_batches_only(form):
     found = contactbench.check_neighbours(wrong, quick=True, batch=True)
     assert [failure.case for failure in found.failures] == ["batches"]
     assert found.convention.systems == both.convention.systems
+    wrong = partial(form, mistake="last atom left out")
+    found = contactbench.check_neighbours(wrong, batch=True)
+    assert "missing of 12 rows" in found.trouble, found.trouble
 
 
 def test_a_single_system_is_a_batch_of_one():

@@ -183,8 +183,10 @@ def recognised_convention(asker: Asker, batch: Callable[..., Any] | None) -> Rec
             return asker.call(system, with_(convention, systems="offsets"))
 
         other = recognise(by_offsets, asker.refuses)
-        if not other.trouble:
-            found = Recognised(with_(other.convention, systems="offsets"))
+        trouble = f"{found.trouble}; by offsets, {other.trouble}" if other.trouble else ""
+        found = found if trouble else other
+        systems: Literal["index", "offsets"] = "index" if trouble else "offsets"
+        found = Recognised(with_(found.convention, systems=systems), trouble)
     elif batch is not None and not (asker.batched or found.trouble):
         found = Recognised(recognised(replace(asker, convention=found.convention), batch))
     return found
