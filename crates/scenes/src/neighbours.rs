@@ -52,7 +52,8 @@ pub fn scaled(given: Given, wanted: f64) -> anyhow::Result<Given> {
     );
     let factor = factor(&periodic, pairs, stats(&given, 0).packing_fraction, options)?;
     let (scene, _) = resized(&periodic, |r| r * factor)?.into_parts();
-    Ok(Given { scene, ..given })
+    // The radii are no longer those of a file, so their size gives no reason for doubts.
+    Ok(Given { scene, source: None, ..given })
 }
 
 /// Returns the factor for about this many pairs, found among the pairs of a scene with larger

@@ -310,15 +310,20 @@ fn settled_particles_overlap_up_to_the_limit() {
 fn neighbours_are_as_many_as_asked_for() {
     let lattice = "packed:n=864,dim=3,jitter=0,periodic=true";
     let random = "settled:n=150,dim=3,periodic=true,tilt=-0.3,fraction=0.2";
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let liquid = format!("file:path={root}/examples/liquid/liquid.xyz,radius=0.5");
     for (text, neighbours) in [
         (lattice, &[(6.0, 12.0), (14.0, 12.0), (40.0, 42.0), (64.0, 54.0), (113.0, 134.0)][..]),
         ("packed:n=36,jitter=0,periodic=true,offset=1e3", &[(2.9, 0.0), (3.0, 6.0), (13.0, 12.0)]),
         (random, &[(0.5, 76.0 / 150.0), (40.0, 40.0), (816.0, 816.0)]),
+        (&liquid, &[(14.0, 14.0), (40.0, 40.0)]),
         ("loose:n=300,periodic=x,size-ratio=3", &[(6.0, 6.0), (250.0, 250.0)]),
         ("clustered:n=200,dim=3,diameter=1e-3", &[(14.0, 14.0), (199.0, 199.0)]),
     ] {
         for &(wanted, expected) in neighbours {
-            let scene = in_any_box(&given(&format!("{text},neighbours={wanted}"))).unwrap();
+            let given = given(&format!("{text},neighbours={wanted}"));
+            assert_eq!(given.source, None, "{text}");
+            let scene = in_any_box(&given).unwrap();
             for by in [1.0 - 1e-10, 1.0, 1.0 + 1e-10] {
                 let pairs = contacts(&resized(&scene, |r| r * by).unwrap(), 1 << 30).unwrap();
                 let each = 2.0 * pairs.len() as f64 / scene.scene().len() as f64;
