@@ -28,9 +28,7 @@ pub fn check<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(0.0..1e6).contains(&seconds) {
-        return Err(
-            Failure::value(format!("seconds is {seconds}; give a number from 0 to 10^6")).into()
-        );
+        Err(Failure::value(format!("seconds is {seconds}; give a number from 0 to 10^6")))?;
     }
     let limits = Limits { time: Duration::from_secs_f64(seconds), ..Limits::default() };
     let stopped = Arc::new(Mutex::new(None));

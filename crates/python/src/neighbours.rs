@@ -42,11 +42,10 @@ struct Table {
     shifts: Vec<[i32; 3]>,
 }
 
-fn filled<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
-    let mut all = Vec::new();
-    reserve(&mut all, len)?;
-    all.resize(len, T::default());
-    Ok(all)
+/// Returns zeros on pages that are not written yet. Fails if they exceed the memory.
+fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
+    reserve(&mut Vec::<T>::new(), len)?;
+    Ok(vec![T::default(); len])
 }
 
 impl Table {
@@ -56,38 +55,41 @@ impl Table {
         wanted: Wanted,
         shifts: bool,
     ) -> Result<Table, Refusal> {
-        let mut offsets: Vec<i64> = filled(particles + 1)?;
-        let both = |[i, j]: [u32; 2]| [(i, j)].into_iter().chain((!wanted.half).then_some((j, i)));
-        let shifted = |pair: &ImagePair| both([pair.i, pair.j]);
-        let pairs = contacts.plain.iter().flat_map(|&pair| both(pair));
-        pairs.clone().chain(contacts.shifted.iter().flat_map(shifted)).for_each(|(i, _)| {
-            offsets[i as usize] += 1;
-        });
+        let mut offsets: Vec<i64> = zeros(particles + 1)?;
+        let sides = if wanted.half { 1 } else { 2 };
+        let mut count = |pair: [u32; 2]| {
+            for &i in &pair[..sides] {
+                offsets[i as usize] += 1;
+            }
+        };
+        contacts.plain.iter().for_each(|&pair| count(pair));
+        contacts.shifted.iter().for_each(|pair| count([pair.i, pair.j]));
         let mut len = 0;
         for offset in &mut offsets {
             len += std::mem::replace(offset, len);
         }
-        let mut j: Vec<i64> = filled(len as usize)?;
+        let len = len as usize;
         let mut list =
-            Table { shifts: filled(if shifts { j.len() } else { 0 })?, offsets, j: vec![] };
-        let mut put = |(i, of): (u32, u32)| {
+            Table { offsets, j: zeros(len)?, shifts: zeros(if shifts { len } else { 0 })? };
+        let mut put = |[i, of]: [u32; 2]| {
             let at = &mut list.offsets[i as usize];
-            j[*at as usize] = i64::from(of);
+            list.j[*at as usize] = i64::from(of);
             *at += 1;
             *at as usize - 1
         };
-        pairs.for_each(|pair| {
-            put(pair);
-        });
+        for &[i, j] in &contacts.plain {
+            for &pair in &[[i, j], [j, i]][..sides] {
+                put(pair);
+            }
+        }
         for &ImagePair { i, j, image } in &contacts.shifted {
-            for (pair, sign) in both([i, j]).zip([1, -1]) {
+            for (&pair, sign) in [[i, j], [j, i]][..sides].iter().zip([1, -1]) {
                 let at = put(pair);
                 if shifts {
                     list.shifts[at] = image.map(|s| sign * s);
                 }
             }
         }
-        list.j = j;
         // Each offset has moved to the end of its row, which is the start of the next row.
         list.offsets.rotate_right(1);
         list.offsets[0] = 0;

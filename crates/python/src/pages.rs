@@ -19,12 +19,14 @@ fn ask(begin: *mut u8, size: usize) {
     if size < LARGE || begin.is_null() {
         return;
     }
-    // Alignment of the advice in bytes, a multiple of the page size of common machines.
-    const PAGE: usize = 1 << 16;
-    let skipped = begin.align_offset(PAGE);
-    let len = size.saturating_sub(skipped) / PAGE * PAGE;
-    // SAFETY: the range lies within the new allocation, and the advice does not change its content.
-    unsafe { libc::madvise(begin.wrapping_add(skipped).cast(), len, libc::MADV_HUGEPAGE) };
+    // The advice covers whole pages, because advice for a part splits a mapping, and the system
+    // moves no split mapping: an array that grows would be copied into small pages.
+    // SAFETY: the call only returns a number.
+    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
+    let before = begin.addr() % page;
+    let len = (before + size).next_multiple_of(page);
+    // SAFETY: the range is the pages of the allocation, and the advice does not change content.
+    unsafe { libc::madvise(begin.wrapping_sub(before).cast(), len, libc::MADV_HUGEPAGE) };
 }
 
 #[cfg(not(target_os = "linux"))]

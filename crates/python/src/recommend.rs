@@ -34,15 +34,10 @@ pub fn recommend(
     let arrays = Arrays::new(&x, &r, edges)?;
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(0.1..1e6).contains(&seconds) {
-        return Err(Failure::value(format!(
-            "seconds is {seconds}; give a number from 0.1 to 10^6"
-        ))
-        .into());
+        Err(Failure::value(format!("seconds is {seconds}; give a number from 0.1 to 10^6")))?;
     }
     if arrays.len() == 0 {
-        return Err(
-            Failure::value("the scene has no particles; there is nothing to recommend").into()
-        );
+        Err(Failure::value("the scene has no particles; there is nothing to recommend"))?;
     }
     let given = match arrays.lattice()? {
         Some(lattice) => Given::in_box(arrays.owned()?, lattice).map_err(Failure::from)?,

@@ -1,6 +1,7 @@
 """Neighbour lists, compared with tests of all pairs and images."""
 
 import itertools
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -78,6 +79,17 @@ def test_arrays_fit_together():
     assert all(row[0] <= row[1] for row in half)
     both = half | {(b, a, -s, -t, -u) for a, b, s, t, u in half}
     assert both == listed((i, j, S)) and 2 * len(half) == len(i)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads mappings of Linux")
+def test_a_long_array_lies_in_one_mapping():
+    """The system does not move a mapping that advice has split: growing arrays would be copied."""
+    i = neighbour_list("i", np.zeros((1500, 3)), cutoff=1.0)
+    begin = i.ctypes.data
+    with open("/proc/self/maps") as maps:
+        ranges = [[int(at, 16) for at in line.split()[0].split("-")] for line in maps]
+    assert i.nbytes > 4 << 20
+    assert [low <= begin and begin + i.nbytes <= high for low, high in ranges].count(True) == 1
 
 
 def test_the_order_of_quantities_is_that_of_the_letters():
