@@ -117,7 +117,7 @@ def _flags(periodic: object, dim: int) -> list[bool]:
             raise ValueError(f"periodic of the box is {periodic!r} in {dim} dimensions; {words}")
         return [axis in axes for axis in "xyz"[:dim]]
     flags = np.asarray(periodic)
-    if flags.dtype.kind not in "biu" or not np.isin(flags, (0, 1)).all():
+    if flags.dtype.kind not in "biu" or (flags != flags.astype(bool)).any():
         raise ValueError(f"periodic of the box is {periodic!r}; {words}")
     if flags.shape == ():
         flags = np.broadcast_to(flags, (dim,))

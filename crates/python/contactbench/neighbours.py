@@ -13,14 +13,17 @@ listed from both sides, and the distance vector is ``D = x[j] - x[i] + S @ cell`
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _contactbench as native
-from ._boxes import Box, edges_of, numbers
+from ._boxes import numbers
 from ._contacts import _threads
+
+if TYPE_CHECKING:
+    from ._contactbench import Edges
 
 __all__ = [
     "batch_neighbour_list",
@@ -36,8 +39,8 @@ _QUANTITIES = "ijSdD"
 _RULES = {"<": "exact-open", "<=": "exact"}
 
 
-def complete(cell: npt.ArrayLike | None, pbc: Any, dim: int = 3) -> Box | None:
-    """Return the box of a cell, in which vectors of zeros along open axes are replaced.
+def _edges(cell: npt.ArrayLike | None, pbc: Any, dim: int) -> Edges | None:
+    """Return vectors, flags and corner of a cell; vectors of zeros along open axes are replaced.
 
     A cell gives `dim` lengths or vectors as rows. Vectors of open axes do not affect a list, so ASE
     allows them to be zero. None stands for open space.
@@ -67,7 +70,9 @@ def complete(cell: npt.ArrayLike | None, pbc: Any, dim: int = 3) -> Box | None:
         free = np.linalg.svd(vectors)[2][dim - missing.sum() :]
         vectors = vectors.copy()
         vectors[missing] = free * (np.abs(vectors).max() or 1.0)
-    return Box(vectors, periodic=flags)
+    edges = np.eye(3)
+    edges[:dim, :dim] = vectors
+    return edges.tolist(), [*flags.tolist(), False][:3], [0.0] * 3
 
 
 def _system(positions: Any, cell: Any, pbc: Any, cutoff: Any) -> tuple[Any, Any, Any, Any]:
@@ -112,8 +117,7 @@ def _found(
         x = x.reshape(0, 3)
     if x.ndim != 2 or x.shape[1] not in (2, 3):
         raise ValueError(f"positions have the shape {x.shape}; give N rows of 2 or 3 numbers")
-    box = complete(cell, pbc, x.shape[1])
-    edges = None if box is None else edges_of(box, x.shape[1])
+    edges = _edges(cell, pbc, x.shape[1])
     if memory_limit is None:
         memory_limit = max(native.limit_for(len(x)), 4 << 30)
     search = native.Search(native.DEFAULT, False, _RULES[rule], _threads(threads), memory_limit)
@@ -284,15 +288,18 @@ def batch_neighbour_list(
         raise ValueError(f"pbc has {len(pbc)} rows for {systems} systems; give one for each")
     if options.pop("csr", False):
         raise ValueError("csr: a batch has the system of each pair instead; leave csr out")
-    parts = []
+    parts, counts = [], []
     for k in range(systems):
         of = (pbc[k] if np.ndim(pbc) == 2 else pbc, cutoff)
         cell = None if cells is None else cells[k]
-        own = neighbour_list(quantities, x[ends[k] : ends[k + 1]], cell, *of, csr=True, **options)
-        arrays = [
-            array + ends[k] if letter in "ij" else array for letter, array in zip(quantities, own)
-        ]
-        parts.append([*arrays, np.full(own[-1][-1], k, np.int64)])
+        *own, rows = neighbour_list(
+            quantities, x[ends[k] : ends[k + 1]], cell, *of, csr=True, **options
+        )
+        for letter in {"i", "j"}.intersection(quantities):
+            own[quantities.index(letter)] += ends[k]
+        parts.append(own)
+        counts.append(rows[-1])
     if not parts:
         return batch_neighbour_list(quantities, x, [0, 0], None, None, cutoff, **options)
-    return tuple(np.concatenate(arrays) for arrays in zip(*parts))
+    lists = (np.concatenate(arrays) for arrays in zip(*parts))
+    return *lists, np.repeat(np.arange(systems), counts)

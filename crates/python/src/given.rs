@@ -95,10 +95,15 @@ impl<'a> Arrays<'a> {
         Ok(Copied { x: copied(x)?, dim, r: copied(r)?, edges })
     }
 
-    /// Returns whether a detection of these particles may take so long that a user interrupts it.
-    /// The slowest detector takes some milliseconds for 2,000 particles in open space.
+    /// Returns whether a detection may take so long that a user interrupts it. The slowest detector
+    /// takes some ms for 2,000 particles, or for as many pairs of particles and images in a box.
     pub fn are_many(&self) -> bool {
-        self.edges.is_some() || self.len() > 2000
+        // A box that is refused takes no time.
+        let Ok(lattice) = self.lattice() else { return false };
+        let reach = self.r.iter().fold(0.0, |most: f64, &r| most.max(2.0 * r));
+        let images = |v| lattice.map_or(1.0, |lattice| 1.0 + 2.0 * reach / lattice.height(v));
+        let n = self.len() as f64;
+        n * n.max(200.0) * (0..3).map(images).product::<f64>() > 4e6
     }
 
     pub fn lattice(&self) -> Result<Option<Lattice>, Failure> {

@@ -195,6 +195,28 @@ def test_too_little_memory_is_an_exception(room):
     assert done.returncode == 0 and done.stdout.endswith("well\n"), done.stdout + done.stderr
 
 
+SMALL = """
+import resource, sys
+import numpy as np
+import contactbench
+contactbench.contacts(np.zeros((2, 3)), 0.5)
+x, box = np.random.default_rng(1).random((int(sys.argv[1]), 3)) * 8.0, [8.0] * 3
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 20), used + (1 << 20)))
+print(len(contactbench.contacts(x, float(sys.argv[2]), box=box)[0]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of Linux")
+@pytest.mark.parametrize("n, radius, done", [(50, 2.5, True), (3000, 0.01, False), (9, 99, False)])
+def test_a_small_box_needs_no_thread(n, radius, done):
+    """The stack of a thread does not fit into the memory."""
+    command = [sys.executable, "-c", SMALL, str(n), str(radius)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert (ended.returncode == 0) == done, ended.stderr
+    assert done or "a thread could not be started" in ended.stderr
+
+
 FORKED = """
 import os, sys, threading, time
 import numpy as np

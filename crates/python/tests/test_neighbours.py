@@ -138,6 +138,8 @@ def test_batches_keep_systems_apart():
         for i, j, *s in brute(parts[k], cells[k], pbc[k], 1.5)
     }
     assert listed(answer) == expected
+    i, again = batch_neighbour_list("ii", parts[0], [0, 5, 20], None, None, 1.5)[:2]
+    assert i.max() == again.max() == 19
     assert [len(array) for array in batch_neighbour_list("ij", [], [0], [], None, 1.0)] == [0, 0, 0]
     for arguments, match in [
         (("ij", parts[0], [0, 5], None, None, 1.0), "rise"),
