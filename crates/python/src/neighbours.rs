@@ -155,7 +155,10 @@ pub fn neighbours(
             for (k, (&i, &j)) in i.iter().zip(&table.j).enumerate() {
                 let vector = arrays.vector(i as usize, j as usize, table.shift(k));
                 vectors.extend(&vector[..dim]);
-                distances.push(vector.iter().map(|d| d * d).sum::<f64>().sqrt());
+                let [x, y, z] = vector;
+                let square = x * x + y * y + z * z;
+                let fits = square.is_normal();
+                distances.push(if fits { square.sqrt() } else { x.hypot(y).hypot(z) });
             }
         }
         Ok((i, dim, table, vectors, distances))

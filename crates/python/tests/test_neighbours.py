@@ -81,6 +81,14 @@ def test_arrays_fit_together():
     assert both == listed((i, j, S)) and 2 * len(half) == len(i)
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300])
+def test_distances_are_those_of_numbers_whose_squares_are_not(scale):
+    x = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]]) * scale
+    i, j, d, D = neighbour_list("ijdD", x, cutoff=6.0 * scale, sorted=True)
+    np.testing.assert_allclose(d, np.array([3.0, 5.0, 3.0, 4.0, 5.0, 4.0]) * scale, rtol=1e-15)
+    np.testing.assert_array_equal(D, x[j] - x[i])
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="reads mappings of Linux")
 def test_a_long_array_lies_in_one_mapping():
     """The system does not move a mapping that advice has split: growing arrays would be copied."""
