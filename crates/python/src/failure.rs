@@ -8,7 +8,7 @@ use std::time::Duration;
 use contactbench_core::Refusal;
 use contactbench_core::oracle::NoTruth;
 use contactbench_core::refusal::no_memory;
-use contactbench_core::scene::{LatticeError, SceneError};
+use contactbench_core::scene::SceneError;
 use contactbench_core::searcher::LoadError;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -55,12 +55,6 @@ impl From<Refusal> for Failure {
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Failure {
-        Failure::value(error)
-    }
-}
-
-impl From<LatticeError> for Failure {
-    fn from(error: LatticeError) -> Failure {
         Failure::value(error)
     }
 }

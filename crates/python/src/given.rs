@@ -108,7 +108,7 @@ impl<'a> Arrays<'a> {
 
     pub fn lattice(&self) -> Result<Option<Lattice>, Failure> {
         let of = |(vectors, periodic, origin)| Lattice::new(vectors, periodic, origin);
-        Ok(self.edges.map(of).transpose()?)
+        self.edges.map(of).transpose().map_err(Failure::value)
     }
 }
 
