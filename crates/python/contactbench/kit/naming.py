@@ -23,8 +23,8 @@ def function_of(text: str) -> tuple[Callable[..., Any], dict[str, Any]]:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ValueError(f"{text} cannot be imported: {error}") from None
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{text} cannot be imported: {type(error).__name__}: {error}") from None
     if not callable(found):
         raise ValueError(f"{text} is not a function")
     return found, {"name": text}
