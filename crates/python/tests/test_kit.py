@@ -184,7 +184,37 @@ def test_what_is_not_answered_is_printed():
     found = contactbench.check_neighbours(
         hangs, convention="ase", cases=["liquid"], call_seconds=0.1
     )
-    assert "no answer after 0.1 s" in str(found)
+    assert "liquid: no answer after 0.1 s, the limit call_seconds" in str(found)
+
+    calls = []
+
+    def late(*arguments):
+        calls.append(0)
+        if len(calls) == 1:
+            hangs(*arguments)
+        return mutants.right(*arguments)
+
+    found = contactbench.check_neighbours(
+        late, convention="ase", cases=["liquid"], call_seconds=0.1
+    )
+    assert "liquid: no answer after 0.1 s" in str(found)
+
+
+def test_a_recognised_convention_is_no_surprise():
+    def turned(*arguments):
+        i, j, shifts = mutants.right(*arguments)
+        return i, j, -shifts
+
+    found = contactbench.check_neighbours(turned, cases=["liquid"])
+    assert found and "If you meant the convention of ASE, give" in str(found)
+    assert not contactbench.check_neighbours(turned, convention="ase", cases=["liquid"])
+    found = contactbench.check_neighbours(mutants.right, cases=["liquid"])
+    assert found and "If you meant" not in str(found)
+    line = refuses.__code__.co_firstlineno + 1
+    found = contactbench.check_neighbours(refuses, refuses=(), cases=["liquid"])
+    assert f"(test_kit.py, line {line})" in found.trouble
+    found = contactbench.check_neighbours(lambda *arguments: None)
+    assert "a NoneType, not a tuple of arrays; return three arrays" in found.trouble
 
 
 @pytest.mark.parametrize(
@@ -211,6 +241,14 @@ def run(*arguments):
         capture_output=True,
         text=True,
     )
+
+
+@pytest.mark.parametrize("source", ["def f(:", "raise OSError('no library')", "raise SystemExit"])
+def test_a_module_that_cannot_be_imported_is_not_checked(source, tmp_path, monkeypatch, capsys):
+    (tmp_path / "broken.py").write_text(source)
+    monkeypatch.syspath_prepend(tmp_path)
+    assert main(["broken:f"]) == 2
+    assert "broken:f cannot be imported: " in capsys.readouterr().err
 
 
 def test_the_command_line_has_exit_codes(tmp_path):

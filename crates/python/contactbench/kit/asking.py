@@ -24,6 +24,8 @@ LIMITS = ("max_neighbours", "max_neighbors", "max_num_neighbors")
 
 #: Begin of the error of a function that writes to its arguments.
 CHANGES = "it changes its argument"
+#: Begin of the error of a call that takes too long.
+HANGS = "no answer after"
 
 
 class Hang(Exception):
@@ -45,7 +47,7 @@ def deadline(seconds: float) -> Iterator[None]:
         faulthandler.dump_traceback_later(seconds + 2, exit=True)
 
     def ring(signum: int, frame: FrameType | None) -> None:
-        raise Hang(f"no answer after {seconds:g} s")
+        raise Hang(f"{HANGS} {seconds:g} s, the limit call_seconds")
 
     before = signal.signal(signal.SIGALRM, ring)
     signal.setitimer(signal.ITIMER_REAL, seconds)
@@ -140,7 +142,7 @@ class Asker:
         exceeded = False
         if system.capacity is not None:
             if self.limit is None:
-                raise Refusal("the function takes no capacity")
+                raise Refusal(f"the function has no parameter {LIMITS[0]}")
             counts = np.bincount(half_list(system)[:, :2].ravel(), minlength=len(system))
             exceeded = int(counts.max(initial=0)) > system.capacity
         tolerant = self.tolerant or system.dtype == "float32"
@@ -163,8 +165,10 @@ class Asker:
                 if exceeded:
                     return None
                 if system.optional:
-                    raise Refusal(f"{type(error).__name__}: {error}") from None
-                found = failed(f"it raises {type(error).__name__}: {error}")
+                    text = f"{type(error).__name__}: {error}"
+                    raise Refusal(f"{text} (allowed if a vector of the cell is 0)") from None
+                late = isinstance(error, Hang)
+                found = failed(str(error) if late else f"it raises {type(error).__name__}: {error}")
             if found is not None:
                 if k > 0:
                     return failed(f"call {k + 1} differs from the calls before: {found}")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -92,12 +94,22 @@ def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognise
         except refuses:
             continue
         except Exception as error:
-            return Recognised(ASE, f"on {name} it raises {type(error).__name__}: {error}")
+            return Recognised(ASE, f"on {name} it raises {_raised(error)}")
         found = _best(probe, answers, _candidates(any(probe.pbc)))
         if found.trouble:
             return Recognised(found.convention, f"on {name}: {found.trouble}")
         return _refined(call, found.convention) if any(probe.pbc) else found
     return Recognised(ASE)
+
+
+def _raised(error: Exception) -> str:
+    """Return an error, with the line of the function under test that raised it."""
+    text = f"{type(error).__name__}: {error}"
+    for frame in traceback.extract_tb(error.__traceback__):
+        file = Path(frame.filename)
+        if file.parent != Path(__file__).parent:
+            return f"{text} ({file.name}, line {frame.lineno})"
+    return text
 
 
 def _best(probe: System, answers: dict[str, Any], candidates: Iterator[Convention]) -> Recognised:
@@ -114,6 +126,8 @@ def _best(probe: System, answers: dict[str, Any], candidates: Iterator[Conventio
             return Recognised(candidate)
         if wrong.wrong < best:
             best, convention, text = wrong.wrong, candidate, str(wrong)
+    if best == np.inf:
+        return Recognised(ASE, f"{text}; return three arrays: i, j and S")
     return Recognised(convention, f"{text}; the closest convention is: {convention}")
 
 

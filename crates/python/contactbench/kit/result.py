@@ -101,6 +101,8 @@ class NeighbourCheck:
         how = "recognised" if self.recognised else "declared"
         if not self.trouble:
             lines.append(fill(f"convention, {how}: {self.convention}"))
+        if self.recognised and self.convention != ASE and not self.trouble:
+            lines.append("If you meant the convention of ASE, give convention='ase'.")
         band = f", rounding band up to {self.band:.3g}" if self.division == "tolerant" else ""
         lines.append(f"division {self.division}{band}; {self.seconds:.1f} s")
         for reason, count in sorted(self.refused.items()):
