@@ -222,15 +222,7 @@ pub fn is_main_thread() -> bool {
     true
 }
 
-/// Runs work in a thread pool of its own, because a process that is forked later lacks the threads
-/// of a shared pool.
-pub fn by_threads<R: Send>(
-    threads: usize,
-    work: impl FnOnce() -> Result<R, Failure> + Send,
-) -> Result<R, Failure> {
-    pool(threads)?.install(work)
-}
-
+/// Makes a pool for one owner: a process that is forked later lacks the threads of a shared pool.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     if threads == 0 || threads > 1024 {
         return Err(Failure::value(format!("threads is {threads}; give a number from 1 to 1024")));

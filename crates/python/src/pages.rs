@@ -14,10 +14,27 @@ pub struct Pages;
 /// Size in bytes from which an allocation requests large pages.
 const LARGE: usize = 1 << 22;
 
+/// Allocates `size` bytes, `more` of them new, on large pages if they are many.
 #[cfg(target_os = "linux")]
-fn ask(begin: *mut u8, size: usize) {
-    if size < LARGE || begin.is_null() {
-        return;
+fn paged(size: usize, more: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+    use libc::{MAP_ANONYMOUS, MAP_FAILED, MAP_PRIVATE, PROT_READ, PROT_WRITE};
+    // Bytes that a large array leaves, because a report of an error needs memory, or aborts.
+    const SPARE: usize = 1 << 21;
+    if size < LARGE {
+        return allocate();
+    }
+    let (len, kind) = (more.saturating_add(SPARE), MAP_PRIVATE | MAP_ANONYMOUS);
+    // SAFETY: the new mapping only shows whether there is room, and is removed unused.
+    unsafe {
+        let probe = libc::mmap(std::ptr::null_mut(), len, PROT_READ | PROT_WRITE, kind, -1, 0);
+        if probe == MAP_FAILED {
+            return std::ptr::null_mut();
+        }
+        libc::munmap(probe, len);
+    }
+    let begin = allocate();
+    if begin.is_null() {
+        return begin;
     }
     // The advice covers whole pages, because advice for a part splits a mapping, and the system
     // moves no split mapping: an array that grows would be copied into small pages.
@@ -27,26 +44,25 @@ fn ask(begin: *mut u8, size: usize) {
     let len = (before + size).next_multiple_of(page);
     // SAFETY: the range is the pages of the allocation, and the advice does not change content.
     unsafe { libc::madvise(begin.wrapping_sub(before).cast(), len, libc::MADV_HUGEPAGE) };
+    begin
 }
 
 #[cfg(not(target_os = "linux"))]
-fn ask(_: *mut u8, _: usize) {}
+fn paged(_: usize, _: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u8 {
+    allocate()
+}
 
-// SAFETY: every call goes to `Counting` with the same arguments, and its result is returned, so its
-// guarantees are kept.
+// SAFETY: every call fails, or goes to `Counting` with the same arguments, and its result is
+// returned, so its guarantees are kept.
 unsafe impl GlobalAlloc for Pages {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that `Counting` requires.
-        let begin = unsafe { Counting.alloc(layout) };
-        ask(begin, layout.size());
-        begin
+        paged(layout.size(), layout.size(), || unsafe { Counting.alloc(layout) })
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that `Counting` requires.
-        let begin = unsafe { Counting.alloc_zeroed(layout) };
-        ask(begin, layout.size());
-        begin
+        paged(layout.size(), layout.size(), || unsafe { Counting.alloc_zeroed(layout) })
     }
 
     unsafe fn dealloc(&self, begin: *mut u8, layout: Layout) {
@@ -56,8 +72,7 @@ unsafe impl GlobalAlloc for Pages {
 
     unsafe fn realloc(&self, begin: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         // SAFETY: the caller's promises are those that `Counting` requires.
-        let begin = unsafe { Counting.realloc(begin, layout, size) };
-        ask(begin, size);
-        begin
+        let grown = || unsafe { Counting.realloc(begin, layout, size) };
+        paged(size, size.saturating_sub(layout.size()), grown)
     }
 }

@@ -13,7 +13,7 @@ use contactbench_scenes::Given;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::failure::{Failure, Stop, by_threads, patient, work};
+use crate::failure::{Failure, Stop, patient, pool, work};
 use crate::given::{Arrays, Edges, arithmetic};
 
 /// Measures like `contactbench recommend`, and returns the JSON of its option `--json`. Detectors
@@ -54,7 +54,7 @@ pub fn recommend(
             time: Duration::from_secs_f64(seconds),
             program,
         };
-        let race = by_threads(threads, || Ok(race::run(&question, &mut |_| stop.look())?))?;
+        let race = pool(threads)?.install(|| race::run(&question, &mut |_| stop.look()))?;
         Ok(as_json(Verdict::new(&race).as_ref(), &race, particles).to_string())
     };
     patient(py, race)

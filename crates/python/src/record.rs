@@ -13,7 +13,7 @@ use contactbench_scenes::Given;
 use contactbench_scenes::spec::Spec;
 use pyo3::prelude::*;
 
-use crate::failure::{Failure, by_threads, work};
+use crate::failure::{Failure, pool, work};
 use crate::given::{Edges, Made, made};
 
 #[derive(IntoPyObject)]
@@ -141,7 +141,7 @@ fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static st
 /// Makes a scene from a text such as `packed:dim=3,n=1000`, and returns its arrays and box.
 #[pyfunction]
 pub fn scene(py: Python<'_>, text: &str) -> PyResult<(Made, Option<Edges>)> {
-    let given = work(py, || by_threads(1, || Ok(Spec::parse(text)?.given()?)))?;
+    let given = work(py, || Ok(pool(1)?.install(|| Spec::parse(text)?.given())?))?;
     let Given { scene, lattice, .. } = given;
     let edges = lattice.map(|lattice| (*lattice.vectors(), lattice.periodic(), lattice.origin()));
     Ok((made(py, &scene)?, edges))

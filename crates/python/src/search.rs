@@ -46,16 +46,6 @@ fn loaded<'a>(
     Ok(loaded)
 }
 
-/// Returns an empty list with capacity for most answers, within a limit in bytes, because growing a
-/// list copies its pages. Unused capacity costs nothing.
-fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
-    let most = usize::try_from(limit / PAIR_BYTES).unwrap_or(usize::MAX);
-    let mut contacts = Contacts::default();
-    // If the reservation fails, the list grows step by step instead.
-    let _ = contacts.plain.try_reserve_exact(arrays.len().saturating_mul(4).min(most));
-    contacts
-}
-
 /// Default memory limit in bytes, for one detection of this many particles.
 #[pyfunction]
 pub fn limit_for(particles: usize) -> u64 {
@@ -179,7 +169,10 @@ impl Search {
         let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
         move |(finder, crew), arrays| {
             let scene = loaded(arrays, arithmetic, limit)?;
-            let mut contacts = room(arrays, limit);
+            let mut contacts = Contacts::default();
+            // Unused capacity costs nothing; if the reservation fails, the list grows step by step.
+            let most = arrays.len().saturating_mul(4).min((limit / PAIR_BYTES) as usize);
+            let _ = contacts.plain.try_reserve_exact(most);
             let mut find = || match finder {
                 Finder::Detector(searcher) => {
                     searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)

@@ -12,7 +12,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDy
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, by_threads, is_main_thread, patient, work};
+use crate::failure::{Failure, is_main_thread, patient, pool, work};
 use crate::given::{Arrays, Edges, arithmetic, copied, rows};
 
 /// Pairs, their images in a box, and their depths in mean radii.
@@ -62,7 +62,7 @@ pub fn verify<'py>(
     let count = list.len();
     let compare = move |arrays: Arrays<'_>, list: &[[i64; 2]]| {
         let listed = Listed { pairs: list, images: images.as_deref() };
-        by_threads(threads, || held(&arrays, listed, base, terms))
+        pool(threads)?.install(|| held(&arrays, listed, base, terms))
     };
     let (found, reading, causes) = if is_main_thread() {
         let (arrays, list) = py.detach(|| Ok::<_, Failure>((arrays.copied()?, copied(list)?)))?;
