@@ -15,7 +15,7 @@ from .compare import NONE, Difference, compare, failed
 from .convention import Convention, Malformed, parts, with_
 from .recognise import outside, probes
 from .shrinking import shrink
-from .systems import OPEN, PERIODIC, Random, Refusal, Rows, System, inside, skewed
+from .systems import OPEN, PERIODIC, Random, Refusal, System, inside, skewed
 
 Batch = tuple[System, ...]
 

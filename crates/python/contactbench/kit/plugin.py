@@ -93,6 +93,7 @@ def pytest_collection_modifyitems(
         asker = Asker(f, batched=batch is True)
         found = recognised_convention(asker, f if batch is True else batch)
         convention = None if found.trouble else found.convention
+        config.get_terminal_writer().line(f"convention, recognised: {convention}")
     options["convention"] = convention
     # If no convention fits, one test reports it.
     for case in chosen_cases(batch=bool(batch))[: None if convention else 1]:
