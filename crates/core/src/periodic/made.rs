@@ -5,7 +5,6 @@ use nalgebra::Point;
 use super::ImagePair;
 use super::frame::Frame;
 use crate::contact::image::{self, Shift};
-
 use crate::contact::{Corners, Decided, Imaged, Slack, Test, rule};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{Radii, Scene, array};

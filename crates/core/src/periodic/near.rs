@@ -44,8 +44,7 @@ use crate::contact::{Arithmetic, Corners, Slack};
 use crate::filter::cells::spacing;
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Real, Scene, Storage, array};
-use crate::wide::fill;
-use crate::wide::{Kernel, Level, Wide};
+use crate::wide::{Kernel, Level, Wide, fill};
 
 /// The lowest and the highest number of T along each vector.
 type Ranges = [[i32; 2]; 3];

@@ -14,8 +14,7 @@ use anyhow::{Context, ensure};
 use crate::Frame;
 use crate::Notice;
 use crate::formats::{npy, unread};
-use crate::frames::series;
-use crate::frames::{Choice, Once, Reader, Step, chosen};
+use crate::frames::{Choice, Once, Reader, Step, chosen, series};
 use crate::raw::lines::{Lines, Source};
 use crate::raw::room::room;
 

@@ -110,7 +110,10 @@ fn library(
     noise: &Noise,
     label: impl Fn(&Line) -> String,
 ) -> Option<Library> {
-    let libraries = group.ranked(n, |line| matches!(line.role, Role::Peer | Role::Runner));
+    // The runners contactbench and contactbench-half are our own list in Python.
+    let libraries = group.ranked(n, |line| {
+        matches!(line.role, Role::Peer | Role::Runner) && !line.detector.starts_with("contactbench")
+    });
     let (own, _) = group.fastest_of(n, |line| {
         line.detector == reference && line.arithmetic.parse().is_ok_and(Arithmetic::is_exact)
     })?;

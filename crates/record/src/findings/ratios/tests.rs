@@ -66,7 +66,7 @@ fn a_noisy_library_leaves_it_open() {
     let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 900 } else { 50 }).collect();
     let mut lab = Lab::new("e", "packed");
     lab.detector("nbs").time(&[100; 15]).detector("noisy").time(&noisy);
-    lab.detector("other").time(&[700; 15]);
+    lab.detector("other").time(&[700; 15]).detector("contactbench-half").time(&[200; 15]);
     let found = ratios(&lab, "nbs").unwrap();
     let [library] = &*found.libraries else { panic!("{found:?}") };
     assert_eq!((&*library.name, &library.open[..]), ("other", &["noisy".to_string()][..]));
