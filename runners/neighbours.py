@@ -1,8 +1,9 @@
 """The neighbour list of a library, by its adapter: ``python3 runners/neighbours.py NAME``.
 
-The names are those of crates/python/contactbench/adapters. The clock has the library's call alone.
-Afterwards, its answer is turned into arrays, a full list is halved, and shifts are added if the
-library returns none. All libraries are for 3D: in 2D, z is 0 and the box is open along z.
+NAME is one of the adapters in crates/python/contactbench/adapters. The clock has the library's call
+and, in some adapters, a conversion of its result. Afterwards, the answer is turned into arrays, a
+full list is halved, and shifts are added if the library returns none. All libraries are for 3D: in
+2D, z is 0 and the box is open along z.
 """
 
 import os

@@ -1,8 +1,9 @@
 """The memory of each library's neighbour list: ``python3 examples/liquid/memory.py``, on Linux.
 
-For the liquid repeated 2 x 2 x 2 (32,000 atoms) at 40 neighbours per atom, it prints the bytes per
-listed pair: the list, and the most resident memory that the library's first long call adds, with
-its list. A call with 200 atoms comes before it, so that no code is loaded later.
+The liquid is repeated 2 x 2 x 2 (32,000 atoms); atoms have 40 neighbours. The program prints bytes
+per row of a list; a full list has two rows per pair. *list* are the bytes of the list, *peak* is
+the most resident memory that the first long call adds, with its list. A call with 200 atoms comes
+before it, so that no code is loaded later.
 """
 
 import pathlib
@@ -50,7 +51,7 @@ def measure(name):
 if len(sys.argv) > 1:
     measure(sys.argv[1])
 else:
-    print("| library | version | pairs | list, bytes per pair | most, bytes per pair |")
+    print("| library | version | rows | list, bytes per row | peak, bytes per row |")
     print("|---|---|---:|---:|---:|", flush=True)
     for name, adapter in ADAPTERS.items():
         command = [sys.executable, __file__, name]

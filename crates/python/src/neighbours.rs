@@ -42,7 +42,7 @@ struct Table {
     shifts: Vec<[i32; 3]>,
 }
 
-/// Returns zeros on pages that are not written yet. Fails if they exceed the memory.
+/// Returns zeros on pages that are not written yet. Fails if the array does not fit in memory.
 fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
     reserve(&mut Vec::<T>::new(), len)?;
     Ok(vec![T::default(); len])

@@ -1,4 +1,4 @@
-"""freud.locality, in f32: AABBQuery is a tree of boxes, LinkCell cells as wide as the cutoff. The
+"""freud.locality, in f32: AABBQuery uses a tree of boxes, LinkCell cells as wide as the cutoff. The
 default width of the cells depends on the number of points and fails if there are few. They return
 no shifts."""
 

@@ -22,9 +22,9 @@ from .truth import half_list, undecided
 #: Names under which functions take a limit for the neighbours of an atom.
 LIMITS = ("max_neighbours", "max_neighbors", "max_num_neighbors")
 
-#: Begin of the error of a function that writes to its arguments.
+#: Start of the error message of a function that writes to its arguments.
 CHANGES = "it changes its argument"
-#: Begin of the error of a call that takes too long.
+#: Start of the error message of a call that takes too long.
 HANGS = "no answer after"
 
 
@@ -90,7 +90,7 @@ def called(
 
 
 def division_of(sizes: Sequence[int], convention: Convention) -> Rows:
-    """Return the argument that divides the atoms of a batch into systems of these sizes."""
+    """Return the last argument of a batch: numbers or offsets of systems of these sizes."""
     if convention.systems == "offsets":
         return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
     return np.repeat(np.arange(len(sizes)), sizes)
@@ -109,7 +109,7 @@ def limit_of(f: Callable[..., Any]) -> str | None:
 class Asker:
     """A function under test, its convention, and how its answers are judged.
 
-    A system is a batch of one if the function takes batches.
+    If the function takes batches, a single system is passed as a batch of one.
     """
 
     f: Callable[..., Any]

@@ -17,9 +17,10 @@ from .truth import half_list
 
 
 def cause_of_batch(asker: BatchAsker, answers: list[tuple[Batch, Difference]]) -> str | None:
-    """Return the likely mistake, or None if none of the table explains all answers.
+    """Return the likely mistake, or None if no known mistake explains all answers.
 
-    If the smallest batch, the last, has one system, the mistake is one of single systems.
+    If the smallest failing batch has one system, the mistake is sought among those of single
+    systems.
     """
     batch, wrong = answers[-1]
     if len(batch) == 1:

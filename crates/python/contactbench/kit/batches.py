@@ -24,7 +24,7 @@ def _no_systems(rng: Random, cutoff: float) -> Iterator[System]:
     yield from ()
 
 
-#: The case of all batches. It is tried if a function takes batches.
+#: The hard case for functions that take batches. It is tried if a function takes batches.
 BATCH = Case(
     "batches",
     "Pairs across systems (nvalchemi-toolkit#106), lost pairs (nvalchemi-ops#2), empty systems.",

@@ -176,7 +176,7 @@ def check_neighbours(
 
 
 def recognised_convention(asker: Asker, batch: Callable[..., Any] | None) -> Recognised:
-    """Find the convention of a function and of its batches."""
+    """Find the convention that a function follows, and that of its batches."""
     found = recognise(asker.call, asker.refuses)
     if asker.batched and found.trouble:
 
@@ -217,7 +217,7 @@ def function_name(f: Callable[..., Any]) -> str:
     """Return a function as module:name."""
     owner: Any = getattr(f, "__self__", None)
     if "__qualname__" in getattr(owner, "__dict__", {}):
-        # A method of an adapter.
+        # `f` is a method of an adapter.
         return f"{owner.__module__}:{owner.__qualname__}.{f.__name__}"
     name = getattr(f, "__qualname__", None) or f"{type(f).__qualname__}()"
     return f"{getattr(f, '__module__', '')}:{name}"

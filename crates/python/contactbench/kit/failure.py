@@ -93,7 +93,7 @@ class NeighbourFailure:
         return lines
 
     def _pair(self, row: Rows) -> str:
-        """Return a pair with its shift and distance, or why it has none."""
+        """Return a pair with its shift and distance, or the reason why it has no distance."""
         pair = f"({row[0]}, {row[1]})"
         systems = self.batch or (self.system,)
         ends = np.cumsum([len(s) for s in systems])
