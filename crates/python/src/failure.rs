@@ -5,11 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
-use contactbench_core::Refusal;
-use contactbench_core::oracle::NoTruth;
-use contactbench_core::refusal::no_memory;
 use contactbench_core::scene::SceneError;
 use contactbench_core::searcher::LoadError;
+use contactbench_core::{Refusal, oracle::NoTruth, refusal::no_memory};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 

@@ -20,7 +20,7 @@ fn paged(size: usize, more: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u
     use libc::{MAP_ANONYMOUS, MAP_FAILED, MAP_PRIVATE, PROT_READ, PROT_WRITE};
     // Bytes that a large array leaves, because a report of an error needs memory, or aborts.
     const SPARE: usize = 1 << 21;
-    if size < LARGE {
+    if size < LARGE || more == 0 {
         return allocate();
     }
     let (len, kind) = (more.saturating_add(SPARE), MAP_PRIVATE | MAP_ANONYMOUS);
@@ -42,7 +42,8 @@ fn paged(size: usize, more: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u
     let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
     let before = begin.addr() % page;
     let len = (before + size).next_multiple_of(page);
-    // SAFETY: the range is the pages of the allocation, and the advice does not change content.
+    // SAFETY: the range is the pages of the allocation, whose ends other memory of the heap may
+    // share, and the advice changes no content.
     unsafe { libc::madvise(begin.wrapping_sub(before).cast(), len, libc::MADV_HUGEPAGE) };
     begin
 }

@@ -281,6 +281,10 @@ def test_pytest_has_one_test_for_each_hard_case(tmp_path):
     done = run(*options, "--contactbench-neighbours", "mutants:right", "--contactbench-quick")
     assert "2 passed" in done.stdout, done.stdout + done.stderr
     assert "convention, recognised: full list, d < cutoff" in done.stdout
+    # Without a reporter, as in the workers of pytest-xdist, nothing is printed.
+    loud = [option for option in options if option != "-q"]
+    silent = run(*loud, "-p", "no:terminal", "--contactbench-neighbours", "mutants:right")
+    assert silent.returncode == 0, silent.stderr
     done = run(*options, "--contactbench-neighbours", "mutants:wrong", "--contactbench-quick")
     assert "1 failed, 1 passed" in done.stdout and "only the nearest image" in done.stdout
     assert run(*options, "--contactbench-neighbours", "mutants:none").returncode == 4

@@ -1,5 +1,7 @@
 """Verdicts of the kit: what is compared, what is refused, and what counts as a failure."""
 
+import itertools
+import time
 from dataclasses import replace
 
 import mutants
@@ -264,3 +266,56 @@ def test_notes_count_boxes():
     (case,) = [case for case in CASES if case.name == "outside the cell"]
     notes = [s.note for s in systems_of(case, CUTOFFS, False, 0)][:4]
     assert notes == [f"up to {n} outside" for n in ("1 box", "1 box", "3 boxes", "40 boxes")]
+
+
+def test_the_form_of_batches_is_recognised_beside_a_declared_convention():
+    for options in ({"f": mutants.right, "batch": mutants.by_offsets},
+                    {"f": mutants.by_offsets, "batch": True}):  # fmt: skip
+        result = contactbench.check_neighbours(**options, convention="ase", cases=["batches"], quick=True)
+        assert result and result.convention.systems == "offsets"
+        result = contactbench.check_neighbours(**options, cases=["batches"], quick=True)
+        assert result and "convention='ase'" not in str(result)
+
+
+def test_a_shortcut_for_one_system_does_not_hide_the_form_of_batches():
+    def short(positions, cells, pbcs, cutoff, offsets):
+        if len(cells) == 1:
+            return mutants.right(positions, cells[0], pbcs[0], cutoff)
+        return mutants.by_offsets(positions, cells, pbcs, cutoff, offsets)
+
+    assert contactbench.check_neighbours(short, batch=True, cases=["batches", "gas"], quick=True)
+
+
+@pytest.mark.parametrize("case", ["zero vectors of open axes", "batches"])
+def test_a_call_that_hangs_is_wrong_where_an_error_would_be_a_refusal(case):
+    def hangs(positions, cell, pbc, cutoff):
+        if not cell.any():
+            time.sleep(1.0)
+        return mutants.right(positions, cell, pbc, cutoff)
+
+    def together(positions, cells, pbcs, cutoff, systems):
+        if not cells.any(axis=(1, 2)).all():
+            time.sleep(1.0)
+        return mutants.batch(positions, cells, pbcs, cutoff, systems)
+
+    result = contactbench.check_neighbours(hangs, batch=together, convention="ase", cases=[case],
+                              call_seconds=0.2)  # fmt: skip
+    assert not result and "no answer after 0.2 s" in str(result)
+    assert "Hang" not in str(result) and result.failures[0].cause is None
+
+
+def test_an_answer_that_changes_from_call_to_call_is_printed():
+    calls = itertools.count()
+
+    def flaky(positions, cells, pbcs, cutoff, systems):
+        i, j, S = mutants.batch(positions, cells, pbcs, cutoff, systems)
+        keep = len(i) if next(calls) % 3 else 0
+        return i[:keep], j[:keep], S[:keep]
+
+    def single(positions, cell, pbc, cutoff):
+        systems = np.zeros(len(positions), dtype=int)
+        return flaky(positions, cell[None], pbc[None], cutoff, systems)
+
+    for f, batch in ((mutants.right, flaky), (single, None)):
+        options = {"batch": batch, "convention": "ase,systems=index", "quick": True}
+        assert "WRONG" in str(contactbench.check_neighbours(f, **options))

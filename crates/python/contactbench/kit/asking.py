@@ -89,6 +89,12 @@ def called(
     return answer
 
 
+def raised(error: Exception) -> str:
+    """Return in words what an exception means."""
+    named = isinstance(error, (Hang, Malformed))
+    return str(error) if named else f"it raises {type(error).__name__}: {error}"
+
+
 def division_of(sizes: Sequence[int], convention: Convention) -> Rows:
     """Return the last argument of a batch: numbers or offsets of systems of these sizes."""
     if convention.systems == "offsets":
@@ -164,11 +170,10 @@ class Asker:
             except Exception as error:
                 if exceeded:
                     return None
-                if system.optional:
+                if system.optional and not isinstance(error, Hang):
                     text = f"{type(error).__name__}: {error}"
                     raise Refusal(f"{text} (allowed if a vector of the cell is 0)") from None
-                late = isinstance(error, Hang)
-                found = failed(str(error) if late else f"it raises {type(error).__name__}: {error}")
+                found = failed(raised(error))
             if found is not None:
                 if k > 0:
                     return failed(f"call {k + 1} differs from the calls before: {found}")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .asking import Asker, called, division_of
+from .asking import Asker, Hang, called, division_of, raised
 from .cases import Case
 from .compare import NONE, Difference, compare, failed
 from .convention import Convention, Malformed, parts, with_
@@ -92,13 +92,11 @@ class BatchAsker:
             raise
         except self.asker.refuses as why:
             raise Refusal(f"batches: {type(why).__name__}: {why}") from None
-        except Malformed as why:
-            return failed(str(why))
         except Exception as error:
-            text = f"{type(error).__name__}: {error}"
-            if any(system.optional for system in batch):
-                raise Refusal(f"batches: {text}") from None
-            return failed(f"it raises {text}")
+            late = isinstance(error, (Hang, Malformed))
+            if any(system.optional for system in batch) and not late:
+                raise Refusal(f"batches: {type(error).__name__}: {error}") from None
+            return failed(raised(error))
 
     def fails(self, batch: Batch, mixed: bool = False) -> bool:
         """Return whether the function is wrong on a batch, and mixes systems if `mixed`."""
@@ -125,12 +123,12 @@ class BatchAsker:
                 raise Malformed(f"a pair holds the number of no atom; there are {len(whole)}")
             i, j, third = i[known], j[known], None if third is None else third[known]
         owner = np.repeat(np.arange(len(batch)), sizes)
-        across = owner[i] != owner[j]
+        apart = owner[i] != owner[j]
         rows = np.column_stack([i, j, np.zeros((len(i), 3), dtype=np.int64)])
-        found = [Difference(NONE, rows[across], NONE, NONE, 0)]
+        found = [Difference(NONE, rows[apart], NONE, NONE, 0)]
         flat, start = with_(convention, layout="flat", padding=False), 0
         for number, system in enumerate(batch):
-            own = ~across & (owner[i] == number)
+            own = ~apart & (owner[i] == number)
             local = [i[own] - start + flat.base, j[own] - start + flat.base]
             local += [] if third is None else [third[own]]
             wrong, width = compare(local, system, flat, self.asker.tolerant)

@@ -90,8 +90,9 @@ def check_neighbours(
         ``batch(positions, cells, pbcs, cutoff, systems)`` lists the pairs of B systems whose atoms
         follow each other; ``cells`` has the shape (B, 3, 3), and i and j are rows of
         ``positions``. ``systems`` holds for each atom the number of its system, or the B + 1
-        offsets of the systems if the convention has ``systems=offsets``, which is recognised. If
-        it is True, `f` is such a function; a single system is then a batch of one.
+        offsets of the systems if the convention has ``systems=offsets``, which is recognised.
+        Declare it if compiled code may read past an array of the wrong length. If `batch` is True,
+        `f` is such a function; a single system is then a batch of one.
     cases : sequence of str, optional
         Names of the hard cases to try; by default all.
     seed : int
@@ -149,9 +150,7 @@ def check_neighbours(
         found = recognised_convention(asker, batch)
         asker.convention, trouble = found.convention, found.trouble
     else:
-        asker.convention = (
-            Convention.parse(convention) if isinstance(convention, str) else convention
-        )
+        asker.convention = declared_convention(asker, convention, batch)
     function = name if name and ":" in name else function_name(f)
     run = _Run(asker, function, started, seconds)
     for case in [] if trouble else chosen:
@@ -188,9 +187,21 @@ def recognised_convention(asker: Asker, batch: Callable[..., Any] | None) -> Rec
         found = found if trouble else other
         systems: Literal["index", "offsets"] = "index" if trouble else "offsets"
         found = Recognised(with_(found.convention, systems=systems), trouble)
-    elif batch is not None and not (asker.batched or found.trouble):
+    if batch is not None and not found.trouble:
         found = Recognised(recognised(replace(asker, convention=found.convention), batch))
     return found
+
+
+def declared_convention(
+    asker: Asker, convention: Convention | str, batch: Callable[..., Any] | None
+) -> Convention:
+    """Return a declared convention. The form of batches is recognised if the text has none."""
+    if not isinstance(convention, str):
+        return convention
+    made = Convention.parse(convention)
+    if batch is None or "systems" in convention:
+        return made
+    return recognised(replace(asker, convention=made), batch)
 
 
 def chosen_cases(names: Sequence[str] | None = None, batch: bool = False) -> list[Case]:
@@ -243,7 +254,7 @@ class _Run:
 
     def batches(self, asker: BatchAsker, batches: Iterator[Batch]) -> None:
         """Try the batches until one fails."""
-        self._try(BATCH, batches, asker.wrong, lambda batch, _: self._batch_failure(asker, batch))
+        self._try(BATCH, batches, asker.wrong, lambda *wrong: self._batch_failure(asker, *wrong))
 
     def _try(
         self,
@@ -274,35 +285,54 @@ class _Run:
     def _failure(self, case: Case, system: System, first: Difference) -> NeighbourFailure:
         """Reduce and explain a failing system."""
         asker, small, cause = self.asker, system, None
-        # A call near the limit of time may be in time when it is repeated.
-        found = first if first.text.startswith(HANGS) else asker.wrong(system)
-        if found is None:
-            found = failed(AGAIN)
-        elif len(self.failures) < REDUCED:
-            small = shrink(asker.fails, system)
-        wrong = (asker.wrong(small) or found) if small is not system else found
-        if small is not system:
-            cause = cause_of(asker, [(system, found), (small, wrong)])
-        elif len(self.failures) < REDUCED:
-            cause = cause_of(asker, [(system, found)])
+        found = wrong = _repeated(asker.wrong, system, first)
+        if found.text != AGAIN and not _late(found) and len(self.failures) < REDUCED:
+            small, wrong = _reduced(asker.wrong, system, shrink(asker.fails, system), found)
+            pairs = [(system, found), (small, wrong)]
+            cause = cause_of(asker, pairs[: 1 if small is system else 2])
         return NeighbourFailure(
             case.name, case.reason, system, found, small, wrong, cause, asker.convention,
             self.function, (small,) if asker.batched else (), asker.limit,
         )  # fmt: skip
 
-    def _batch_failure(self, asker: BatchAsker, batch: Batch) -> NeighbourFailure:
+    def _batch_failure(
+        self, asker: BatchAsker, batch: Batch, first: Difference
+    ) -> NeighbourFailure:
         """Reduce and explain a failing batch."""
-        small, cause, found = batch, None, asker.wrong(batch)
-        if found is None:
-            found = failed(AGAIN)
-        else:
+        small, cause = batch, None
+        found = wrong = _repeated(asker.wrong, batch, first)
+        if found.text != AGAIN and not _late(found):
             mixed = across(batch, found)
             small = shrink_batch(lambda candidate: asker.fails(candidate, mixed), batch)
-        wrong = asker.wrong(small) or found
-        if found.text != AGAIN:
+            small, wrong = _reduced(asker.wrong, batch, small, found)
             cause = cause_of_batch(asker, [(batch, found), (small, wrong)])
         return NeighbourFailure(
             BATCH.name, BATCH.reason, joined(batch), found, joined(small), wrong, cause,
             self.asker.convention, self.function if asker.asker.batched else function_name(asker.f),
             small,
         )  # fmt: skip
+
+
+def _late(wrong: Difference) -> bool:
+    """Return whether a call took too long. It is not repeated: it may be in time, or take long."""
+    return wrong.text.startswith(HANGS)
+
+
+def _repeated(
+    wrong: Callable[[Given], Difference | None], given: Given, first: Difference
+) -> Difference:
+    """Return what a second call does wrong."""
+    if _late(first):
+        return first
+    try:
+        return wrong(given) or failed(AGAIN)
+    except Refusal:
+        return failed(AGAIN)
+
+
+def _reduced(
+    wrong: Callable[[Given], Difference | None], given: Given, small: Given, found: Difference
+) -> tuple[Given, Difference]:
+    """Return the reduced system or batch and what is wrong on it, if a repeated call shows it."""
+    again = failed(AGAIN) if small is given else _repeated(wrong, small, found)
+    return (given, found) if again.text == AGAIN else (small, again)

@@ -74,8 +74,7 @@ def pytest_collection_modifyitems(
     if not text:
         return
     from .asking import Asker
-    from .checking import chosen_cases, recognised_convention
-    from .convention import Convention
+    from .checking import chosen_cases, declared_convention, recognised_convention
     from .naming import function_of
 
     try:
@@ -84,16 +83,18 @@ def pytest_collection_modifyitems(
         if together:
             options["batch"] = together == text or function_of(together)[0]
         declared = config.getoption("--contactbench-convention") or options.get("convention")
-        convention = Convention.parse(declared) if declared else None
+        batch = options.get("batch")
+        asker, batch = Asker(f, batched=batch is True), f if batch is True else batch
+        convention = declared_convention(asker, declared, batch) if declared else None
     except ValueError as error:
         raise pytest.UsageError(str(error)) from None
     options.update(f=f, quick=config.getoption("--contactbench-quick"))
-    batch = options.get("batch")
     if convention is None:
-        asker = Asker(f, batched=batch is True)
-        found = recognised_convention(asker, f if batch is True else batch)
+        found = recognised_convention(asker, batch)
         convention = None if found.trouble else found.convention
-        config.get_terminal_writer().line(f"convention, recognised: {convention}")
+        reporter = config.pluginmanager.get_plugin("terminalreporter")
+        if reporter is not None and convention is not None:
+            reporter.write_line(f"convention, recognised: {convention}")
     options["convention"] = convention
     # If no convention fits, one test reports it.
     for case in chosen_cases(batch=bool(batch))[: None if convention else 1]:

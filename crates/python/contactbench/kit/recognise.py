@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .asking import raised
 from .compare import compare
 from .convention import ASE, Convention, Malformed, with_
 from .systems import OPEN, System, system
@@ -94,7 +95,7 @@ def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognise
         except refuses:
             continue
         except Exception as error:
-            return Recognised(ASE, f"on {name} it raises {_raised(error)}")
+            return Recognised(ASE, f"on {name}: {raised(error)}{_line(error)}")
         found = _best(probe, answers, _candidates(any(probe.pbc)))
         if found.trouble:
             return Recognised(found.convention, f"on {name}: {found.trouble}")
@@ -102,14 +103,13 @@ def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognise
     return Recognised(ASE)
 
 
-def _raised(error: Exception) -> str:
-    """Return an error, with the line of the function under test that raised it."""
-    text = f"{type(error).__name__}: {error}"
+def _line(error: Exception) -> str:
+    """Return the line of the function under test that raised an error, in brackets."""
     for frame in traceback.extract_tb(error.__traceback__):
         file = Path(frame.filename)
         if file.parent != Path(__file__).parent:
-            return f"{text} ({file.name}, line {frame.lineno})"
-    return text
+            return f" ({file.name}, line {frame.lineno})"
+    return ""
 
 
 def _best(probe: System, answers: dict[str, Any], candidates: Iterator[Convention]) -> Recognised:
