@@ -24,7 +24,7 @@ def _no_systems(rng: Random, cutoff: float) -> Iterator[System]:
     yield from ()
 
 
-#: The hard case for functions that take batches. It is tried if a function takes batches.
+#: The hard case for functions that take batches.
 BATCH = Case(
     "batches",
     "Pairs across systems (nvalchemi-toolkit#106), lost pairs (nvalchemi-ops#2), empty systems.",
@@ -60,7 +60,7 @@ def _batches(rng: Random, c: float) -> Iterator[tuple[str, Batch]]:
     empty = inside(rng, 0, np.full(3, 2 * c), c)
     other = inside(rng, 0, [9 * c, c, 4 * c], c, (True, False, True))
     yield "an empty system in the middle", (cubes[0], empty, skew, flat)
-    yield "an empty system at the begin", (empty, skew, cubes[1])
+    yield "an empty system at the start", (empty, skew, cubes[1])
     yield "an empty system at the end", (skew, cubes[1], empty)
     yield "empty systems at both ends", (empty, cubes[1], other)
     yield "two empty systems in the middle", (cubes[0], empty, other, skew)
