@@ -3,7 +3,6 @@
 pub mod errors;
 pub mod expression;
 pub mod label;
-pub mod machine;
 pub mod select;
 pub mod series;
 pub mod state;

@@ -62,7 +62,8 @@ impl Part {
         };
         let copies = folder::experiments(folder);
         let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
-        let (provenance, others) = (provenance::of_folder(folder), provenance::others(folder));
+        let (provenance, others) =
+            (provenance::of_folder(folder), provenance::of_others(folder, ""));
         Ok(Part {
             folder: folder.to_path_buf(),
             rows: record.rows,

@@ -18,7 +18,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use contactbench_record::cells::Cell;
-use contactbench_record::cells::machine::Machine;
 use contactbench_record::experiment::{Experiment, Figure, FigureKind};
 
 pub struct About<'a> {
@@ -26,7 +25,7 @@ pub struct About<'a> {
     pub figure: &'a Figure,
     pub cells: &'a [Cell],
     pub styles: &'a style::Styles,
-    pub machine: &'a Machine,
+    pub caches: &'a [(String, u64)],
 }
 
 impl About<'_> {

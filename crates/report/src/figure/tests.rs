@@ -10,8 +10,8 @@ use contactbench_terms::errors::{Causes, Errors};
 fn drawn(rows: &[Row], figures: &str) -> Vec<Option<String>> {
     let (experiment, cells) = (&testing::experiment(figures), &*cells::cells(rows));
     let styles = &style::Styles::new(cells.iter());
-    let machine = &Machine { caches: vec![("L2".into(), 64 << 10), ("L3".into(), 32 << 20)] };
-    let about = |figure| About { experiment, figure, cells, styles, machine };
+    let caches = &[("L2".into(), 64 << 10), ("L3".into(), 32 << 20)];
+    let about = |figure| About { experiment, figure, cells, styles, caches };
     experiment.figures.iter().map(|figure| about(figure).svg().unwrap()).collect()
 }
 

@@ -15,7 +15,6 @@ use crate::sections::map::Drawn;
 use crate::sections::{self, About, DETAILS, SPEED, ratios};
 use crate::table::{self, csv};
 use crate::{csv as files, figure, page};
-use contactbench_record::cells::machine::Machine;
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::{Experiment, Table};
 use contactbench_record::findings::claim::verdicts::Matrix;
@@ -26,7 +25,7 @@ use contactbench_record::findings::trust::coverage::{Coverage, Scope, Summary};
 use contactbench_record::findings::trust::failures::{Culprit, Culprits};
 use contactbench_record::findings::winners::{Winners, winners};
 use contactbench_record::record::folder::ledger::Ledger;
-use contactbench_record::record::origin::provenance;
+use contactbench_record::record::origin::{hardware, provenance};
 use contactbench_record::record::row::Row;
 
 pub struct Report {
@@ -92,11 +91,11 @@ pub fn write(
 ) -> anyhow::Result<Report> {
     let (cells, mut warnings) = (cells(rows), warnings.to_vec());
     let (styles, origin) = (Styles::new(cells.iter()), Origin::read(folder, rows));
-    let machine = Machine::from_provenance(origin.provenance.as_ref());
+    let caches = hardware::caches_of(origin.provenance.as_ref());
     let scope = Scope::new(origin.provenance.as_ref(), experiments);
     let part = |experiment| {
         let mut part = Part::new(experiment, &cells, &scope);
-        warnings.extend(part.draw(&folder.join("figures"), &cells, &styles, &machine));
+        warnings.extend(part.draw(&folder.join("figures"), &cells, &styles, &caches));
         part
     };
     let parts: Vec<Part<'_>> = experiments.iter().map(part).collect();
@@ -148,19 +147,10 @@ pub fn write(
 
 impl Origin {
     fn read(folder: &Path, rows: &[Row]) -> Origin {
-        let names = std::fs::read_dir(folder).into_iter().flatten();
-        let paths = names.filter_map(|entry| Some(entry.ok()?.path()));
-        let is_resumed = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            name.starts_with("provenance-resumed-")
-        };
-        let mut paths: Vec<PathBuf> = paths.filter(is_resumed).collect();
-        paths.sort();
-        let json = |path: &PathBuf| serde_json::from_slice(&std::fs::read(path).ok()?).ok();
         let ledger = Ledger::read(folder);
         Origin {
             provenance: provenance::of_folder(folder),
-            resumed: paths.iter().filter_map(json).collect(),
+            resumed: provenance::of_others(folder, "resumed-"),
             conditions: Conditions::new(&provenance::all(folder), &ledger, rows),
             ledger,
         }
@@ -209,12 +199,12 @@ impl<'a> Part<'a> {
         folder: &Path,
         cells: &[Cell],
         styles: &Styles,
-        machine: &Machine,
+        caches: &[(String, u64)],
     ) -> Vec<String> {
         let (mut failed, experiment) = (Vec::new(), self.experiment);
         for figure in &experiment.figures {
             let cells = of(experiment, cells);
-            match (figure::About { experiment, figure, cells, styles, machine }).draw(folder) {
+            match (figure::About { experiment, figure, cells, styles, caches }).draw(folder) {
                 Ok(path) => self.figures.extend(path.map(|path| (figure.title.clone(), path))),
                 Err(error) => failed.push(format!(
                     "the figure {} of {} was not drawn: {error:#}",

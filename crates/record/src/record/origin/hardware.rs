@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -65,6 +66,12 @@ impl Hardware {
             memory_bytes: self.memory_bytes.or(other.memory_bytes),
         }
     }
+}
+
+/// Name and bytes of the second- and third-level caches that a provenance states.
+pub fn caches_of(provenance: Option<&Value>) -> Vec<(String, u64)> {
+    let size = |name: &str| provenance?.get("caches")?.get(name)?.as_str().and_then(size_of);
+    ["L2", "L3"].into_iter().filter_map(|name| Some((name.to_string(), size(name)?))).collect()
 }
 
 /// Parses a size such as `48K` or `2M` to bytes.
@@ -231,6 +238,8 @@ mod tests {
         let mut fields = serde_json::to_value(&here).unwrap();
         fields["command"] = "contactbench run".into();
         assert_eq!(serde_json::from_value::<Hardware>(fields).unwrap(), here);
+        let fields = serde_json::json!({"caches": {"L1d": "48K", "L2": "2048K"}});
+        assert_eq!(caches_of(Some(&fields)), [("L2".into(), 2 << 20)]);
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl<'a> Sheet<'a> {
             zero: if zero { 22.0 } else { 0.0 },
             slopes: options.slopes,
             per_particle: options.per_particle,
-            caches: if options.caches { &about.machine.caches } else { &[] },
+            caches: if options.caches { about.caches } else { &[] },
         };
         let bottom = top + rows * (down + HEAD) + (rows - 1.0) * GAP;
         let panel = (across, down);

@@ -240,7 +240,7 @@ fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow:
 
 fn whole(line: &[u8]) -> Result<Row, String> {
     let row = serde_json::from_slice(line).map_err(|e| format!("it is not a row: {e}"))?;
-    seal::verify(line).map_err(|flaw| flaw.to_string())?;
+    seal::verify(line)?;
     Ok(row)
 }
 
