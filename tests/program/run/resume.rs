@@ -140,45 +140,6 @@ fn a_full_disk_costs_no_row() {
 }
 
 #[test]
-fn a_resumed_run_notices_that_a_file_has_changed() {
-    let at = Place::new();
-    let text = format!(
-        "{HEAD}detectors = [\"nbs\", \"sweep\"]\n[[scene]]\nname = \"file\"\npath = \
-         \"discs.csv\"\n"
-    );
-    at.file("t.toml", &text);
-    let discs = "x,y,r\n0,0,1\n1,0,1\n5,0,1\n";
-    at.file("discs.csv", discs);
-    at.good(RUN);
-    let whole = at.read(RECORD);
-    let first: String = whole.split_inclusive('\n').take(3).collect();
-    for (rows, changed) in
-        [(&whole, discs.replace("5,0,1", "5,0,2")), (&first, format!("{discs}9,0,1\n"))]
-    {
-        at.file(RECORD, rows);
-        at.file("discs.csv", changed);
-        at.ends(2, RESUME, &["scene", "--out"]);
-        assert_eq!(&at.read(RECORD), rows, "nothing was added");
-    }
-    at.file("discs.csv", discs);
-    at.good(RESUME);
-    at.file("t.toml", text.replace("blocks = 2", "blocks = 3"));
-    at.ends(2, RESUME, &["t differs"]);
-}
-
-#[test]
-fn records_of_other_schemas_are_refused() {
-    let (at, ..) = undisturbed();
-    let whole = at.read(RECORD);
-    assert!(whole.lines().all(|line| line.starts_with("{\"schema\":4,\"")));
-    at.file(RECORD, whole.replacen("{\"schema\":4,", "{\"schema\":5,", 2));
-    for verb in ["report result", RESUME, "compare result result"] {
-        let words = ["samples.jsonl: line 1", "schema 5", "reads schema 4"];
-        assert_eq!(at.ends(2, verb, &words).stderr.lines().count(), 1, "{verb}");
-    }
-}
-
-#[test]
 fn a_resumed_run_remembers_which_detector_was_too_slow() {
     let at = Place::new();
     let hangs = runner("hangs", "sh", &answers(&[("count", "exec sleep 60")]));

@@ -105,29 +105,6 @@ fn trackers_follow_the_frames_of_a_file() {
     assert!(!at.good("inspect t.dump").stdout.contains("12 frames of 40"));
 }
 
-#[test]
-fn what_is_no_motion_is_refused_with_its_frame() {
-    let at = Place::new();
-    let three = dump(3, "ff ff ff");
-    at.file("other.dump", three.replacen("\n40 1 ", "\n41 1 ", 2).replacen("41 1", "40 1", 1));
-    at.file("box.dump", dump(2, "pp ff ff") + &dump(3, "pp pp ff"));
-    at.file("cut.dump", &three[..=three.trim_end().rfind('\n').unwrap()]);
-    at.file("one.csv", "x,y,r\n0,0,1\n");
-    at.ends(2, "track other.dump", &["other.dump: frame 1 (step 50)", "id 40", "--frames"]);
-    at.good("track other.dump --frames 1");
-    at.ends(2, "track box.dump", &["frame 2 (step 0)", "x and y"]);
-    at.ends(2, "track cut.dump", &["cut.dump", "39 of the 40"]);
-    for list in ["new.csv", "new.npy"] {
-        at.ends(2, &format!("detect cut.dump --frame all -o {list}"), &["39 of the 40"]);
-        assert!(!at.path(list).exists(), "it leaves no list behind");
-    }
-    at.ends(2, "detect t.dump --frame all -o l.vtk", &[]);
-    for verb in ["recommend", "draw -o out.svg", "scene -o out.csv"] {
-        at.ends(2, &format!("{verb} other.dump --frame all"), &["frame"]);
-    }
-    at.ends(0, "inspect one.csv --frame all", &["one frame"]);
-}
-
 /// `verify` pairs frames with lists by time step, and finds the missing contacts.
 #[test]
 fn lists_of_all_frames_are_compared_by_their_steps() {
@@ -165,7 +142,6 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     assert!(at.run(one).stderr.contains("t.dump: --frame all"));
 }
 
-/// The table shows the worst frames and the first wrong one.
 #[test]
 fn of_many_frames_the_worst_are_shown() {
     let at = Place::new();
