@@ -10,17 +10,14 @@ use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{Entry, TABLE, parse};
 use contactbench::oracle;
 use contactbench::scene::hard::{Expect, cases};
-use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
 use contactbench::sink::{Digest, Visit};
 use nalgebra::Point;
 
+use crate::make;
+
 fn detectors() -> Vec<&'static Entry> {
     TABLE.iter().filter(|entry| entry.must_be_right()).collect()
-}
-
-fn make(text: &str) -> AnyScene<'static> {
-    Spec::parse(text).unwrap().make().unwrap()
 }
 
 fn of<const D: usize>(points: &[[f64; D]], r: f64) -> AnyScene<'static>

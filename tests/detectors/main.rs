@@ -11,3 +11,10 @@ mod moving;
 mod near_tangent;
 mod regressions;
 mod streamed;
+
+use contactbench::scene::AnyScene;
+use contactbench::scene::spec::Spec;
+
+fn make(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).and_then(|spec| spec.make()).unwrap()
+}

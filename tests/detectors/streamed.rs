@@ -9,10 +9,11 @@ use contactbench::detect::book::nbs::Nbs;
 use contactbench::detect::streamed::{FEWEST_FOR_THREADS, Form, Streamed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, table};
 use contactbench::probe::{Op, Probe, Silent, Tally};
-use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
 use contactbench::sink::Digest;
 use contactbench::wide::Level;
+
+use crate::make;
 
 const NAME: &str = "streamed-nbs";
 
@@ -30,10 +31,6 @@ const SCENES: [&str; 12] = [
     "clustered:dim=3,n=3000,fraction=0.0001",
     "pack-c:n=2500,s=200",
 ];
-
-fn make(text: &str) -> AnyScene<'static> {
-    Spec::parse(text).and_then(|spec| spec.make()).unwrap()
-}
 
 fn of<const D: usize>(centres: impl IntoIterator<Item = [f64; D]>) -> Scene<'static, f64, D> {
     let centres: Vec<_> = centres.into_iter().map(nalgebra::Point::from).collect();

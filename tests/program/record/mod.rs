@@ -7,7 +7,6 @@ mod gates;
 mod integrity;
 mod merge;
 mod origins;
-mod partial;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -19,28 +18,7 @@ use serde_json::Value;
 
 use crate::common::{Place, Template};
 
-const EXPERIMENT: &str = r#"
-name = "t"
-title = "t"
-question = "?"
-reading = "-"
-blocks = 5
-detectors = ["nbs", "sweep", "nothing"]
-[[scene]]
-name = "packed"
-dim = [2, 3]
-n = [50, 200]
-[[scene]]
-name = "pack-c"
-n = 100
-s = [2, 5, 9]
-[[claim]]
-name = "nbs pushes"
-kind = "at-most"
-value = "n"
-to = "list_push"
-where = { detector = "nbs" }
-"#;
+const EXPERIMENT: &str = include_str!("../experiments/two_scenes.toml");
 
 /// A fingerprint that none of the scenes and answers has.
 const OTHER: &str = "0x0000000000000001";

@@ -1,5 +1,4 @@
-//! Tests runners that fork, hide children, or print floods of bytes: all processes are ended, and
-//! the reason is recorded.
+//! Tests runners that fork and hide children: all processes are ended.
 
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -7,43 +6,10 @@ use std::time::{Duration, Instant};
 use contactbench::record::row::Outcome;
 
 use super::SPARSE;
-use crate::common::{PROGRAM, Place, answers, has, runner};
+use crate::common::{PROGRAM, Place, has};
 
 /// A runner in Python that runs the code BEFORE before it answers.
-const PYTHON: &str = r#"
-import json, os, sys, time
-def say(**reply): print(json.dumps(reply), flush=True)
-def note():
-    with open("pids", "a") as f: f.write(f"{os.getpid()}\n")
-def hide():
-    # A session of its own, and a parent that ends at once.
-    there, here = os.pipe()
-    if os.fork() == 0:
-        os.setsid()
-        if os.fork() == 0:
-            note()
-            os.write(here, b"x")
-            time.sleep(600)
-        os._exit(0)
-    os.wait()
-    os.read(there, 1)
-BEFORE
-say(reply="hello", protocol=4, detector="hides", arithmetic="f64")
-for line in sys.stdin:
-    asked = json.loads(line)["request"]
-    if asked == "load":
-        hide()
-        say(reply="loaded")
-    elif asked == "sample":
-        start = time.perf_counter_ns()
-        time.sleep(0.003)
-        took = time.perf_counter_ns() - start
-        say(reply="sample", time_ns=took, calls=1, elapsed_ns=took, contacts=0, digest="0x" + 16 * "0")
-    elif asked == "quit":
-        break
-    else:
-        say(reply="unsupported")
-"#;
+const PYTHON: &str = include_str!("hides.py");
 
 /// Waits until all processes that runners noted have ended; returns their number.
 pub fn all_ended(at: &Place) -> usize {
@@ -125,28 +91,4 @@ fn what_was_there_before_the_first_runner_is_spared() {
         state.is_ok_and(|state| !state.contains(") Z"))
     });
     assert_eq!((ended.code, spared), (Some(0), [true; 2]), "{}", ended.stderr);
-}
-
-#[test]
-fn floods_are_bounded_and_lines_that_are_no_text_are_named() {
-    let at = Place::new();
-    let cases = [
-        ("bytes", r"printf 'a\377b\n'", "byte 2 is not UTF-8): a\u{fffd}b"),
-        ("long", "yes x | tr -d '\\n'", "1 MiB): xxx"),
-        ("many", "yes", "printed 'y'"),
-        ("errors", "yes 0123456789 | head -c 50000000 >&2; exit 3", "exit status: 3: 01"),
-    ];
-    let script = |code: &str| answers(&[("count", code)]);
-    let runners: String =
-        cases.iter().map(|(name, code, _)| runner(name, "sh", &script(code))).collect();
-    at.file("t.toml", format!("{HEAD}{SPARSE}{runners}"));
-    at.ends(1, "run t.toml --out result", &[]);
-    let rows = at.rows("result");
-    for (name, _, words) in &cases {
-        let row = rows.iter().find(|row| row.id.detector == *name).unwrap();
-        assert_eq!(row.outcome, Outcome::Crashed, "{name}: {}", row.reason);
-        assert!(row.reason.contains(words) && row.reason.len() < 500, "{name}: {}", row.reason);
-    }
-    at.file("bytes.sh", script(cases[0].1));
-    at.ends(1, "check --runner 'sh bytes.sh' --seconds 0", &["count", "(byte 2"]);
 }

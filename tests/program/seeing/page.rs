@@ -13,35 +13,7 @@ use crate::common::Place;
 /// A detector's name that would run a script if it were not escaped.
 const EVIL: &str = "</script><img src=x onerror=\"window.evil=1\"><!--";
 
-const EXPERIMENT: &str = r#"
-name = "e"
-title = "Who is fast? <b>"
-question = "Which is the fastest?"
-reading = "Lower is better."
-detectors = ["nbs", "sorting", "nothing"]
-arithmetics = ["f64", "exact"]
-ratios-to = "nbs"
-[[scene]]
-name = "packed"
-dim = [2, 3]
-n = [100, 1000, 10000]
-[[scene]]
-name = "loose"
-n = 1000
-[[claim]]
-name = "NBS makes three tests per particle"
-kind = "equal"
-value = "contact_test"
-to = "3 * n"
-where = { detector = "nbs" }
-[[figure]]
-name = "time"
-title = "Time per particle"
-x = "n"
-x-label = "N"
-y = "time_ns / n"
-y-label = "ns"
-"#;
+const EXPERIMENT: &str = include_str!("../experiments/page.toml");
 
 /// Returns the made-up time of a block, with a fixed noise of a few percent.
 fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {

@@ -16,7 +16,6 @@ const FLIGHT: &str = "track loose:dim=2,n=400,fraction=0.5 --motion drift:speed=
                       verlet(nbs,skin=0.05,rule=lammps-10-1-yes) --tracker \
                       verlet(nbs,skin=0.05,rule=half-skin)";
 
-/// Missed contacts are counted for rules without a guarantee.
 #[test]
 fn what_rules_miss_is_counted_frame_by_frame() {
     let found = Place::new().json(FLIGHT);
@@ -42,61 +41,9 @@ fn what_rules_miss_is_counted_frame_by_frame() {
 }
 
 #[test]
-fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
-    let at = Place::new();
-    at.file("discs.csv", "x,y,r\n0,0,0.5\n1,0,0.5\n2.5,0,0.5\n2.5,0.75,0.25\n");
-    for arithmetic in ["exact", "f64", "f32", "f32-cell", "textbook"] {
-        let line = format!("track discs.csv --motion vortex --arithmetic {arithmetic}");
-        let said = at.ends(0, &line, &["4 particles", "100 frames", "every step "]).stdout;
-        let rows: Vec<&str> = said.lines().filter(|line| line.contains("  ")).collect();
-        assert!(rows.len() == 8 && rows.iter().all(|it| it.chars().count() <= 80), "{said}");
-    }
-}
-
-/// A row of an experiment has the numbers that `track` prints.
-#[test]
 fn experiments_find_of_a_course_what_track_finds() {
     let at = Place::new();
-    let experiment = r#"
-name = "steps"
-title = "Steps"
-question = "?"
-reading = "!"
-blocks = 1
-detectors = [
-    "nbs",
-    "verlet(nbs,skin=0.05,rule=every-20)",
-    "verlet(nbs,skin=0.05,rule=lammps-10-1-yes)",
-    "verlet(nbs,skin=0.05,rule=half-skin)",
-]
-
-[[scene]]
-name = "loose"
-n = 400
-fraction = 0.5
-motion = "drift"
-speed = 0.02
-frames = 61
-
-[[claim]]
-name = "half of the skin is safe"
-kind = "equal"
-where = { rule = "half-skin" }
-value = "wrong + never + wrong_frames"
-to = "0"
-
-[[claim]]
-name = "a list is built at most as often as a detector is asked without one"
-kind = "at-most"
-value = "builds"
-to = "frames"
-
-[[figure]]
-name = "skins"
-title = "Skins"
-kind = "speed-error"
-"#;
-    at.file("steps.toml", experiment);
+    at.file("steps.toml", include_str!("../experiments/steps.toml"));
     at.ends(0, "run steps.toml --out out", &["Both claims hold"]);
     let found = at.json(FLIGHT);
     let [every, lammps, half_skin] = &found["trackers"].as_array().unwrap()[..] else { panic!() };
@@ -137,25 +84,7 @@ kind = "speed-error"
 #[test]
 fn motion_and_rest_are_in_one_record() {
     let at = Place::new();
-    let experiment = r#"
-name = "mixed"
-title = "Mixed"
-question = "?"
-reading = "!"
-blocks = 1
-detectors = ["nbs", "nothing", "verlet(nbs,rule=every-3,skin=0)", "every-step(streamed-nbs)"]
-arithmetics = ["exact", "textbook"]
-
-[[scene]]
-name = "packed"
-n = 60
-
-[[scene]]
-name = "packed"
-n = 60
-motion = ["drift", "rest"]
-frames = 5
-"#;
+    let experiment = include_str!("../experiments/mixed.toml");
     at.file("mixed.toml", experiment);
     at.file("one.toml", experiment.replace("[\"exact\", \"textbook\"]", "[\"exact\"]"));
     for (out, line) in [
