@@ -115,7 +115,6 @@ proptest! {
         check([base[0], base[1]], [b[0], b[1]], ra, rb)?;
     }
 
-    /// Pairs at distances that f64 rounds to tangency.
     #[test]
     fn rounded_tangency(a in prop::array::uniform3(-10.0f64..10.0), direction in prop::array::uniform3(-1.0f64..1.0), r in 0.01f64..3.0, dx in -2i64..3) {
         let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();

@@ -2,7 +2,6 @@
 
 use crate::common::{PROGRAM, Place};
 
-/// A file that could not be completed leaves no part of it under its name.
 #[cfg(unix)]
 #[test]
 fn no_part_of_a_file_is_left_under_its_name() {

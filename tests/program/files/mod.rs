@@ -10,7 +10,6 @@ use contactbench::scene::spec::Spec;
 
 use crate::common::Place;
 
-/// Written scenes read back to the same bits, in every format.
 #[test]
 fn scenes_are_written_and_read_back_to_the_bit() {
     let at = Place::new();

@@ -2,22 +2,9 @@
 
 use std::process::Stdio;
 
-use crate::common::{PROGRAM, Place, ended, npy, pairs, program};
+use contactbench::detect::table::{Role, TABLE};
 
-const DETECTORS: [&str; 12] = [
-    "direct",
-    "binary-tree",
-    "screening",
-    "sorting",
-    "nbs",
-    "streamed-nbs",
-    "cell-grid",
-    "hash-grid",
-    "hgrid",
-    "sweep",
-    "kd-tree",
-    "bvh",
-];
+use crate::common::{PROGRAM, Place, ended, npy, pairs, program};
 
 /// Returns a hexagonal layer of 12 x 12 slightly overlapping discs, shuffled, with three radii.
 fn layer() -> Vec<[f64; 3]> {
@@ -45,9 +32,9 @@ fn every_form_of_output_holds_the_same_pairs() {
     let text: String = truth.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
     let text = format!("i,j\n{text}");
     // No two of these discs are tangent, so all arithmetics agree.
-    for detector in DETECTORS {
-        let line = format!("detect layer.csv --detector {detector}");
-        assert_eq!(at.good(&line).stdout, text, "{detector}");
+    for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
+        let line = format!("detect layer.csv --detector {}", entry.name);
+        assert_eq!(at.good(&line).stdout, text, "{}", entry.name);
     }
     assert_eq!(at.good("detect layer.csv -o pairs.csv").stdout, "");
     assert_eq!(at.read("pairs.csv"), text);

@@ -15,7 +15,6 @@ fn examples(verb: &clap::Command) -> Vec<String> {
     end.lines().filter_map(|line| line.strip_prefix("  contactbench ")).map(String::from).collect()
 }
 
-/// Help fits 80 columns, with one line for each verb and option.
 #[test]
 fn help_has_one_line_for_each_verb_and_option() {
     let at = Place::new();

@@ -77,7 +77,6 @@ fn the_commands_work_as_written() {
     }
 }
 
-/// The output shown in README is that of its record, except the last column.
 #[test]
 fn the_output_of_readme_is_that_of_the_record() {
     let at = Place::new();
@@ -92,7 +91,6 @@ fn the_output_of_readme_is_that_of_the_record() {
     }
 }
 
-/// The measured columns in the table of detectors equal those of the linked record.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");

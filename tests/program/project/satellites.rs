@@ -6,7 +6,6 @@ use std::process::Command;
 
 use crate::common::{PROGRAM, Place, ended};
 
-/// The program is looked for beside this one, then on PATH; if missing, the error names it.
 #[test]
 fn a_satellite_is_found_beside_the_program_then_on_path_and_else_named() {
     let [own, path] = [(); 2].map(|()| Place::new());

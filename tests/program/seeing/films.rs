@@ -37,7 +37,6 @@ fn count(value: &Value) -> usize {
     value.as_u64().unwrap() as usize
 }
 
-/// Frames, contacts, rebuilds and missed contacts of the page agree with `track`.
 #[test]
 fn a_film_has_its_frames_builds_and_missed_contacts() {
     let at = Place::new();

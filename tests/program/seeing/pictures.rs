@@ -2,10 +2,9 @@
 
 use contactbench::periodic::{Periodic, without_shift};
 use contactbench::scene::touching::{contacts, in_open_space};
-use contactbench::sink::normalise;
 use contactbench::views::draw::{self, Highlighted, Look};
 
-use super::{counted, discs, scene};
+use super::{discs, scene};
 
 fn space(text: &str) -> Periodic<'static> {
     in_open_space(&scene(text)).unwrap()
@@ -119,15 +118,4 @@ fn every_scene_can_be_drawn() {
     let beyond = against(&space("packed:n=9"), &[[0, 9]]);
     let beyond = draw::svg(&space("packed:n=9"), &beyond, &Look::default());
     assert!(beyond.unwrap_err().to_string().contains("9 particles"));
-}
-
-/// `draw` finds the same contacts as the detectors.
-#[test]
-fn drawn_contacts_are_the_contacts() {
-    for text in ["packed:n=500", "loose:dim=3,n=300", "clustered:n=200"] {
-        let (_, mut pairs) = counted("direct", &scene(text));
-        normalise(&mut pairs);
-        let found = contacts(&space(text), 1 << 30).unwrap();
-        assert!(found.into_iter().eq(without_shift(&pairs)), "{text}");
-    }
 }

@@ -1,8 +1,11 @@
 //! Tests that traces follow the detectors, and show the states printed in the book.
 
+use contactbench::contact::Test;
+use contactbench::detect::{Options, table};
+use contactbench::probe::Tally;
 use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
 
-use super::{ALL, counted, discs, scene};
+use super::{ALL, discs, scene};
 
 /// A trace counts the same operations as the detector, and has its contacts in the same order.
 #[test]
@@ -22,7 +25,10 @@ fn a_trace_counts_and_finds_what_the_counted_build_does() {
         for (name, given) in cases {
             let trace = trace(algorithm, given.as_ref())
                 .unwrap_or_else(|error| panic!("{algorithm:?} {name}: {error:#}"));
-            let (tally, pairs) = counted(algorithm.name(), given.as_ref().unwrap_or(&book));
+            let (mut tally, mut pairs) = (Tally::default(), Vec::new());
+            let mut detector = table::find(algorithm.name()).unwrap().make(Options::default());
+            let scene = given.as_ref().unwrap_or(&book);
+            detector.count(scene, Test::Exact, &mut tally, &mut pairs).unwrap();
             let last = trace.steps.last().unwrap();
             assert_eq!((last.tally, trace.tally), (tally, tally), "{algorithm:?} {name}");
             assert_eq!(trace.contacts, pairs, "{algorithm:?} {name}");
@@ -76,7 +82,6 @@ fn the_books_ten_particles_are_shown_as_printed() {
     }
 }
 
-/// While cells are checked, each list has exactly the particles of its cell.
 #[test]
 fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     for (algorithm, link, letters) in

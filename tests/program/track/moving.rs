@@ -78,7 +78,6 @@ pub const SAME: [(&str, &str); 10] = [
     ("deepest_late", "deepest"),
 ];
 
-/// Runners receive one box for all frames, or a box for each.
 #[test]
 fn runners_receive_the_boxes_of_frames() {
     let at = Place::new();

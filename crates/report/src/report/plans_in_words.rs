@@ -1,5 +1,5 @@
 use crate::sections::claims::evidence;
-use crate::sections::trust::coverage::partial;
+use crate::sections::trust::coverage::{partial, whole_or_partial};
 use contactbench_record::cells;
 use contactbench_record::cells::Cell;
 use contactbench_record::cells::testing::{self, Lab};
@@ -79,6 +79,8 @@ fn a_claim_holds_over_all_that_is_planned() {
     assert_eq!(Held::plain(&lab).statuses(), [Holds; 2]);
     assert_eq!((summary.scenes, summary.cells, summary.twins), ([9, 9], [18, 18], 1));
     assert_eq!(words, "");
+    let whole = whole_or_partial([summary].into_iter()).0.unwrap();
+    assert!(whole.contains("9 scenes, 18 cells; 1 cell of twins"), "{whole}");
 }
 
 #[test]
