@@ -2,6 +2,7 @@
 
 use std::any::Any;
 
+use super::pages;
 use crate::scene::SceneError;
 
 /// Why a detector cannot work on a scene. No contact was reported, and arrays of predictable size
@@ -176,8 +177,12 @@ pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
 /// the process.
 pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
     if let Err(Refusal::Exhausted { bytes }) = reserve(list, more) {
-        std::panic::panic_any(NoMemory { bytes });
+        out_of_memory(bytes);
     }
+}
+
+pub(super) fn out_of_memory(bytes: u64) -> ! {
+    std::panic::panic_any(NoMemory { bytes })
 }
 
 /// Makes an array at least `count` long. If it must grow, its contents are dropped first, so that
@@ -187,6 +192,7 @@ pub(crate) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
         if count > array.capacity() {
             *array = Vec::new();
             must_reserve(array, count);
+            pages::request(array.as_ptr().cast(), count * size_of::<A>(), count * size_of::<A>());
         }
         array.resize(count, value);
     }

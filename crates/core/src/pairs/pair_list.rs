@@ -8,6 +8,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use crate::limits::pages;
 use crate::parallel;
 use crate::refusal::Refusal;
 use crate::sink::Sink;
@@ -52,6 +53,11 @@ pub struct PairList<'a> {
     /// Bytes that the system refused to allocate, or 0.
     exhausted: u64,
     allowance: &'a Allowance,
+    /// Share of the work in which the pairs from `from` on were found.
+    share: f64,
+    from: usize,
+    /// Whether the list grew by an estimate of its length.
+    estimated: bool,
     /// Sink that receives all pairs instead of the list, if set. The list then has no space, so
     /// that only the slow path of a full list checks for a sink.
     door: Option<&'a mut (dyn Sink + Send)>,
@@ -61,7 +67,10 @@ impl<'a> PairList<'a> {
     /// Creates a list that begins with `pairs`, whose capacity counts against the allowance.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
-        PairList { before: pairs.len(), pairs, lost: 0, exhausted: 0, allowance, door: None }
+        let before = pairs.len();
+        let (share, estimated) = (0.0, false);
+        let (lost, exhausted, door) = (0, 0, None);
+        PairList { pairs, before, lost, exhausted, allowance, share, from: before, estimated, door }
     }
 
     /// Creates an empty list.
@@ -93,9 +102,10 @@ impl<'a> PairList<'a> {
     /// particles, for the message.
     pub fn end(self, particles: usize, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
         let all = refused(std::slice::from_ref(&self), particles);
-        *pairs = self.pairs;
+        let before = self.before;
+        *pairs = self.into_pairs();
         if all.is_err() {
-            pairs.truncate(self.before);
+            pairs.truncate(before);
         }
         all
     }
@@ -108,10 +118,12 @@ impl<'a> PairList<'a> {
         let (len, capacity) = (self.pairs.len(), self.pairs.capacity());
         let least = (len + more).saturating_sub(capacity);
         if self.lost == 0 {
-            let granted = self.allowance.take(least.max(capacity).max(4));
+            let expected = self.expected();
+            self.estimated |= expected > capacity;
+            let granted = self.allowance.take(least.max(capacity).max(expected).max(4));
             let room = capacity + granted - len;
             if granted >= least {
-                if self.pairs.try_reserve_exact(room).is_ok() {
+                if self.reserve(room) {
                     return true;
                 }
                 self.exhausted = (len + room) as u64 * PAIR_BYTES;
@@ -121,6 +133,46 @@ impl<'a> PairList<'a> {
         self.lost += (len - self.before) as u64;
         self.pairs.truncate(self.before);
         more <= capacity - self.before
+    }
+
+    /// Estimates how many more pairs will be found than the list has space for.
+    fn expected(&self) -> usize {
+        // Bundles of layers differ, so estimates from a small share are poor.
+        const ENOUGH: f64 = 1.0 / 64.0;
+        const MARGIN: f64 = 1.05;
+        if self.share < ENOUGH {
+            return 0;
+        }
+        let (len, capacity) = (self.pairs.len(), self.pairs.capacity());
+        let rest = len.saturating_sub(self.from) as f64 * (1.0 / self.share - 1.0) * MARGIN;
+        // Other threads' lists need the rest of the allowance.
+        let most = (64 * capacity).min(self.allowance.0.load(Relaxed) as usize / 8);
+        (len + rest as usize).saturating_sub(capacity).min(most)
+    }
+
+    /// Reserves space for `more` pairs and returns true, or returns false if memory runs out.
+    fn reserve(&mut self, more: usize) -> bool {
+        let bytes = (self.pairs.len() + more) * size_of::<[u32; 2]>();
+        // A list that grows much is copied to an array that has large pages before it is written.
+        let copied = pages::is_large(bytes) && more > 4 * self.pairs.len();
+        let old = if copied { std::mem::take(&mut self.pairs) } else { Vec::new() };
+        if self.pairs.try_reserve_exact(old.len() + more).is_err() {
+            if copied {
+                self.pairs = old;
+            }
+            return false;
+        }
+        pages::request(self.pairs.as_ptr().cast(), bytes, more * size_of::<[u32; 2]>());
+        self.pairs.extend_from_slice(&old);
+        true
+    }
+
+    /// Returns the pairs, in an array of at most twice their size if it grew by an estimate.
+    fn into_pairs(mut self) -> Vec<[u32; 2]> {
+        if self.estimated && self.pairs.capacity() > 2 * self.pairs.len() {
+            self.pairs.shrink_to_fit();
+        }
+        self.pairs
     }
 
     /// Makes space for these pairs and returns true, or counts them or passes them to the sink.
@@ -157,7 +209,7 @@ pub(crate) fn lists(
     particles: usize,
 ) -> Result<Vec<Vec<[u32; 2]>>, Refusal> {
     refused(&lists, particles)?;
-    Ok(lists.into_iter().map(|list| list.pairs).collect())
+    Ok(lists.into_iter().map(PairList::into_pairs).collect())
 }
 
 fn refused(lists: &[PairList<'_>], particles: usize) -> Result<(), Refusal> {
@@ -190,6 +242,13 @@ impl Sink for PairList<'_> {
             return;
         }
         self.pairs.extend_from_slice(pairs);
+    }
+
+    fn progress(&mut self, share: f64) {
+        if share < self.share {
+            self.from = self.pairs.len();
+        }
+        self.share = share;
     }
 
     /// Appends lists, which all threads copy at once.
@@ -237,9 +296,15 @@ mod tests {
     #[test]
     fn lists_grow_to_their_limit_and_then_count() {
         type Fill = fn(&mut PairList<'_>, &[[u32; 2]]);
-        let fills: [Fill; 3] = [
+        let fills: [Fill; 4] = [
             |list, pairs| pairs.iter().for_each(|&[i, j]| list.contact(i, j)),
             |list, pairs| pairs.chunks(7).for_each(|pairs| list.contacts(pairs)),
+            |list, pairs| {
+                for (k, chunk) in pairs.chunks(7).enumerate() {
+                    list.contacts(chunk);
+                    list.progress(7.0 * (k + 1) as f64 / pairs.len() as f64);
+                }
+            },
             |list, pairs| list.gather(&pairs.chunks(40).collect::<Vec<_>>()),
         ];
         for fill in fills {
@@ -266,6 +331,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// 1,000 pairs in a twentieth of the work are 20,000 in all. If no more follow, the list
+    /// shrinks; new work has an estimate of its own.
+    #[test]
+    fn lists_grow_to_their_estimated_length() {
+        let allowance = Allowance::new(1 << 30);
+        let mut list = PairList::new(&allowance);
+        list.contacts(&pairs(1000));
+        list.progress(0.05);
+        list.contacts(&pairs(1000));
+        assert!((20_000..22_000).contains(&list.pairs.capacity()));
+        let mut into = Vec::new();
+        list.end(9, &mut into).unwrap();
+        assert!(into.len() == 2000 && into.capacity() <= 4000, "{}", into.capacity());
+        let mut list = PairList::new(&allowance);
+        list.contacts(&pairs(1000));
+        [0.9, 0.02].iter().for_each(|&share| list.progress(share));
+        list.contacts(&pairs(1000));
+        assert_eq!(list.pairs.capacity(), 2000);
     }
 
     #[test]

@@ -22,6 +22,10 @@ pub trait Sink {
         }
     }
 
+    /// Receives the share of its work that a detector has done, from which a list estimates its
+    /// length. A smaller share than before begins new work.
+    fn progress(&mut self, _share: f64) {}
+
     /// Receives the lists of contacts that several threads found.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         for list in lists {
@@ -38,6 +42,9 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     #[inline(always)]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         (**self).contacts(pairs);
+    }
+    fn progress(&mut self, share: f64) {
+        (**self).progress(share);
     }
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         (**self).gather(lists);

@@ -133,6 +133,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             slab.fill(self.lists, list, plan, self.level, room, sink);
         };
         fill(slab, Some(range.start), sink);
+        let (from, bundles) = (range.start, range.len());
         for number in range {
             fill(next, Some(number + 1).filter(|&next| next < plan.slabs), sink);
             // Begin of the bundle's last layer, the only one whose next layer is in another bundle.
@@ -154,6 +155,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             sweep(border..slab.len, next, -(last as isize));
             beside(number, slab, scratch, sink);
             std::mem::swap(slab, next);
+            sink.swept((number + 1 - from) as f64 / bundles as f64);
         }
     }
 }

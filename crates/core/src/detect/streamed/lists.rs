@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::grid::Grid;
 use super::plan::Plan;
 use crate::contact::Bodies;
+use crate::limits::pages::Array;
 use crate::radix::prefetch_to_write;
 use crate::refusal::at_least;
 use crate::scene::Real;
@@ -79,7 +80,7 @@ impl<const D: usize> Default for Room<D> {
 const NONE: u32 = u32::MAX;
 
 pub(super) struct Lists<const D: usize, R> {
-    records: Vec<Record<D, R>>,
+    records: Array<Record<D, R>>,
     /// For each block, the block before it in the same list.
     before: Vec<u32>,
     /// For each list, the place of its next record. The place always exists: when a block is full,
@@ -91,7 +92,7 @@ pub(super) struct Lists<const D: usize, R> {
 
 impl<const D: usize, R> Default for Lists<D, R> {
     fn default() -> Self {
-        Lists { records: Vec::new(), before: Vec::new(), next: Vec::new(), block: 0 }
+        Lists { records: Array::EMPTY, before: Vec::new(), next: Vec::new(), block: 0 }
     }
 }
 
@@ -118,7 +119,7 @@ impl Blocks {
 impl<const D: usize, R: Size> Lists<D, R> {
     pub fn bytes(n: usize, lists: usize) -> u64 {
         let Blocks { blocks, records, .. } = Blocks::new(n, lists);
-        (records * size_of::<Record<D, R>>() + 4 * blocks + 4 * lists) as u64
+        Array::<Record<D, R>>::bytes(records) + (4 * blocks + 4 * lists) as u64
     }
 
     pub fn fill<T: Real>(
@@ -147,8 +148,10 @@ impl<const D: usize, R: Size> Lists<D, R> {
         let lists = plan.slabs;
         let Blocks { block, blocks, records } = Blocks::new(n, lists);
         self.block = block;
-        at_least(&mut self.records, records, Record { at: [0; D], radius: R::default(), id: 0 });
+        self.records.at_least(records);
         at_least(&mut self.before, blocks, NONE);
+        // Lists of an earlier call have no places in a new array.
+        self.next.truncate(lists);
         at_least(&mut self.next, lists, 0);
         for (list, next) in self.next[..lists].iter_mut().enumerate() {
             *next = (list as u32) << block;
@@ -177,7 +180,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
     #[inline(always)]
     fn put(&mut self, filling: &mut Filling<D>, list: usize, record: Record<D, R>) {
         let next = &mut self.next[list];
-        self.records[*next as usize] = record;
+        self.records[*next as usize].write(record);
         let full = (1 << filling.block) - 1;
         if *next & full == full {
             self.before[filling.free as usize] = *next >> filling.block;
@@ -203,7 +206,8 @@ impl<const D: usize, R: Size> Lists<D, R> {
             block = self.before[block as usize];
             // Unused if `block` is NONE, which is larger than any block number.
             end = block.wrapping_add(1) << self.block;
-            Some(records)
+            // SAFETY: a record is written to each place before `next` moves beyond it.
+            Some(unsafe { records.assume_init_ref() })
         })
     }
 
@@ -263,7 +267,9 @@ where
             };
             if let [next] = &mut lists.next[..slabs] {
                 let places = lists.records[*next as usize..][..many].iter_mut();
-                (0..many).zip(places).for_each(|(k, place)| *place = record(k));
+                (0..many).zip(places).for_each(|(k, place)| {
+                    place.write(record(k));
+                });
                 *next += many as u32;
             } else {
                 for (k, &along_last) in steps[D - 1][..many].iter().enumerate() {

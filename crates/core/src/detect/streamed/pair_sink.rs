@@ -9,6 +9,8 @@ pub(super) trait PairSink {
     /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
     fn counts(&self) -> bool;
+    /// Receives the share of the particles that have been swept.
+    fn swept(&mut self, share: f64);
     /// Counts `n` operations, including the contact tests of uncertain pairs, made later.
     fn count(&mut self, op: Op, n: u64);
 }
@@ -48,6 +50,10 @@ impl<P: Probe, S: Sink> PairSink for Deliver<'_, P, S> {
 
     fn counts(&self) -> bool {
         !P::SILENT
+    }
+
+    fn swept(&mut self, share: f64) {
+        self.sink.progress(share);
     }
 
     fn count(&mut self, op: Op, n: u64) {
