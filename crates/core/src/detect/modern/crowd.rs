@@ -24,34 +24,37 @@ pub fn company(
     bodies: impl Fn(usize) -> usize,
 ) -> [f64; CLASSES] {
     let mut company = [0.0; CLASSES];
-    // Two buffers: clearing the large one takes longer than detecting a few hundred particles.
-    let (mut few, mut many);
-    let sample = match (n / 32).clamp(1, SAMPLE) {
-        count @ ..=FEW => {
-            few = [(0, 0); FEW];
-            &mut few[..count]
-        }
-        count => {
-            many = [(0, 0); SAMPLE];
-            &mut many[..count]
-        }
-    };
-    if n == 0 {
+    let count = (n / 32).min(SAMPLE);
+    if count * count.saturating_sub(1) <= CHANCE {
         return company;
     }
-    for (k, place_of) in (0..).zip(&mut *sample) {
-        // Drawn at random, because equal strides could miss clusters that are stored together.
-        *place_of = place((splitmix64(k) % n as u64) as u32);
-    }
-    sample.sort_unstable();
-    for class in sample.chunk_by(|a, b| a.0 == b.0) {
-        let pairs: usize =
-            class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-        if pairs > CHANCE {
-            // Scale the pairs in the sample to the whole class.
-            let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
-            company[class[0].0] = pairs as f64 / asked * (all / asked);
+    let estimate = &mut |sample: &mut [(usize, u64)]| {
+        for (k, place_of) in (0..).zip(&mut *sample) {
+            // Drawn at random, because equal strides could miss clusters that are stored together.
+            *place_of = place((splitmix64(k) % n as u64) as u32);
         }
+        sample.sort_unstable();
+        for class in sample.chunk_by(|a, b| a.0 == b.0) {
+            let pairs: usize =
+                class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
+            if pairs > CHANCE {
+                // Scale the pairs in the sample to the whole class.
+                let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
+                company[class[0].0] = pairs as f64 / asked * (all / asked);
+            }
+        }
+    };
+    if count <= FEW {
+        in_room::<FEW>(count, estimate)
+    } else {
+        in_room::<SAMPLE>(count, estimate)
     }
     company
+}
+
+/// Calls `then` with an array on the stack. As a separate function, because the stack of a large
+/// array takes longer to prepare than a few hundred particles to detect.
+#[inline(never)]
+fn in_room<const ROOM: usize>(count: usize, then: &mut dyn FnMut(&mut [(usize, u64)])) {
+    then(&mut [(0, 0); ROOM][..count]);
 }

@@ -7,6 +7,7 @@
 //! thread. Its cost is N for each digit of the sort and N for the rest, whatever the number of
 //! cells.
 
+use super::dense::grow;
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
 use super::lists::Size;
@@ -49,7 +50,8 @@ pub(super) struct Sparse<const D: usize, R> {
     places: Vec<Place<R>>,
     layers: [Layer<D>; 2],
     ranges: Vec<Ranges>,
-    scratch: Scratch,
+    /// One once it is needed: empty buffers are small, because they are moved.
+    scratch: Vec<Scratch>,
 }
 
 impl<const D: usize, R> Default for Sparse<D, R> {
@@ -59,7 +61,7 @@ impl<const D: usize, R> Default for Sparse<D, R> {
             places: Vec::new(),
             layers: [layer(), layer()],
             ranges: Vec::new(),
-            scratch: Scratch::default(),
+            scratch: Vec::new(),
         }
     }
 }
@@ -116,7 +118,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
 
     pub fn bytes_of_layers(most: usize) -> u64 {
         2 * (Slab::<D>::bytes(most, 0, R::EACH) + 8 * most as u64)
-            + (size_of::<Ranges>() * most) as u64
+            + (size_of::<Ranges>() * most + size_of::<Scratch>()) as u64
     }
 
     pub fn fill<T: Real>(&mut self, bodies: &impl Bodies<T, D>, grid: &Grid<D>) {
@@ -167,6 +169,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         sink: &mut dyn PairSink,
     ) {
         let [this, next] = &mut self.layers;
+        grow(&mut self.scratch, 1);
         for layer in [&mut *this, &mut *next] {
             layer.slab.prepare(most, 0, EACH);
             at_least(&mut layer.keys, most, 0);
@@ -194,7 +197,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
                 places: 0..slab.len,
                 find,
                 bounds,
-                scratch: &mut self.scratch,
+                scratch: &mut self.scratch[0],
                 sink: &mut *sink,
             }
             .on(level);
