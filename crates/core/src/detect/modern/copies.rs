@@ -265,6 +265,40 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
     }
 }
 
+/// Maximum number of particles for [`all_pairs`].
+pub const FEW: usize = 48;
+
+/// Tests all pairs of at most [`FEW`] particles, which takes less time than to make a grid.
+pub fn all_pairs<T: Real, P: Probe, const D: usize>(
+    bodies: &impl Bodies<T, D>,
+    probe: &mut P,
+    sink: &mut impl Sink,
+) {
+    let mut records = [Record::NONE; FEW];
+    let records = &mut records[..bodies.len()];
+    for (id, record) in (0..).zip(&mut *records) {
+        *record = Record::new(bodies, id);
+    }
+    let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
+    match bodies.uniform() {
+        Some(r) => pairs(records, &Judge::new(&touch, One::new(r, bodies.slack())), probe, sink),
+        None => pairs(records, &Judge::new(&touch, Each::new(bodies.slack())), probe, sink),
+    }
+}
+
+fn pairs<P: Probe, const D: usize>(
+    records: &[Record<D>],
+    judge: &Judge<'_, P, impl Nearness>,
+    probe: &mut P,
+    sink: &mut impl Sink,
+) {
+    let mut found = Found::none();
+    for (k, a) in records.iter().enumerate() {
+        judge.against(a, &records[k + 1..], &mut found, probe, sink);
+    }
+    found.flush(sink);
+}
+
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<const D: usize> {

@@ -18,7 +18,7 @@
 //! Loose scenes get larger cells, about three cells per particle. Scenes whose particles crowd in
 //! few of these cells use the sparse form (`sparse.rs`). Scenes of a few thousand particles that
 //! are far apart get columns instead of cells: one axis is not divided, which leaves two ranges per
-//! particle, or one in 2D.
+//! particle, or one in 2D. In scenes of at most 48 particles all pairs are tested.
 //!
 //! If no single cell width suits all sizes, particles are divided into size classes (`classes.rs`),
 //! each with its own grid and sweep (`levels`). While a bundle is in cache, larger particles visit
@@ -30,12 +30,13 @@
 //!   larger particles that visits.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, with
 //!   12 instead of 16 in 2D, and 4 more with a radius per particle; a single list has space for one
-//!   record more than N. Two bundles of n particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`,
-//!   and the records of one. A bundle has 2,000 to 4,000 particles, or one layer if that is more.
-//!   Classes need the lists of each and two bundles that hold the largest of any. The sparse form
-//!   needs 24N, or 32N with radii, and two layers. Each thread has about 9 KiB of working space.
-//!   Several threads have two bundles each and collect contacts, 8 bytes each, in lists of at most
-//!   twice the length needed; a repeated call allocates only what distributes the work.
+//!   record more than N. From 1 MiB on, records take whole pages of 2 MiB. Two bundles of n
+//!   particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the records of one. A bundle has
+//!   2,000 to 4,000 particles, or one layer if that is more. Classes need the lists of each and two
+//!   bundles that hold the largest of any. The sparse form needs 24N, or 32N with radii, and two
+//!   layers. Each thread has about 9 KiB of working space. Several threads have two bundles each
+//!   and collect contacts, 8 bytes each, in lists of at most twice the length needed; a repeated
+//!   call allocates only what distributes the work.
 //! * Refuses extents that overflow, more than 2^31 - 1 particles, and in the sparse form 2^31 or
 //!   more cells along an axis.
 //! * Threads are used in the dense form, from 30,000 particles on, and not with size classes.
@@ -67,7 +68,7 @@ use slab::Slab;
 use sparse::Sparse;
 
 use super::book::list::numbered;
-use super::modern::copies::Touch;
+use super::modern::copies::{self, Touch};
 use super::modern::hgrid::HGrid;
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::Bodies;
@@ -156,6 +157,11 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
+        if self.form.is_none() && bodies.len() <= copies::FEW {
+            self.formula = 0;
+            copies::all_pairs(&bodies, probe, sink);
+            return Ok(());
+        }
         let classes = if self.form == Some(Form::Sparse) { None } else { Classes::of(&bodies) };
         match classes {
             Some(classes) => self.by_class(&classes, bodies, probe, sink),
