@@ -1,8 +1,9 @@
-//! AVX2: two registers of 8 floats each. A permutation from a table packs ids.
+//! AVX2: eight floats. A permutation from a table packs ids.
 
 use std::arch::x86_64::*;
 
-use super::{HALF, Kernel, LANES, Spot, Wide};
+use super::register::{Register, instructions};
+use super::{Kernel, Spot};
 
 /// Proof that the processor has AVX2, FMA, BMI and POPCNT. Only [`Avx2::detect`] creates it.
 #[derive(Clone, Copy, Debug)]
@@ -60,25 +61,6 @@ static PACKED_PAIRS: [[u32; 8]; 16] = {
 // A value of this type exists only if `detect` found the instructions; SAFETY comments below call
 // these instructions found. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx2 {
-    #[inline(always)]
-    fn each(
-        self,
-        a: [__m256; 2],
-        b: [__m256; 2],
-        f: impl Fn(__m256, __m256) -> __m256,
-    ) -> [__m256; 2] {
-        [f(a[0], b[0]), f(a[1], b[1])]
-    }
-
-    #[inline(always)]
-    fn permuted(self, ids: &[u32; 8], mask: u32) -> __m256i {
-        // SAFETY: AVX2 was found; a row of the table and `ids` are eight numbers each.
-        unsafe {
-            let order = _mm256_loadu_si256(PACKED[(mask & 0xff) as usize].as_ptr().cast());
-            _mm256_permutevar8x32_epi32(_mm256_loadu_si256(ids.as_ptr().cast()), order)
-        }
-    }
-
     /// Loads the first or second points, by `side`, of pairs r and 4 + r. Four such vectors,
     /// transposed in blocks of 4x4 lanes, yield the pairs in order.
     ///
@@ -94,7 +76,7 @@ impl Avx2 {
         }
     }
 
-    /// Computes the squared distances and the numbers of eight pairs, for [`Wide::squares`].
+    /// Computes the squared distances and the numbers of eight pairs.
     ///
     /// # Safety
     /// The places must be below the number of spots.
@@ -135,137 +117,58 @@ impl Avx2 {
     }
 }
 
-impl Wide for Avx2 {
-    type Floats = [__m256; 2];
+impl Register for Avx2 {
+    const LANES: usize = 8;
+    type Floats = __m256;
+    type Ids = __m256i;
+    type Pairs = [__m256i; 2];
+    type Many<A: Copy> = [A; 2];
 
-    #[inline(always)]
-    fn all(self, x: f32) -> [__m256; 2] {
-        // SAFETY: AVX was found.
-        [unsafe { _mm256_set1_ps(x) }; 2]
+    fn many<A: Copy>(a: A) -> [A; 2] {
+        [a; 2]
     }
 
-    #[inline(always)]
-    fn load(self, from: &[f32; LANES]) -> [__m256; 2] {
-        let (low, high) = from.split_at(HALF);
-        // SAFETY: AVX was found; both halves of `from` have eight floats.
-        unsafe { [_mm256_loadu_ps(low.as_ptr()), _mm256_loadu_ps(high.as_ptr())] }
-    }
-
-    #[inline(always)]
-    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> [__m256; 2] {
-        // SAFETY: AVX was found; `low` and `high` have eight floats each.
-        unsafe { [_mm256_loadu_ps(low.as_ptr()), _mm256_loadu_ps(high.as_ptr())] }
-    }
-
-    #[inline(always)]
-    fn add(self, a: [__m256; 2], b: [__m256; 2]) -> [__m256; 2] {
-        // SAFETY: AVX was found.
-        self.each(a, b, |a, b| unsafe { _mm256_add_ps(a, b) })
-    }
-
-    #[inline(always)]
-    fn sub(self, a: [__m256; 2], b: [__m256; 2]) -> [__m256; 2] {
-        // SAFETY: AVX was found.
-        self.each(a, b, |a, b| unsafe { _mm256_sub_ps(a, b) })
-    }
-
-    #[inline(always)]
-    fn mul(self, a: [__m256; 2], b: [__m256; 2]) -> [__m256; 2] {
-        // SAFETY: AVX was found.
-        self.each(a, b, |a, b| unsafe { _mm256_mul_ps(a, b) })
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: [__m256; 2], b: [__m256; 2], c: [__m256; 2]) -> [__m256; 2] {
-        // SAFETY: FMA was found.
-        unsafe { [_mm256_fmadd_ps(a[0], b[0], c[0]), _mm256_fmadd_ps(a[1], b[1], c[1])] }
-    }
-
-    #[inline(always)]
-    fn max(self, a: [__m256; 2], b: [__m256; 2]) -> [__m256; 2] {
-        // SAFETY: AVX was found.
-        self.each(a, b, |a, b| unsafe { _mm256_max_ps(a, b) })
-    }
-
-    #[inline(always)]
-    fn at_most(self, a: [__m256; 2], b: [__m256; 2]) -> u32 {
-        // SAFETY: AVX was found.
-        let half = |a, b| unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) } as u32;
-        half(a[0], b[0]) | half(a[1], b[1]) << 8
-    }
-
-    #[inline(always)]
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]) {
-        let (low, high) = ids.split_at(HALF);
-        // The split gives two halves of eight lanes each.
-        let (Ok(low), Ok(high)) = (low.try_into(), high.try_into()) else { unreachable!() };
-        self.pack_two(low, high, mask, to);
-    }
-
-    #[inline(always)]
-    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
-        let first = (mask & 0xff).count_ones() as usize;
-        let mut both = [0; LANES];
-        // SAFETY: AVX was found; eight numbers from place 0 or `first` <= 8 are within the sixteen
-        // of `both`, and `to` has eight.
-        unsafe {
-            _mm256_storeu_si256(both.as_mut_ptr().cast(), self.permuted(low, mask));
-            _mm256_storeu_si256(
-                both.as_mut_ptr().add(first).cast(),
-                self.permuted(high, mask >> 8),
-            );
-            _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_loadu_si256(both.as_ptr().cast()));
-        }
-    }
-
-    #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
-        // SAFETY: AVX2 was found; each half is four of the eight ids, and four of the eight pairs.
-        unsafe {
-            let i = _mm256_set1_epi64x(i64::from(i));
-            for half in 0..2 {
-                let four = _mm_loadu_si128(ids.as_ptr().add(4 * half).cast());
-                let high = _mm256_slli_epi64::<32>(_mm256_cvtepu32_epi64(four));
-                _mm256_storeu_si256(to.as_mut_ptr().add(4 * half).cast(), _mm256_or_si256(high, i));
-            }
-        }
-    }
-
-    type Pairs = [__m256i; 4];
-
-    #[inline(always)]
-    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> [__m256i; 4] {
-        // SAFETY: AVX was found; each quarter of the sixteen pairs is one vector.
-        unsafe {
-            let from: *const __m256i = from.as_ptr().cast();
+    instructions! {
+        all(x: f32) -> __m256 = _mm256_set1_ps(x);
+        add(a: __m256, b: __m256) -> __m256 = _mm256_add_ps(a, b);
+        sub(a: __m256, b: __m256) -> __m256 = _mm256_sub_ps(a, b);
+        mul(a: __m256, b: __m256) -> __m256 = _mm256_mul_ps(a, b);
+        mul_add(a: __m256, b: __m256, c: __m256) -> __m256 = _mm256_fmadd_ps(a, b, c);
+        max(a: __m256, b: __m256) -> __m256 = _mm256_max_ps(a, b);
+        at_most(a: __m256, b: __m256) -> u32 = {
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32
+        };
+        pack(ids: __m256i, mask: u32) -> __m256i = {
+            let order = _mm256_loadu_si256(PACKED[mask as usize % 256].as_ptr().cast());
+            _mm256_permutevar8x32_epi32(ids, order)
+        };
+        pair(i: u32, ids: __m256i) -> [__m256i; 2] = {
+            let i = _mm256_set1_epi32(i as i32);
+            let (low, high) = (_mm256_unpacklo_epi32(i, ids), _mm256_unpackhi_epi32(i, ids));
             [
-                _mm256_loadu_si256(from),
-                _mm256_loadu_si256(from.add(1)),
-                _mm256_loadu_si256(from.add(2)),
-                _mm256_loadu_si256(from.add(3)),
+                _mm256_permute2x128_si256::<0x20>(low, high),
+                _mm256_permute2x128_si256::<0x31>(low, high),
             ]
-        }
+        };
     }
 
     #[inline(always)]
-    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> ([__m256; 2], [__m256i; 4]) {
+    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]]) -> (__m256, [__m256i; 2]) {
         let most = pairs.iter().flatten().fold(0, |most, &place| most.max(place));
         assert!((most as usize) < spots.len(), "a place beyond the spots");
-        let (low, high) = pairs.split_at(HALF);
         // SAFETY: no place is above `most`, which is below the number of spots.
-        let ((low, [p, q]), (high, [r, s])) =
-            unsafe { (self.eight(spots, low), self.eight(spots, high)) };
-        ([low, high], [p, q, r, s])
+        unsafe { self.eight(spots, pairs) }
     }
 
     #[inline(always)]
-    fn pack_pairs(self, pairs: [__m256i; 4], mask: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pack_pairs(self, pairs: [__m256i; 2], mask: u32, to: &mut [[u32; 2]]) {
+        assert!(to.len() >= 8);
         let to: *mut [u32; 2] = to.as_mut_ptr();
         let mut packed = 0;
-        for (quarter, pairs) in pairs.into_iter().enumerate() {
-            let mask = (mask >> (4 * quarter)) & 0xf;
-            // SAFETY: AVX2 was found. `packed` is at most four per earlier quarter, so four pairs
-            // from there are within the sixteen of `to`. A row of the table has eight numbers.
+        for (half, pairs) in pairs.into_iter().enumerate() {
+            let mask = (mask >> (4 * half)) & 0xf;
+            // SAFETY: AVX2 was found. `packed` is at most four, so four pairs from there are within
+            // the eight of `to`. A row of the table has eight numbers.
             unsafe {
                 let order = _mm256_loadu_si256(PACKED_PAIRS[mask as usize].as_ptr().cast());
                 let four = _mm256_permutevar8x32_epi32(pairs, order);

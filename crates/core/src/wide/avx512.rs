@@ -2,7 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::{HALF, Kernel, LANES, Spot, Wide};
+use super::register::{Register, instructions};
+use super::{Kernel, LANES, Spot};
 
 /// Proof that the processor has AVX-512 F, BW, DQ and VL, FMA, BMI and POPCNT. Only
 /// [`Avx512::detect`] creates it.
@@ -33,29 +34,13 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
 // A value of this type exists only if `detect` found the instructions; SAFETY comments below call
 // these instructions found. Loads and stores are unaligned, except for spots, which are aligned.
 impl Avx512 {
-    #[inline(always)]
-    fn packed(self, ids: __m512i, mask: u32, to: &mut [u32; HALF]) {
-        // SAFETY: AVX-512 F and VL were found; the first eight of sixteen packed lanes are stored,
-        // and `to` has eight.
-        unsafe {
-            let packed = _mm512_maskz_compress_epi32(mask as u16, ids);
-            _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
-        }
-    }
-
     /// Loads the first or second points, by `side`, of pairs r, 4 + r, 8 + r and 12 + r. Four such
     /// vectors, transposed in blocks of 4x4 lanes, yield the pairs in order.
     ///
     /// # Safety
     /// The places of the pairs must be below the number of spots.
     #[inline(always)]
-    unsafe fn four(
-        self,
-        spots: &[Spot],
-        pairs: &[[u32; 2]; LANES],
-        r: usize,
-        side: usize,
-    ) -> __m512 {
+    unsafe fn four(self, spots: &[Spot], pairs: &[[u32; 2]], r: usize, side: usize) -> __m512 {
         // SAFETY: AVX-512 F was found; the caller ensures valid places, and a spot is sixteen
         // bytes, aligned to sixteen.
         unsafe {
@@ -68,115 +53,44 @@ impl Avx512 {
     }
 }
 
-impl Wide for Avx512 {
+impl Register for Avx512 {
+    const LANES: usize = LANES;
     type Floats = __m512;
-
-    #[inline(always)]
-    fn all(self, x: f32) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_set1_ps(x) }
-    }
-
-    #[inline(always)]
-    fn load(self, from: &[f32; LANES]) -> __m512 {
-        // SAFETY: AVX-512 F was found; `from` has sixteen floats.
-        unsafe { _mm512_loadu_ps(from.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> __m512 {
-        // SAFETY: AVX-512 DQ was found; `low` and `high` have eight floats each.
-        unsafe {
-            _mm512_insertf32x8::<1>(
-                _mm512_castps256_ps512(_mm256_loadu_ps(low.as_ptr())),
-                _mm256_loadu_ps(high.as_ptr()),
-            )
-        }
-    }
-
-    #[inline(always)]
-    fn add(self, a: __m512, b: __m512) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_add_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn sub(self, a: __m512, b: __m512) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_sub_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn mul(self, a: __m512, b: __m512) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_mul_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_fmadd_ps(a, b, c) }
-    }
-
-    #[inline(always)]
-    fn max(self, a: __m512, b: __m512) -> __m512 {
-        // SAFETY: AVX-512 F was found.
-        unsafe { _mm512_max_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn at_most(self, a: __m512, b: __m512) -> u32 {
-        // SAFETY: AVX-512 F was found.
-        u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
-    }
-
-    #[inline(always)]
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]) {
-        // SAFETY: AVX-512 F was found; there are sixteen ids.
-        self.packed(unsafe { _mm512_loadu_epi32(ids.as_ptr().cast()) }, mask, to);
-    }
-
-    #[inline(always)]
-    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
-        // SAFETY: AVX-512 F, DQ and VL were found; `low` and `high` have eight ids each.
-        let both = unsafe {
-            let low = _mm512_castsi256_si512(_mm256_loadu_epi32(low.as_ptr().cast()));
-            _mm512_inserti32x8::<1>(low, _mm256_loadu_epi32(high.as_ptr().cast()))
-        };
-        self.packed(both, mask, to);
-    }
-
-    #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
-        // SAFETY: AVX-512 F and VL were found; eight ids are read, and the eight pairs written.
-        unsafe {
-            let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_loadu_epi32(
-                ids.as_ptr().cast(),
-            )));
-            _mm512_storeu_epi64(
-                to.as_mut_ptr().cast(),
-                _mm512_or_si512(high, _mm512_set1_epi64(i64::from(i))),
-            );
-        }
-    }
-
+    type Ids = __m512i;
     type Pairs = [__m512i; 2];
+    type Many<A: Copy> = [A; 1];
 
-    #[inline(always)]
-    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> [__m512i; 2] {
-        // SAFETY: AVX-512 F was found; each half of the sixteen pairs is one vector.
-        unsafe {
-            let from: *const i32 = from.as_ptr().cast();
-            [_mm512_loadu_epi32(from), _mm512_loadu_epi32(from.add(LANES))]
-        }
+    fn many<A: Copy>(a: A) -> [A; 1] {
+        [a]
+    }
+
+    instructions! {
+        all(x: f32) -> __m512 = _mm512_set1_ps(x);
+        add(a: __m512, b: __m512) -> __m512 = _mm512_add_ps(a, b);
+        sub(a: __m512, b: __m512) -> __m512 = _mm512_sub_ps(a, b);
+        mul(a: __m512, b: __m512) -> __m512 = _mm512_mul_ps(a, b);
+        mul_add(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fmadd_ps(a, b, c);
+        max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
+        at_most(a: __m512, b: __m512) -> u32 = {
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
+        };
+        pack(ids: __m512i, mask: u32) -> __m512i = _mm512_maskz_compress_epi32(mask as u16, ids);
+        pair(i: u32, ids: __m512i) -> [__m512i; 2] = {
+            let i = _mm512_set1_epi32(i as i32);
+            let low = _mm512_setr_epi32(16, 0, 17, 1, 18, 2, 19, 3, 20, 4, 21, 5, 22, 6, 23, 7);
+            let high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+            [_mm512_permutex2var_epi32(ids, low, i), _mm512_permutex2var_epi32(ids, high, i)]
+        };
     }
 
     #[inline(always)]
-    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> (__m512, [__m512i; 2]) {
-        let [low, high] = self.load_pairs(pairs);
+    fn squares(self, spots: &[Spot], pairs: &[[u32; 2]]) -> (__m512, [__m512i; 2]) {
+        assert!(pairs.len() >= LANES);
+        let from: *const i32 = pairs.as_ptr().cast();
         // SAFETY: AVX-512 F was found; the assertion ensures that places are below the number of
         // spots.
         unsafe {
+            let (low, high) = (_mm512_loadu_epi32(from), _mm512_loadu_epi32(from.add(LANES)));
             let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);
             let within = [_mm512_cmplt_epu32_mask(low, most), _mm512_cmplt_epu32_mask(high, most)];
             assert!(within == [u16::MAX; 2], "a place beyond the spots");
@@ -213,7 +127,8 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn pack_pairs(self, pairs: [__m512i; 2], mask: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pack_pairs(self, pairs: [__m512i; 2], mask: u32, to: &mut [[u32; 2]]) {
+        assert!(to.len() >= LANES);
         let first = (mask as u8).count_ones() as usize;
         let to: *mut i64 = to.as_mut_ptr().cast();
         // SAFETY: AVX-512 F was found; eight pairs from place 0 or `first` <= 8 are within the

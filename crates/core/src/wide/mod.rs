@@ -1,15 +1,16 @@
 //! Sixteen floats at a time: an abstraction over vector instructions.
 //!
-//! A kernel is written once, over [`Wide`], and compiled for every instruction set. [`Level::best`]
-//! selects the widest set that the processor has at run time, so one binary serves all machines. A
-//! value of a type that implements [`Wide`] proves that its instructions may be used: only
-//! [`Level`] creates one, after checking the processor.
+//! A kernel is written once, over [`Wide`] or one [`Register`], and compiled for every instruction
+//! set. [`Level::best`] selects the widest set that the processor has at run time, so one binary
+//! serves all machines. A value of a type that implements [`Register`] proves that its instructions
+//! may be used: only [`Level`] creates one, after checking the processor.
 //!
 //! | level | registers | instructions |
 //! |---|---|---|
 //! | `avx512` | one of 16 floats | AVX-512 F, BW, DQ, VL |
 //! | `avx2` | two of 8 floats | AVX2 and FMA |
-//! | `portable` | an array of 16 floats | any |
+//! | `neon` | four of 4 floats | NEON, part of aarch64 |
+//! | `portable` | four of 4 floats | SSE2, part of x86-64; elsewhere plain Rust |
 //!
 //! Levels may round differently (a fused multiply-add rounds once), by less than one part in 2^22
 //! in a sum of three squares. Detectors leave pairs that this could change to the contact test, so
@@ -19,13 +20,33 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
+mod register;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
+#[cfg(target_arch = "aarch64")]
+pub use neon::Neon;
+#[cfg(any(test, not(target_arch = "x86_64")))]
 pub use portable::Portable;
+pub use register::Register;
+pub(crate) use register::read;
+#[cfg(target_arch = "x86_64")]
+pub use sse2::Sse2;
+
+/// The instructions of every processor of this architecture.
+#[cfg(target_arch = "x86_64")]
+pub type Baseline = Sse2;
+/// The instructions of every processor of this architecture.
+#[cfg(not(target_arch = "x86_64"))]
+pub type Baseline = Portable;
 
 /// Fills an array in a loop. The closure of `std::array::from_fn` may remain a call, and takes five
 /// times as long to compile.
@@ -68,8 +89,10 @@ impl Spot {
 /// Vectors of [`LANES`] floats in one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest bit.
 pub trait Wide: Copy + Send + Sync {
-    /// Whether a few single numbers are computed faster one by one than in sixteen lanes.
-    const NARROW: bool = false;
+    /// One of the registers that make up the sixteen lanes.
+    type Register: Register;
+    /// Returns the proof that a register's instructions may be used.
+    fn register(self) -> Self::Register;
     /// Type of a vector of [`LANES`] floats.
     type Floats: Copy;
     /// Returns a vector with the same number in every lane.
@@ -90,13 +113,14 @@ pub trait Wide: Copy + Send + Sync {
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// Returns a mask of the lanes with a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
-    /// Writes the `ids` that `mask` selects to the front of `to`; the rest of `to` is unspecified.
-    /// The mask may select at most eight.
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]);
-    /// Works as [`Wide::pack`] with the lower eight ids from `low` and the upper eight from `high`.
+    /// Writes the ids that `mask` selects to the front of `to`; the rest of `to` is unspecified.
+    /// The mask may select at most eight. The lower eight ids are in `low`, the others in `high`.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pair (i, ids\[k\]) to `to`\[k\], for each k.
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]);
+    /// Writes the pairs (i, ids\[k\]) of the lanes k that `mask` selects to the front of `to`; the
+    /// rest of `to` is unspecified.
+    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [[u32; 2]; LANES]);
     /// Type of a vector of sixteen pairs of numbers.
     type Pairs: Copy;
     /// Loads sixteen pairs of numbers.
@@ -132,35 +156,36 @@ pub enum Level {
     /// AVX2: two registers of 8 floats.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
-    /// Plain Rust, for any processor.
-    Portable(Portable),
+    /// NEON: four registers of 4 floats.
+    #[cfg(target_arch = "aarch64")]
+    Neon(Neon),
+    /// Four registers of 4 floats, for any processor of this architecture.
+    Portable(Baseline),
 }
 
 impl Level {
     /// Returns all levels that this processor has, the widest first.
     pub fn all() -> Vec<Level> {
-        let mut levels = Vec::new();
-        #[cfg(target_arch = "x86_64")]
-        {
-            levels.extend(Avx512::detect().map(Level::Avx512));
-            levels.extend(Avx2::detect().map(Level::Avx2));
-        }
-        levels.push(Level::Portable(Portable));
-        levels
+        Level::found().collect()
+    }
+
+    fn found() -> impl Iterator<Item = Level> {
+        [
+            #[cfg(target_arch = "x86_64")]
+            Avx512::detect().map(Level::Avx512),
+            #[cfg(target_arch = "x86_64")]
+            Avx2::detect().map(Level::Avx2),
+            #[cfg(target_arch = "aarch64")]
+            Some(Level::Neon(Neon)),
+            Some(Level::Portable(Baseline {})),
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// Returns the widest level that this processor has.
     pub fn best() -> Level {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if let Some(level) = Avx512::detect() {
-                return Level::Avx512(level);
-            }
-            if let Some(level) = Avx2::detect() {
-                return Level::Avx2(level);
-            }
-        }
-        Level::Portable(Portable)
+        Level::found().next().unwrap_or(Level::Portable(Baseline {}))
     }
 
     /// Returns the name of the level, for messages and parameters.
@@ -170,6 +195,8 @@ impl Level {
             Level::Avx512(_) => "avx512",
             #[cfg(target_arch = "x86_64")]
             Level::Avx2(_) => "avx2",
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon(_) => "neon",
             Level::Portable(_) => "portable",
         }
     }
@@ -178,10 +205,12 @@ impl Level {
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512(wide) => wide.run(kernel),
+            Level::Avx512(wide) => Wide::run(wide, kernel),
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2(wide) => wide.run(kernel),
-            Level::Portable(wide) => wide.run(kernel),
+            Level::Avx2(wide) => Wide::run(wide, kernel),
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon(wide) => Wide::run(wide, kernel),
+            Level::Portable(wide) => Wide::run(wide, kernel),
         }
     }
 }
@@ -215,11 +244,8 @@ mod tests {
             see(w.load_two(a.last_chunk().unwrap(), b.first_chunk().unwrap()));
             for mask in (0..1u32 << LANES).filter(|mask| mask.count_ones() <= 8) {
                 let mut to = [0; HALF];
-                w.pack(&ids, mask, &mut to);
                 let expected: Vec<u32> =
                     (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
-                assert_eq!(&to[..expected.len()], expected);
-                to = [0; HALF];
                 w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
                 assert_eq!(&to[..expected.len()], expected);
             }
@@ -229,6 +255,12 @@ mod tests {
                 pairs,
                 [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
             );
+            for mask in 0..1u32 << LANES {
+                let mut to = [[0; 2]; LANES];
+                w.pairs(7, &ids, mask, &mut to);
+                let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| [7, ids[k]]);
+                assert!(expected.zip(to).all(|(a, b)| a == b), "{mask:#x}");
+            }
             // The coordinates have many bits, so that differences, squares and sums are rounded.
             let spots: [Spot; 19] = std::array::from_fn(|k| Spot {
                 at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),
@@ -255,7 +287,7 @@ mod tests {
 
     #[test]
     fn all_levels_compute_the_same() {
-        let portable = Level::Portable(Portable).run(Everything);
+        let portable = Wide::run(Portable, Everything);
         for level in Level::all() {
             assert_eq!(level.run(Everything), portable, "{}", level.name());
         }

@@ -3,7 +3,7 @@
 //!
 //! Most ranges hold fewer than eight particles: two such ranges are tested together, 0 with 1 and 2
 //! with 3. If any range of a particle holds sixteen or more, each range is processed separately. On
-//! narrow registers candidates are tested one by one ([`super::single`]).
+//! registers of fewer than sixteen floats each range is tested alone ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinate differences are off by at most [`STEPS_OFF`] along each axis. Each x is rounded to 24
@@ -30,7 +30,7 @@ use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
 use crate::contact::{Bodies, Slack};
 use crate::probe::Op;
 use crate::scene::Real;
-use crate::wide::{HALF, Kernel, LANES, Level, Wide};
+use crate::wide::{HALF, Kernel, LANES, Level, Register, Wide};
 
 /// Limits in steps that decide a contact from the distance of a pair.
 #[derive(Clone, Copy, Debug)]
@@ -203,8 +203,8 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
 
     #[inline(always)]
     fn run<W: Wide>(mut self, w: W) {
-        if W::NARROW {
-            return self.one_by_one(w);
+        if W::Register::LANES < LANES {
+            return self.by_range(w.register());
         }
         let used = ranges_used::<F, D>();
         let limits = self.limits(w);

@@ -10,8 +10,8 @@
 //! 2. Each bundle is sorted by cell, by counting, into one array per coordinate.
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
 //!    in the next row, and the nine in the next layer. The particles of these cells form five
-//!    contiguous ranges (two in 2D). They are tested sixteen at a time in f32, or one by one on
-//!    narrow registers (`single.rs`).
+//!    contiguous ranges (two in 2D). They are tested sixteen at a time in f32, or each range
+//!    alone on narrow registers (`single.rs`).
 //! 4. The contact test decides what f32 cannot, a few pairs in ten thousand contacts; `kernel.rs`
 //!    derives the bounds.
 //!

@@ -4,9 +4,9 @@ use super::unchecked::Source;
 use crate::wide::Wide;
 
 /// 1.5·2^23: adding and subtracting it rounds a small number to the nearest integer.
-const WHOLE: f32 = 12_582_912.0;
+pub(super) const WHOLE: f32 = 12_582_912.0;
 /// Margin in squared steps: with it, an inner limit of zero accepts no pair as certain.
-const SPARE: f32 = 0.5;
+pub(super) const SPARE: f32 = 0.5;
 
 pub(super) struct Query<W: Wide, const D: usize> {
     pub at: [W::Floats; D],
@@ -60,61 +60,4 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     };
     let near = w.at_most(square, limits.near) & valid;
     (near, w.at_most(square, limits.sure) & near)
-}
-
-/// Computes the limits of one pair like [`Limits::new`].
-#[inline(always)]
-pub(super) fn limits(outer: f32, grow: f32) -> (f32, f32) {
-    let inner = (outer - 2.0 * grow).max(0.0);
-    (outer * outer, inner * inner - SPARE)
-}
-
-/// Returns the difference along x that is nearest to zero if coordinates wrap around after `turn`,
-/// like [`test`].
-#[inline(always)]
-pub(super) fn nearest(d: f32, turn: f32) -> f32 {
-    d - (d * (1.0 / turn) + WHOLE - WHOLE) * turn
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::wide::{Kernel, Level};
-
-    /// Scalar and vector limits agree up to rounding.
-    #[test]
-    fn one_and_sixteen_have_the_same_limits() {
-        struct Same(f32, f32);
-        impl Kernel for Same {
-            type Output = ();
-            #[inline(always)]
-            fn run<W: Wide>(self, w: W) {
-                let Same(outer, grow) = self;
-                let (near, sure) = limits(outer, grow);
-                let all = Limits::new(w, w.all(outer), grow);
-                for (one, all) in [(near, all.near), (sure, all.sure)] {
-                    let within = |x: f32| w.at_most(w.all(x), all);
-                    // A fused multiply-add may round differently.
-                    let (below, above) = (one - 1e-6 * one.abs(), one + 1e-6 * one.abs());
-                    assert_eq!(
-                        [within(below), within(above.next_up())],
-                        [0xffff, 0],
-                        "{outer} {grow}"
-                    );
-                }
-            }
-        }
-        for level in Level::all() {
-            for outer in [0.25, 3.0, 17.5, 1e6] {
-                for grow in [0.0, 0.1, 1.5, 40.0] {
-                    level.run(Same(outer, grow));
-                }
-            }
-        }
-        assert_eq!(limits(3.0, 1.0), (9.0, 0.5));
-        assert_eq!(limits(1.0, 1.0), (1.0, -0.5));
-        for (d, expected) in [(3.0, 3.0), (509.0, -3.0), (-1021.0, 3.0), (0.0, 0.0)] {
-            assert_eq!(nearest(d, 512.0), expected);
-        }
-    }
 }

@@ -1,31 +1,31 @@
-//! The sweep on narrow registers: candidates are tested one by one, and no vector reads past the
-//! end of a range. Bounds and results are the same as in [`super::kernel`].
+//! The sweep on registers of four or eight floats: each range is tested alone, because most ranges
+//! hold as many particles as a register or fewer. Bounds are the same as in [`super::kernel`].
 
 use super::kernel::{Careful, ROOM, Sweep};
-use super::near::{limits, nearest};
+use super::near::{SPARE, WHOLE};
 use super::ranges::{Find, ranges_used};
-use super::unchecked::{element, element_mut};
-use crate::wide::Wide;
-use crate::wide::fill;
+use super::unchecked::{element, load};
+use crate::wide::{LANES, Register, fill};
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
     /// Sweeps all particles. The careful form handles a particle with too many candidates, or with
     /// a pair that only the contact test can decide.
     #[inline(always)]
-    pub(super) fn one_by_one<W: Wide>(mut self, w: W) {
+    pub(super) fn by_range<R: Register>(mut self, r: R) {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
-        let shifts: [_; 5] = std::array::from_fn(|r| self.shift(r.min(used - 1)));
-        let same = limits(self.bounds.sum + grow, grow);
+        let shifts: [_; 5] = std::array::from_fn(|k| self.shift(k.min(used - 1)));
+        let limits = limits(r, r.all(self.bounds.sum + grow), grow);
         let mut kept = 0;
         for place in self.places.clone() {
             let ranges = self.find.ranges::<D>(place);
-            let candidates = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>();
-            if kept + candidates > ROOM {
+            // The last register is written in full.
+            let most = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>() + LANES;
+            if kept + most > ROOM {
                 self.scratch.hand_on(&mut kept, self.sink);
             }
             let before = kept;
-            let mut odd = candidates > ROOM;
-            if !odd {
+            let mut odd = u32::from(most > ROOM);
+            if odd == 0 {
                 // SAFETY: `place` is one of `places`, which are below the slab's `len`, and every
                 // array over particles has an entry for each place.
                 let (id, from) = unsafe {
@@ -34,43 +34,75 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 };
                 let radius = if EACH {
                     // SAFETY: if particles have individual radii, `radii` has one for each place.
-                    grow + unsafe { element(&self.slab.radii, place) }
+                    r.all(grow + unsafe { element(&self.slab.radii, place) })
                 } else {
-                    0.0
+                    r.all(0.0)
                 };
-                for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
-                    let slab = self.other(r);
-                    let at: [f32; D] = fill(|k| from[k] - shifts[r][k]);
-                    for other in begin as usize..(begin + len) as usize {
-                        // SAFETY: a range ends at most at the slab's `len`.
-                        let of = |lane: &[f32]| unsafe { element(lane, other) };
-                        let mut square = 0.0;
-                        for (k, &at) in at.iter().enumerate() {
-                            let mut d = of(&slab.lanes[k]) - at;
-                            if let (0, Some(turn)) = (k, F::TURN) {
-                                d = nearest(d, turn);
+                for (k, &(begin, len)) in ranges[..used].iter().enumerate() {
+                    let slab = self.other(k);
+                    let mut at = [r.all(from[0]); D];
+                    for axis in 1..D {
+                        at[axis] = r.all(from[axis] - shifts[k][axis]);
+                    }
+                    let (mut place, end) = (begin as usize, (begin + len) as usize);
+                    // An empty range is tested too: a branch would be unpredictable.
+                    loop {
+                        // SAFETY: a range begins at most at the slab's `len`, and the arrays over
+                        // particles are a vector longer.
+                        let of = |lane: &[f32]| unsafe { load(lane, place) };
+                        let mut square = r.all(0.0);
+                        for (axis, &at) in at.iter().enumerate() {
+                            let mut d = r.sub(of(&slab.lanes[axis]), at);
+                            if let (0, Some(turn)) = (axis, F::TURN) {
+                                d = nearest(r, d, turn);
                             }
-                            square += d * d;
+                            square = if axis == 0 { r.mul(d, d) } else { r.mul_add(d, d, square) };
                         }
-                        let (near, sure) =
-                            if EACH { limits(radius + of(&slab.radii), grow) } else { same };
-                        // SAFETY: `other` is below `len`, and there is space for all candidates.
+                        let [near, sure] = if EACH {
+                            self::limits(r, r.add(radius, of(&slab.radii)), grow)
+                        } else {
+                            limits
+                        };
+                        let valid = !(!0 << (end - place).min(R::LANES));
+                        let near = r.at_most(square, near) & valid;
+                        odd |= near & !r.at_most(square, sure);
+                        // SAFETY: as for the coordinates; and there is space for all candidates.
                         unsafe {
-                            let partner = element(&slab.ids, other);
-                            *element_mut(&mut self.scratch.pairs, kept) = [id, partner];
+                            let ids = r.pack(load(&slab.ids, place), near);
+                            let to = self.scratch.pairs.as_mut_ptr().add(kept);
+                            to.cast::<R::Pairs>().write_unaligned(r.pair(id, ids));
                         }
-                        kept += usize::from(square <= near);
-                        odd |= (square <= near) != (square <= sure);
+                        kept += R::count(near);
+                        place += R::LANES;
+                        if place >= end {
+                            break;
+                        }
                     }
                 }
             }
-            if odd {
+            if odd != 0 {
                 // The careful form uses the space for pairs, so earlier pairs are passed on first.
                 kept = before;
                 self.scratch.hand_on(&mut kept, self.sink);
-                w.run(Careful(&mut self, place, &ranges[..used]));
+                r.run(Careful(&mut self, place, &ranges[..used]));
             }
         }
         self.scratch.hand_on(&mut kept, self.sink);
     }
+}
+
+/// Computes the limits of pairs like [`super::near::Limits::new`].
+#[inline(always)]
+fn limits<R: Register>(r: R, outer: R::Floats, grow: f32) -> [R::Floats; 2] {
+    let inner = r.max(r.sub(outer, r.all(2.0 * grow)), r.all(0.0));
+    [r.mul(outer, outer), r.mul_add(inner, inner, r.all(-SPARE))]
+}
+
+/// Returns the differences along x that are nearest to zero if coordinates wrap around after
+/// `turn`, like [`super::near::test`].
+#[inline(always)]
+fn nearest<R: Register>(r: R, d: R::Floats, turn: f32) -> R::Floats {
+    let whole = r.all(WHOLE);
+    let turns = r.sub(r.add(r.mul(d, r.all(1.0 / turn)), whole), whole);
+    r.sub(d, r.mul(turns, r.all(turn)))
 }

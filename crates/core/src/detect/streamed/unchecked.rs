@@ -8,11 +8,11 @@
 //! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So all cells
 //!   around a particle's cell, in its layer and the next, have numbers.
 //! * A block of particles ends while there is still space for all candidates of one more, at most
-//!   ten vectors. The sweep of single candidates leaves a particle with too many candidates to the
+//!   ten vectors. The sweep of single ranges leaves a particle with too many candidates to the
 //!   careful form.
 
 use super::slab::Slab;
-use crate::wide::{HALF, LANES, Wide};
+use crate::wide::{HALF, LANES, Wide, read};
 
 /// Sixteen particles from one or two slabs.
 pub(super) trait Source<const D: usize>: Copy {
@@ -49,7 +49,8 @@ impl<const D: usize> Source<D> for Run16<'_, D> {
     #[inline(always)]
     fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
         // SAFETY: the caller of `new` ensures that the arrays extend a vector beyond `at`.
-        w.pack(unsafe { chunk(&self.slab.ids, self.at) }, mask, to);
+        let half = |at: usize| unsafe { chunk(&self.slab.ids, at) };
+        w.pack_two(half(self.at), half(self.at + HALF), mask, to);
     }
 }
 
@@ -87,6 +88,17 @@ pub(super) unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N]
     unsafe { &*array.as_ptr().add(at).cast() }
 }
 
+/// Loads a register of values from an array, from place `at` on.
+///
+/// # Safety
+/// The array must be at least [`LANES`] longer than `at`.
+#[inline(always)]
+pub(super) unsafe fn load<A, V: Copy>(array: &[A], at: usize) -> V {
+    debug_assert!(at + LANES <= array.len() && size_of::<V>() <= LANES * size_of::<A>());
+    // SAFETY: the caller ensures that as many values as a register has lanes follow `at`.
+    unsafe { read(array.as_ptr().add(at)) }
+}
+
 /// Mutable form of [`chunk`].
 ///
 /// # Safety
@@ -107,15 +119,4 @@ pub(super) unsafe fn element<A: Copy>(array: &[A], at: usize) -> A {
     debug_assert!(at < array.len());
     // SAFETY: the caller ensures that `at` is in the array.
     unsafe { *array.get_unchecked(at) }
-}
-
-/// Mutable form of [`element`].
-///
-/// # Safety
-/// `at` must be below the length of the array.
-#[inline(always)]
-pub(super) unsafe fn element_mut<A>(array: &mut [A], at: usize) -> &mut A {
-    debug_assert!(at < array.len());
-    // SAFETY: the caller ensures that `at` is in the array.
-    unsafe { array.get_unchecked_mut(at) }
 }

@@ -130,7 +130,7 @@ pub static TABLE: &[Entry] = &[
             },
             Parameter {
                 name: "level",
-                values: &["best", "portable", "avx2", "avx512"],
+                values: &["best", "portable", "neon", "avx2", "avx512"],
                 beside: None,
                 instead_of: None,
                 meaning: "vector instructions; best: the widest that the processor has",
