@@ -5,34 +5,6 @@ use crate::document::{Block, Text};
 use crate::page::origin::{command, shown};
 use crate::sections;
 
-const LEGEND: &[(&str, &str)] = &[
-    ("scene", ": one set of particles; another N, seed or parameter makes another scene."),
-    (
-        "time",
-        ": from raw coordinates to the complete list of pairs, in buffers that were used before; \
-         the median of the blocks. In a block each subject runs once. A time is compared only if \
-         the answer is right.",
-    ),
-    ("quiet", ": the median of the samples during which the machine was not slow."),
-    ("first call", ": the time of the first detection in a new process."),
-    (
-        "1.25 (1.20 to 1.31)",
-        ": the median of the ratios within blocks, and its interval from order statistics (with \
-         15 blocks the 4th to the 12th, 96.5%).",
-    ),
-    ("both cold", ": the ratio of the first detections in new processes."),
-    (
-        "fastest",
-        ": each detector competes once, with its fewest threads, in exact arithmetic if it has it.",
-    ),
-    (
-        "decided",
-        ": for every other detector the interval excludes 1, and the ratio is beyond the noise \
-         floor. The detectors that leave it undecided are named.",
-    ),
-    ("operations, bytes", ": exact counts, the same on every machine; bytes are peak heap."),
-];
-
 impl Facts<'_> {
     pub fn title(&self) -> &str {
         match &self.parts[..] {
@@ -103,8 +75,9 @@ impl Facts<'_> {
 
     fn foot(&self, out: &mut Vec<Block>) {
         out.push(Block::heading(2, "How to read the tables"));
-        let line = |(name, text): &(&str, &str)| Text::new().emphasis(*name).plain(*text);
-        out.push(Block::List(LEGEND.iter().map(line).collect()));
+        let lines = include_str!("legend.txt").lines().filter_map(|line| line.split_once(": "));
+        let line = |(term, text)| Text::new().emphasis(term).plain(format!(": {text}"));
+        out.push(Block::List(lines.map(line).collect()));
         let text = Text::from("All values, one line per cell, are in ").code("summary.csv");
         let text = text.plain(", all measurements in the record, ").code("samples.jsonl");
         let text = text.plain(" (or .gz), the pictures in figures/. ");

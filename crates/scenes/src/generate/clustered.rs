@@ -22,7 +22,7 @@ use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
 use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
-use crate::generate::{Inputs, OF_BODIES, assemble, box_edge};
+use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -50,12 +50,7 @@ pub const GENERATOR: Generator = Generator {
                 0.1,
                 "share of the particles that is uniform in the box",
             ),
-            number(
-                "fraction",
-                Kind::POSITIVE,
-                0.01,
-                "volume of the particles over the volume of the box",
-            ),
+            fraction(0.01),
         ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },

@@ -16,23 +16,15 @@
 use crate::generate::boxes::boxed;
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, number};
-use crate::generate::{Inputs, OF_BODIES, assemble, box_edge};
+use crate::generate::table::Generator;
+use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {
     name: "loose",
     summary: "uniform random in a square or cube",
-    params: &[
-        OF_BODIES,
-        &[number(
-            "fraction",
-            Kind::POSITIVE,
-            0.05,
-            "volume of the particles over the volume of the box",
-        )],
-    ],
+    params: &[OF_BODIES, &[fraction(0.05)]],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     ..Generator::PLAIN
 };

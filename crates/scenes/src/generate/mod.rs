@@ -64,6 +64,11 @@ const OFFSET: Parameter = number(
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );
 
+const fn fraction(default: f64) -> Parameter {
+    let meaning = "volume of the particles over the volume of the box";
+    number("fraction", Kind::POSITIVE, default, meaning)
+}
+
 const OF_BODIES: &[Parameter] = &[
     DIAMETER,
     OFFSET,

@@ -26,7 +26,7 @@ use crate::generate::boxes::{Repeats, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
 use crate::generate::table::{Generator, Kind, number};
-use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, room};
+use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction, room};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -36,12 +36,7 @@ pub const GENERATOR: Generator = Generator {
     params: &[
         OF_BODIES,
         &[
-            number(
-                "fraction",
-                Kind::POSITIVE,
-                0.3,
-                "volume of the particles over the volume of the box",
-            ),
+            fraction(0.3),
             number(
                 "overlap",
                 Kind::SHARE,

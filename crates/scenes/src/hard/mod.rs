@@ -71,7 +71,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
 /// A scene, or a sequence of scenes, on which detectors may be wrong.
 pub struct Case {
     pub name: &'static str,
-    /// Name of the group, one of [`GROUPS`].
+    /// Heading in `cases.md`.
     pub group: &'static str,
     pub dims: &'static [u32],
     /// The error that this case provokes, and its cause.
@@ -105,22 +105,6 @@ pub enum Allowed {
     Domain,
     Memory,
 }
-
-pub const GROUPS: [&str; 13] = [
-    "borders",
-    "tangent",
-    "signs",
-    "zeros",
-    "edges",
-    "extremes",
-    "keys",
-    "degenerate",
-    "sizes",
-    "crowds",
-    "clusters",
-    "state",
-    "boxes",
-];
 
 impl Case {
     /// Parses a row of the table: name, contacts in 2D and 3D, refusals, source, reason. Returns

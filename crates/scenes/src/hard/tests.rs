@@ -23,6 +23,12 @@ fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
         .flat_map(|case| case.dims.iter().map(move |&dim| (case, dim, case.steps(dim).unwrap())))
 }
 
+fn groups() -> Vec<&'static str> {
+    let mut groups: Vec<_> = cases().map(|case| case.group).collect();
+    groups.dedup();
+    groups
+}
+
 #[test]
 fn the_catalogue_is_complete() {
     let names: HashSet<&str> = cases().map(|case| case.name).collect();
@@ -30,7 +36,7 @@ fn the_catalogue_is_complete() {
     let rows = include_str!("cases.md").lines().filter(|line| line.starts_with("| "));
     assert_eq!(names.len(), rows.filter(|row| !row.starts_with("| case |")).count());
     assert_eq!(names.len(), MAKERS.into_iter().flatten().count());
-    for group in GROUPS {
+    for group in groups() {
         let of_group = cases().filter(|case| case.group == group).count();
         assert!(of_group >= 4, "{group}");
     }
@@ -271,20 +277,7 @@ fn the_bits_of_every_case_are_fixed() {
             (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
         })
     };
-    let golden: [(&str, u64); 13] = [
-        ("borders", 0xdfae_5982_e8fc_7fe0),
-        ("tangent", 0x5f78_3680_c0ca_a822),
-        ("signs", 0xd850_be02_f6fe_dc87),
-        ("zeros", 0x130c_235a_40d6_118f),
-        ("edges", 0x010b_0b0f_3071_23fa),
-        ("extremes", 0x494b_1626_aed6_8f0e),
-        ("keys", 0xbfd6_5375_2986_4605),
-        ("degenerate", 0x28d2_e2d1_c5a2_6c96),
-        ("sizes", 0x12ca_5d68_0e71_5b1d),
-        ("crowds", 0x9565_ba03_0f83_e5a5),
-        ("clusters", 0xbe08_cc35_4520_3bfd),
-        ("state", 0xef8d_82e4_ed5b_60e1),
-        ("boxes", 0xf043_922b_19a6_49e9),
-    ];
-    assert_eq!(GROUPS.map(|group| (group, of_group(group))), golden);
+    let found: String =
+        groups().iter().map(|group| format!("{group} {:#018x}\n", of_group(group))).collect();
+    assert_eq!(found, include_str!("hashes.txt"));
 }
