@@ -69,21 +69,6 @@ fn examples_of_the_help_run() {
 }
 
 #[test]
-fn completions_name_verbs_options_and_values() {
-    let at = Place::new();
-    let command = Cli::command();
-    let verbs: Vec<&str> = command.get_subcommands().map(|verb| verb.get_name()).collect();
-    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let script = at.good(&format!("completions {shell}")).stdout;
-        let names = ["streamed-nbs", "hash-grid", "@book", "clustered", "speed-error"];
-        let names = names.iter().filter(|_| ["bash", "zsh", "fish"].contains(&shell));
-        for word in verbs.iter().chain(&["slice"]).chain(names) {
-            assert!(script.contains(word), "{shell}: {word}");
-        }
-    }
-}
-
-#[test]
 fn list_names_every_detector_scene_and_experiment() {
     let at = Place::new();
     let listed = |what: &str| at.good(&format!("list {what}")).stdout;

@@ -90,29 +90,6 @@ fn times_are_shown_and_gated_where_that_is_asked_for_on_one_machine() {
     assert!(ended.stdout.starts_with("NOTE: "), "{}", ended.stdout);
 }
 
-/// Measurements that a stopped run did not reach fail the comparison only with --strict.
-#[test]
-fn what_one_has_not_measured_is_lacking() {
-    let at = started();
-    changed(&at, "cut", |_| (), |_| ());
-    let text = at.read("cut/samples.jsonl");
-    let kept = text.split_inclusive('\n').filter(|line| !line.contains("\"pass\":\"time\""));
-    at.file("cut/samples.jsonl", kept.collect::<String>());
-    at.ends(0, "compare a cut", &["28 "]);
-    at.ends(1, "compare a cut --strict", &["time", "only in A"]);
-}
-
-#[test]
-fn what_cannot_be_compared_is_refused() {
-    let at = started();
-    at.ends(2, "compare a none", &["there is no folder none"]);
-    let names = ["--against bvh", "nbs, nbs-twin, nothing, sweep"];
-    at.ends(2, "compare a a --against bvh", &names);
-    at.ends(2, "compare a a --band -1", &["--band -1", "0 to 1000"]);
-    changed(&at, "b", |row| row["seed"] = 7.into(), |_| ());
-    at.ends(2, "compare a b", &["a and b"]);
-}
-
 /// A gate on times is an error if it could not fail, as when a control has changed.
 #[test]
 fn a_gate_that_sees_nothing_is_not_passed() {

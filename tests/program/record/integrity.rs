@@ -8,9 +8,7 @@ use serde_json::Value;
 
 use crate::common::{Ended, Place, Template};
 
-const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
-                          1\narithmetics = [\"f32\", \"exact\"]\ndetectors = [\"nbs\", \
-                          \"sorting\", \"sweep\"]\n[[scene]]\nname = \"packed\"\nn = [50, 80]\n";
+const EXPERIMENT: &str = include_str!("../experiments/three_detectors.toml");
 
 const RECORD: &str = "a/samples.jsonl";
 const COPY: &str = "a/experiments/t.toml";

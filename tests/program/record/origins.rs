@@ -14,9 +14,7 @@ use sha2::{Digest, Sha256};
 
 use crate::common::{PROGRAM, Place, answers, runner, sample, untested};
 
-const TEXT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
-                    1\ndetectors = [\"nbs\", \"streamed-nbs\", \
-                    \"streamed-nbs:level=portable\"]\n[[scene]]\nname = \"packed\"\nn = [20, 30]\n";
+const TEXT: &str = include_str!("../experiments/streamed.toml");
 
 fn sum(path: &Path) -> String {
     let sum = Sha256::digest(std::fs::read(path).unwrap());

@@ -6,13 +6,14 @@ use contactbench_record::cells::testing::{self, Lab};
 use contactbench_record::record::row::{Outcome, Pass, Row};
 use contactbench_terms::errors::{Causes, Errors};
 
-/// Draws the figures of an experiment; `None` for those with nothing to show.
-fn drawn(rows: &[Row], figures: &str) -> Vec<Option<String>> {
-    let (experiment, cells) = (&testing::experiment(figures), &*cells::cells(rows));
+/// Draws the named figure of `figures.toml`; `None` if it has nothing to show.
+fn drawn(rows: &[Row], name: &str) -> Option<String> {
+    let experiment = &testing::experiment(include_str!("figures.toml"));
+    let figure = experiment.figures.iter().find(|figure| figure.name == name).unwrap();
+    let (cells, caches) =
+        (&*cells::cells(rows), &[("L2".into(), 64 << 10), ("L3".into(), 32 << 20)]);
     let styles = &style::Styles::new(cells.iter());
-    let caches = &[("L2".into(), 64 << 10), ("L3".into(), 32 << 20)];
-    let about = |figure| About { experiment, figure, cells, styles, caches };
-    experiment.figures.iter().map(|figure| about(figure).svg().unwrap()).collect()
+    About { experiment, figure, cells, styles, caches }.svg().unwrap()
 }
 
 fn texts(svg: &Option<String>) -> Vec<String> {
@@ -27,35 +28,6 @@ fn all_in(found: &[String], wanted: &[&str]) {
     }
 }
 
-const LINES: &str = "
-[[figure]]
-name = 'time'
-title = 'Time against N'
-x = 'n'
-x-label = 'number of particles N'
-y = 'time_ns / 10^6'
-y-label = 'time per detection (ms)'
-slopes = true
-caches = true
-";
-const SPEED_ERROR: &str = "
-[[figure]]
-name = 'given'
-title = 'Given'
-kind = 'speed-error'
-columns = 'offset'
-";
-const BARS: &str = "[[figure]]\nname = 'b'\ntitle = 'Bars'\nkind = 'bars'\nto = 'nbs'\n";
-const MAP: &str = "
-[[figure]]
-name = 'map'
-title = 'Who <is> the fastest'
-kind = 'map'
-x = 'n'
-x-label = 'particles N'
-y = 'fraction'
-";
-
 #[test]
 fn threads_and_arithmetics_are_lines_and_failures_marks() {
     let mut lab = Lab::new("e", "packed");
@@ -65,7 +37,7 @@ fn threads_and_arithmetics_are_lines_and_failures_marks() {
         }
     }
     lab.threads(1).detector("nbs").fail(Pass::Time, Outcome::OutOfMemory, "6 GiB");
-    let found = texts(&drawn(&lab.rows(), LINES)[0]);
+    let found = texts(&drawn(&lab.rows(), "time"));
     // The coordinates of 4096 discs fill 64 KiB; those of two million fill 32 MiB.
     let caches = ["> L2", "L2 (64 KiB)", "L3 (32 MiB): no scene"];
     all_in(&found, &caches);
@@ -75,7 +47,7 @@ fn threads_and_arithmetics_are_lines_and_failures_marks() {
     for (seed, time) in [(1, 10), (2, 40), (3, 20)] {
         lab.seed(seed).arithmetic("exact").time(&[time; 5]).arithmetic("f32").time(&[time; 5]);
     }
-    all_in(&texts(&drawn(&lab.rows(), LINES)[0]), &["nbs, f32", "bars: range over seeds"]);
+    all_in(&texts(&drawn(&lab.rows(), "time")), &["nbs, f32", "bars: range over seeds"]);
 }
 
 #[test]
@@ -83,7 +55,7 @@ fn odd_data_do_not_break_a_figure() {
     for (n, time) in [(0, 0), (1, 1), (u64::MAX, u64::MAX)] {
         let mut lab = Lab::new("e", "<a & b>");
         lab.detector("my \"own\"").n(n).time(&[time]);
-        all_in(&texts(&drawn(&lab.rows(), LINES)[0]), &["<a & b>, 2D", "my \"own\""]);
+        all_in(&texts(&drawn(&lab.rows(), "time")), &["<a & b>, 2D", "my \"own\""]);
     }
 }
 
@@ -108,15 +80,15 @@ fn speed_error_has_a_place_for_none_and_order_does_not_matter() {
             }
         }
     }
-    let figures = drawn(&lab.rows(), SPEED_ERROR);
-    let found = texts(&figures[0]);
+    let figure = drawn(&lab.rows(), "given");
+    let found = texts(&figure);
     all_in(&found, &["offset = 0", "offset = -1000", "offset = 10⁶", "f32", "exact", "time limit"]);
     assert!(!found.contains(&"nbs-twin".to_string()) && found.iter().any(|it| it.ends_with('%')));
     let mut shuffled = lab.rows();
     shuffled.reverse();
-    assert!(drawn(&shuffled, SPEED_ERROR) == figures);
+    assert!(drawn(&shuffled, "given") == figure);
     let times: Vec<Row> = shuffled.into_iter().filter(|row| row.errors.is_none()).collect();
-    assert_eq!(drawn(&times, SPEED_ERROR), [None], "nothing to show is no failure");
+    assert_eq!(drawn(&times, "given"), None, "nothing to show is no failure");
 }
 
 #[test]
@@ -129,7 +101,7 @@ fn bars_are_the_fastest_first_and_nothing_stands_at_an_edge() {
     lab.detector("slow").fail(Pass::Time, Outcome::Timeout, "20 s");
     lab.detector("gone").fail(Pass::Time, Outcome::Unavailable, "install it");
     lab.detector("nbs-twin").time(&[1001; 15]);
-    let found = texts(&drawn(&lab.rows(), BARS)[0]);
+    let found = texts(&drawn(&lab.rows(), "b"));
     let names = ["grid", "nbs", "kd", "far", "bad", "slow", "gone", "nbs-twin"];
     let drawn: Vec<&String> = found.iter().filter(|text| names.contains(&text.as_str())).collect();
     assert_eq!(drawn, ["grid", "nbs", "kd", "far", "bad", "slow"]);
@@ -143,14 +115,14 @@ fn a_map_stripes_what_is_undecided_and_needs_times() {
         lab.n(n).param("fraction", fraction).detector("nbs").time(&[nbs; 15]);
         lab.detector("sorting").time(&[2000; 15]);
     }
-    let map = drawn(&lab.rows(), MAP);
-    let found = texts(&map[0]);
+    let map = drawn(&lab.rows(), "map");
+    let found = texts(&map);
     all_in(&found, &["Who <is> the fastest", "2.00", "2.00 to 2.00", "or sorting", "1.5 to 2.5"]);
-    assert_eq!(drawn(&[], MAP), [None]);
+    assert_eq!(drawn(&[], "map"), None);
     // Removes the tile in which both detectors are equally fast.
-    let polygons = |map: &[Option<String>]| map[0].as_ref().unwrap().matches("<polygon").count();
+    let polygons = |map: &Option<String>| map.as_ref().unwrap().matches("<polygon").count();
     lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
-    let clear = drawn(&lab.rows(), MAP);
+    let clear = drawn(&lab.rows(), "map");
     assert!(polygons(&clear) < polygons(&map) - 10);
-    assert!(!texts(&clear[0]).contains(&"or sorting".to_string()));
+    assert!(!texts(&clear).contains(&"or sorting".to_string()));
 }

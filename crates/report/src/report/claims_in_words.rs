@@ -2,7 +2,6 @@ use crate::sections::claims::evidence;
 use contactbench_record::cells;
 use contactbench_record::cells::Cell;
 use contactbench_record::cells::testing::{self, Lab};
-use contactbench_record::experiment::Document;
 use contactbench_record::findings::claim::*;
 use contactbench_record::findings::trust::coverage::{Coverage, Scope};
 use contactbench_record::record::row::{Outcome, Pass};
@@ -108,12 +107,5 @@ fn how_many_times_as_fast_is_counted() {
         assert_eq!(verdict.status.name(), status, "{by}");
         assert!(words.contains("0.25 (0.25 to 0.25) times the time of b"), "{words}");
         assert_eq!(words.contains("not 4.1 times as fast"), by == "4.1", "{words}");
-    }
-    for by in ["0", "-1", "inf", "nan"] {
-        let head = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\ndetectors = ['nbs']\n";
-        let scene = "[[scene]]\nname = 'packed'\nn = 10\n";
-        let claim = format!("[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n");
-        let error = Document::read(&format!("{head}{scene}{claim}")).err().unwrap();
-        assert!(format!("{error:#}").contains("it must be a finite number over 0"), "{error:#}");
     }
 }
