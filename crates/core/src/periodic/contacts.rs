@@ -82,11 +82,7 @@ impl Contacts {
 
     /// Returns the contacts that `keep` accepts, in unchanged order.
     pub fn filtered(&self, keep: impl Fn(ImagePair) -> bool) -> Contacts {
-        let plain = |&&[i, j]: &&[u32; 2]| keep(ImagePair::new(i, j, [0; 3]));
-        Contacts {
-            plain: self.plain.iter().filter(plain).copied().collect(),
-            shifted: self.shifted.iter().copied().filter(|&pair| keep(pair)).collect(),
-        }
+        self.iter().filter(|&pair| keep(pair)).collect()
     }
 
     /// Iterates over all contacts, those without a shift first.
@@ -131,14 +127,11 @@ impl Contacts {
         let (before, found) = ([plain.before(), shifted.before], plain.found() + shifted.found);
         let all = plain.end(particles, &mut self.plain);
         let complete = all.is_ok() && shifted.is_complete();
-        let room = shifted.limit;
+        let room = if let Err(Refusal::Pairs { room, .. }) = all { room } else { shifted.limit };
         self.shifted = shifted.pairs;
         let listed = match all {
             _ if complete => Ok(()),
             Err(exhausted @ Refusal::Exhausted { .. }) => Err(exhausted),
-            Err(Refusal::Pairs { room, .. }) => {
-                Err(Refusal::Pairs { found, particles: particles as u64, room })
-            }
             _ => Err(Refusal::Pairs { found, particles: particles as u64, room }),
         };
         let result = result.and(listed);
@@ -154,19 +147,13 @@ impl Contacts {
 impl FromIterator<ImagePair> for Contacts {
     fn from_iter<I: IntoIterator<Item = ImagePair>>(pairs: I) -> Contacts {
         let mut contacts = Contacts::default();
-        contacts.extend(pairs);
-        contacts
-    }
-}
-
-impl Extend<ImagePair> for Contacts {
-    fn extend<I: IntoIterator<Item = ImagePair>>(&mut self, pairs: I) {
         for pair in pairs {
             match pair.image {
-                [0, 0, 0] => self.plain.push([pair.i, pair.j]),
-                _ => self.shifted.push(pair),
+                [0, 0, 0] => contacts.plain.push([pair.i, pair.j]),
+                _ => contacts.shifted.push(pair),
             }
         }
+        contacts
     }
 }
 
@@ -200,30 +187,29 @@ impl List {
         self.found == (self.pairs.len() - self.before) as u64
     }
 
-    /// Returns the contacts that were not in the list at the start.
-    pub(super) fn added(&mut self) -> &mut [ImagePair] {
-        &mut self.pairs[self.before..]
+    /// Appends a contact, or only counts it if the list is full.
+    #[inline]
+    pub fn push(&mut self, pair: ImagePair) {
+        let full = self.pairs.len() == self.pairs.capacity();
+        let room = self.is_complete() && (!full || self.grow());
+        self.found += 1;
+        if room {
+            self.pairs.push(pair);
+        }
     }
 
-    /// Appends a contact, or only counts it if the list is full.
-    pub fn push(&mut self, pair: ImagePair) {
-        let complete = self.is_complete();
-        self.found += 1;
-        if !complete {
-            return;
-        }
-        if self.pairs.len() == self.pairs.capacity() {
-            let most = usize::try_from(self.limit / IMAGE_PAIR_BYTES).unwrap_or(usize::MAX);
-            let more = self.pairs.len().max(4).min(most.saturating_sub(self.pairs.len()));
-            if more == 0 || self.pairs.try_reserve_exact(more).is_err() {
-                if self.before == 0 {
-                    self.pairs = Vec::new();
-                }
-                self.pairs.truncate(self.before);
-                return;
+    #[cold]
+    fn grow(&mut self) -> bool {
+        let most = usize::try_from(self.limit / IMAGE_PAIR_BYTES).unwrap_or(usize::MAX);
+        let more = self.pairs.len().max(4).min(most.saturating_sub(self.pairs.len()));
+        let grown = more > 0 && self.pairs.try_reserve_exact(more).is_ok();
+        if !grown {
+            if self.before == 0 {
+                self.pairs = Vec::new();
             }
+            self.pairs.truncate(self.before);
         }
-        self.pairs.push(pair);
+        grown
     }
 
     /// Returns the contacts in ascending order. `particles` is the scene's number of particles, for

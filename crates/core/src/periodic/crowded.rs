@@ -15,7 +15,7 @@ use crate::detect::Detector;
 use crate::detect::any::{Of, Searched};
 use crate::probe::Probe;
 use crate::refusal::Refusal;
-use crate::scene::{Real, array};
+use crate::scene::Real;
 use crate::sink::{Sink, splitmix64};
 
 /// Least number of images for an estimate; for fewer it would cost more than it saves.
@@ -71,11 +71,7 @@ pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
 impl<const D: usize> Made<'_, D> {
     /// Returns whether two particles or images touch in rounded arithmetic, for estimates.
     fn overlap(&self, a: u64, b: u64) -> bool {
-        let at = |body: u64| match (body as usize).checked_sub(self.owners.len()) {
-            Some(image) => array(&self.centres[image]),
-            None => array(&self.owners[body as usize]),
-        };
-        let (p, q) = (at(a), at(b));
+        let (p, q) = (self.place(a as usize), self.place(b as usize));
         let square: f64 = (0..D).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum();
         let reach = self.radii.get(a as usize) + self.radii.get(b as usize);
         square <= reach * reach
@@ -90,23 +86,15 @@ pub(super) fn search(
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
-    match searched {
-        Searched::Plane(of) => of_owners(of, owners, probe, sink),
-        Searched::Space(of) => of_owners(of, owners, probe, sink),
-    }
-}
-
-fn of_owners<const D: usize>(
-    of: &Of<'_, D>,
-    owners: u32,
-    probe: &mut impl Probe,
-    sink: &mut impl Sink,
-) -> Result<(), Refusal> {
     let mut direct = OfOwners(owners);
-    match of {
-        Of::Images(images) => direct.detect(images.bodies()?, probe, sink),
-        Of::Scene(scene, test) => {
-            direct.detect(StoredBodies::<D, false>::new(scene, *test)?, probe, sink)
+    match searched {
+        Searched::Plane(Of::Images(images)) => direct.detect(images.bodies()?, probe, sink),
+        Searched::Space(Of::Images(images)) => direct.detect(images.bodies()?, probe, sink),
+        Searched::Plane(Of::Scene(scene, test)) => {
+            direct.detect(StoredBodies::<2, false>::new(scene, *test)?, probe, sink)
+        }
+        Searched::Space(Of::Scene(scene, test)) => {
+            direct.detect(StoredBodies::<3, false>::new(scene, *test)?, probe, sink)
         }
     }
 }

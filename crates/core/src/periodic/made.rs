@@ -52,11 +52,6 @@ impl<'a, const D: usize> Made<'a, D> {
         self.bytes
     }
 
-    /// Returns a bound for the errors of the positions, as a slack of the exact test.
-    pub fn slack(&self) -> Slack {
-        self.slack
-    }
-
     /// Returns whether no particle was moved. Contacts of two particles then have no shift.
     pub fn are_as_given(&self) -> bool {
         self.wraps.is_empty()
@@ -70,14 +65,8 @@ impl<'a, const D: usize> Made<'a, D> {
         (tag(a) == tag(b)) & (tag(a) != FAR)
     }
 
-    /// Returns the contact of a particle and an image, in any order, if no particle was moved.
-    #[inline]
-    pub fn through(&self, a: u32, b: u32) -> ImagePair {
-        let Body { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
-        ImagePair::new(a.min(b), owner, image)
-    }
-
     /// Returns the contact that a pair of particles or images represents, or `None` for two images.
+    #[inline]
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
         let owners = self.particles();
         if a >= owners && b >= owners {
@@ -94,6 +83,7 @@ impl<'a, const D: usize> Made<'a, D> {
     }
 
     /// Returns the owners of `a` and `b`, and the shift of the second relative to the first.
+    #[inline]
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
         let [a, b] = [a, b].map(|body| self.body(body as usize));
         ([a.owner, b.owner], fill(|k| b.image[k] - a.image[k]))
@@ -104,6 +94,7 @@ impl<'a, const D: usize> Made<'a, D> {
         self.body(body as usize).image
     }
 
+    #[inline]
     fn body(&self, body: usize) -> Body {
         match body.checked_sub(self.given.len()) {
             Some(image) => self.images[image],
@@ -128,21 +119,13 @@ impl<'a, const D: usize> Made<'a, D> {
 
     /// Returns the positions of the particles, then of the images.
     pub fn places(&self) -> impl ExactSizeIterator<Item = &[f64; D]> + Clone {
-        let (owners, n) = (self.owners, self.owners.len());
-        (0..n + self.centres.len()).map(move |body| match body.checked_sub(n) {
-            Some(image) => array(&self.centres[image]),
-            None => array(&owners[body]),
-        })
+        (0..self.owners.len() + self.centres.len()).map(|body| self.place(body))
     }
 
-    /// Returns the radii of the particles, then of the images.
-    pub fn radii(&self) -> &Radii<'a, f64> {
-        &self.radii
-    }
-
-    /// Returns the largest radius of all particles.
-    pub fn largest_radius(&self) -> f64 {
-        self.largest_radius
+    /// Returns the position of a particle or image.
+    pub fn place(&self, body: usize) -> &[f64; D] {
+        let image = body.checked_sub(self.owners.len());
+        array(image.map_or_else(|| &self.owners[body], |image| &self.centres[image]))
     }
 
     /// Copies particles and images into an open scene. Fails if memory runs out.

@@ -15,15 +15,10 @@ pub struct Copies<const D: usize> {
     cells: Copied<CellF32, D>,
 }
 
+#[derive(Default)]
 struct Copied<T: Real, const D: usize> {
     centres: Vec<Point<T, D>>,
     radii: Vec<T>,
-}
-
-impl<T: Real, const D: usize> Default for Copied<T, D> {
-    fn default() -> Self {
-        Copied { centres: Vec::new(), radii: Vec::new() }
-    }
 }
 
 impl<const D: usize> Copies<D> {
@@ -53,7 +48,7 @@ impl<const D: usize> Copies<D> {
                 }
                 let empty = made.places().len() == 0;
                 let cells =
-                    ByCells::new((low, high), made.largest_radius(), empty).map_err(refused)?;
+                    ByCells::new((low, high), made.largest_radius, empty).map_err(refused)?;
                 let length = |r| cells.length(r);
                 let scene = self.cells.fill(made, |x, k| cells.coordinate(x, k), length)?;
                 Ok(Some(Stored::Cell(scene.map_err(refused)?)))
@@ -71,7 +66,7 @@ impl<T: Real, const D: usize> Copied<T, D> {
     ) -> Result<Result<Scene<'_, T, D>, SceneError>, Refusal> {
         let place = |x: &[f64; D]| Point::from(fill(|k| coordinate(x[k], k)));
         fit(&mut self.centres, made.places().map(place))?;
-        let radii = match made.radii() {
+        let radii = match &made.radii {
             Radii::Uniform(r) => Radii::Uniform(length(*r)),
             Radii::Each(radii) => {
                 fit(&mut self.radii, radii.iter().map(|&r| length(r)))?;
