@@ -25,6 +25,16 @@
 //! images and all decisions refer to the given vectors ([`Frame::given`]). Given vectors that are
 //! nearly as good are kept, so that particles in the box need not be moved.
 //!
+//! **Upright boxes.** Particles of a tilted box often fill the upright box of the same edges.
+//! Moving them into the tilted box would need a copy of the scene. Upright boxes in shifted rows
+//! fill space too if each vector has a positive component along its own axis, none along later
+//! axes, and along earlier axes at most those vectors' own. Let ga be the axis a over that edge,
+//! and hba = ga·Hb, at most 1 in magnitude. Then (1) holds for Ta plus the sum of Tb hba over b >
+//! a, in place of Ta, with rab without hba. So Tz, Ty and Tx have bounds in this order, c + o, 2(c
+//! + o) and 4(c + o), where o is the largest |T| times the largest off(a). As off(a) is below 1/64,
+//! |T| is below 8c. Roundings of hba, its products and their sums are at most 5u |Tb hba|; off(a)
+//! includes 16u |hba|.
+//!
 //! **Positions.** x + S·H is computed with the errors of all products (by a fused multiplication)
 //! and of all sums (by two-sum) added up beside it. Each of these errors is exact except for
 //! underflow in products, at most 3 · 2^-1075. Each of the six errors is at most u(1 + u)^3 times m
@@ -34,7 +44,7 @@
 
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
-use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
+use crate::scene::lattice::{AS_GIVEN, Numbers, dot, norm, shifted};
 use crate::wide::fill;
 
 /// Unit roundoff of f64, 2^-53.
@@ -67,6 +77,10 @@ pub struct Frame<const D: usize> {
     pub lengths: [f64; 3],
     /// Upper bounds for the sums of rab over b: off(a).
     off: [f64; 3],
+    /// hba of an upright box, in row b; otherwise 0.
+    pub shear: [[f64; 3]; 3],
+    /// T is positive if its first nonzero number in this order of the vectors is positive.
+    pub order: [usize; 3],
 }
 
 impl<const D: usize> Frame<D> {
@@ -112,12 +126,12 @@ impl<const D: usize> Frame<D> {
         let (mut lengths, mut off) = ([0.0; 3], [0.0; 3]);
         for a in (0..3).filter(|&a| periodic[a]) {
             // The computed size times this factor is at least the true root of the sum of squares.
-            lengths[a] = size(&duals[a]) * (1.0 + 8.0 * U);
+            lengths[a] = norm(duals[a]) * (1.0 + 8.0 * U);
             for b in (0..3).filter(|&b| periodic[b]) {
                 let expected = f64::from(u8::from(a == b));
                 let rounded = 16.0 * U * (1.0 + times(&duals[a], &own[b]));
                 let of_vector = 2.0 * times(&duals[a], &error(b));
-                off[a] += (dot(&duals[a], &own[b]) - expected).abs() + rounded + of_vector;
+                off[a] += (dot(duals[a], own[b]) - expected).abs() + rounded + of_vector;
             }
             // The condition is also true if a number is NaN.
             if !(off[a] <= 0.25 && lengths[a].is_finite()) {
@@ -125,7 +139,40 @@ impl<const D: usize> Frame<D> {
             }
         }
         let origin = cut(given.origin());
-        Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off })
+        let (shear, order) = ([[0.0; 3]; 3], [0, 1, 2]);
+        Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off, shear, order })
+    }
+
+    /// Returns the frame of an upright box if the vectors in use are the given ones and allow it.
+    /// An untilted box has no other frame.
+    pub fn upright(&self) -> Option<Frame<D>> {
+        let (own, mut shear) = (&self.own, [[0.0; 3]; 3]);
+        let allowed = |a: usize, b: usize| {
+            if b < a { own[b][a] == 0.0 } else { own[b][a].abs() <= own[a][a] }
+        };
+        if !self.is_as_given() || !(0..D).all(|a| (0..D).all(|b| allowed(a, b))) {
+            return None;
+        }
+        let mut frame = Frame { off: [0.0; 3], ..self.clone() };
+        for a in (0..D).filter(|&a| self.periodic[a]) {
+            let dual = 1.0 / own[a][a];
+            frame.duals[a] = fill(|k| if k == a { dual } else { 0.0 });
+            frame.lengths[a] = dual * (1.0 + 8.0 * U);
+            for b in a..D {
+                shear[b][a] = dual * own[b][a];
+                frame.off[a] += 16.0 * U * (1.0 + shear[b][a].abs());
+            }
+            frame.off[a] += (shear[a][a] - 1.0).abs();
+            shear[a][a] = 0.0;
+        }
+        let usable = frame.lengths.iter().all(|length| length.is_finite());
+        let tilted = shear != [[0.0; 3]; 3];
+        (usable && tilted).then_some(Frame { shear, order: [2, 1, 0], ..frame })
+    }
+
+    /// Returns whether this is the frame of an upright box in a tilted one.
+    pub fn is_upright(&self) -> bool {
+        self.order == [2, 1, 0]
     }
 
     /// Converts a shift by the vectors in use to a shift by the given ones. If a number reaches
@@ -178,7 +225,7 @@ impl<const D: usize> Frame<D> {
     /// Returns the computed fraction ga·x, within 4u times [`Frame::most`] of the true value; 0 if
     /// the box is open along vector `a`.
     pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
-        dot(&self.duals[a], x)
+        dot(self.duals[a], *x)
     }
 
     /// Returns the sum over coordinates of |ga| |x|, up to rounding.
@@ -188,20 +235,17 @@ impl<const D: usize> Frame<D> {
 
     /// Returns how often each given vector must be added to bring particle `index` from `x` into
     /// the box, up to rounding.
+    #[inline]
     pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
         let from_corner = fill(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
         for a in (0..3).filter(|&a| self.periodic[a]) {
             let fraction = self.fraction(a, &from_corner);
-            if (0.0..1.0).contains(&fraction) {
-                continue;
-            }
-            let boxes = fraction.floor();
             // The condition is also true if a difference overflows to NaN.
-            if boxes.is_nan() || boxes.abs() >= MOST {
-                return Err(Refusal::Away { particle: index, vector: a, boxes });
+            if !(1.0 - MOST..MOST).contains(&fraction) {
+                return Err(Refusal::Away { particle: index, vector: a, boxes: fraction.floor() });
             }
-            image[a] = -(boxes as i32);
+            image[a] = -floor(fraction);
         }
         self.given(image).map_err(|(vector, number)| Refusal::Away {
             particle: index,
@@ -211,6 +255,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// Returns the rounded position of an image of a particle at `x`; not finite if it overflows.
+    #[inline]
     pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
         shifted(x, image, &self.vectors)
     }
@@ -223,8 +268,17 @@ impl<const D: usize> Frame<D> {
             .filter(|&a| self.periodic[a])
             .map(|a| spread[a] + self.lengths[a] * reach)
             .fold(0.0, f64::max);
-        (self.off.map(|off| 2.0 * most * off), 2.0 * most)
+        let most = if self.is_upright() { 8.0 * most } else { 2.0 * most };
+        (self.off.map(|off| most * off), most)
     }
+}
+
+/// Rounds down without a call to the library, for numbers in the range of an i32. The sum with 3 ·
+/// 2^51 has the nearest integer in its lower bits.
+#[inline(always)]
+pub(super) fn floor(x: f64) -> i32 {
+    let nearest = (x + 6_755_399_441_055_744.0).to_bits() as i32;
+    nearest - i32::from(f64::from(nearest) > x)
 }
 
 /// Returns a bound for the error of a position along one axis, for positions of at most `place` in
@@ -233,15 +287,7 @@ pub(super) fn off_by(place: f64, terms: f64) -> f64 {
     2.0 * U * place + SECOND * terms + LEAST
 }
 
-fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|k| a[k] * b[k]).sum()
-}
-
 /// Returns the product of two vectors as [`dot`] does, but of the magnitudes of their components.
 fn times<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| (a[k] * b[k]).abs()).sum()
-}
-
-fn size<const D: usize>(a: &[f64; D]) -> f64 {
-    dot(a, a).sqrt()
 }

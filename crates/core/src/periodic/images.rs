@@ -2,19 +2,19 @@
 //!
 //! **Half of the images.** Every particle j (an *owner*) is brought approximately into the box by
 //! integers Wj; let pj = xj + Wj·H be its true position. The open scene consists of the owners and
-//! the images pj + T·H with T lexicographically positive (the first nonzero number is positive)
-//! that are near enough to some owner. Particle i touches the image of j by S exactly if pi touches
-//! pj + T·H, T = S + Wi - Wj. T and -T are the same contact from both sides, and one of the two is
-//! lexicographically positive unless T = 0. So every contact is found once, between two owners or
-//! between an owner and an image; pairs of two images are dropped. Any Wj are correct: they
-//! determine the number of images, not what touches. So if no two fractions differ by much more
-//! than 1, all Wj are 0, and owners are the given scene, not a copy.
+//! the images pj + T·H with T positive (the first nonzero number is positive, in upright boxes the
+//! last) that are near enough to some owner. Particle i touches the image of j by S exactly if pi
+//! touches pj + T·H, T = S + Wi - Wj. T and -T are the same contact from both sides, and one of the
+//! two is positive unless T = 0. So every contact is found once, between two owners or between an
+//! owner and an image; pairs of two images are dropped. Any Wj are correct: they determine the
+//! number of images, not what touches. So if no two fractions differ by much more than 1, all Wj
+//! are 0, and owners are the given scene, not a copy.
 
 use nalgebra::Point;
 
 use super::frame::Frame;
 use super::made::{Body, Made, tag};
-use super::near::{Candidate, Near, Reach, for_half, half, one_step, survey};
+use super::near::{Candidate, Near, Reach, survey};
 use crate::contact::{Arithmetic, Corners, Slack};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
@@ -35,7 +35,8 @@ pub struct Images<const D: usize> {
     radii: Vec<f64>,
 }
 
-const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+/// Number of particles that show whether all may be in an upright box.
+const SAMPLE: usize = 1024;
 
 struct Budget {
     particles: u64,
@@ -94,7 +95,7 @@ impl<const D: usize> Images<D> {
         arithmetic: Arithmetic,
         limit: u64,
     ) -> Result<Made<'a, D>, Refusal> {
-        let frame = Frame::new(lattice)?;
+        let mut frame = Frame::new(lattice)?;
         self.clear();
         let mut budget = Budget::new(given, arithmetic.storage(), limit);
         budget.holds(0.0)?;
@@ -104,9 +105,11 @@ impl<const D: usize> Images<D> {
                 budget.fixed += 8.0 * given.len() as f64;
             }
             let reach = Reach::new(given, arithmetic);
-            let near = self.look(given, &frame, reach, &mut budget)?;
+            let upright = frame.upright();
+            let near = self.look(given, &frame, upright.as_ref(), reach, &mut budget)?;
             corners = Some(self.fill(given, &near, &budget)?);
             slack = near.slack(corners, given.len() + self.images.len());
+            frame = near.frame.clone();
             if let Radii::Each(radii) = given.radii() {
                 reserve(&mut self.radii, radii.len() + self.images.len())?;
                 self.radii.extend_from_slice(radii);
@@ -153,11 +156,23 @@ impl<const D: usize> Images<D> {
         &mut self,
         given: &Scene<'_, f64, D>,
         frame: &'a Frame<D>,
+        upright: Option<&'a Frame<D>>,
         reach: Reach,
         budget: &mut Budget,
     ) -> Result<Near<'a, D>, Refusal> {
-        let mut below = reach.guess(frame);
-        let mut found = survey(given.centres(), frame, below, &mut self.candidates);
+        let mut see = |centres: &[Point<f64, D>], frame: &'a Frame<D>| {
+            let below = reach.guess(frame);
+            let found = survey(centres, frame, below, &mut self.candidates);
+            (frame, below, found)
+        };
+        let all = given.centres();
+        let some = &all[all.len().saturating_sub(SAMPLE)..];
+        let upright = upright
+            .filter(|frame| reach.boxes(frame).iter().all(|&boxes| boxes <= 1.0))
+            .filter(|frame| see(some, frame).2.fit(frame))
+            .map(|frame| see(all, frame))
+            .filter(|(frame, _, found)| found.fit(frame));
+        let (frame, mut below, mut found) = upright.unwrap_or_else(|| see(all, frame));
         let given_most = found.most();
         let wrap = !found.fit(frame);
         if wrap {
@@ -170,7 +185,7 @@ impl<const D: usize> Images<D> {
             .wraps
             .iter()
             .fold([0; 3], |most: [u32; 3], wrap| fill(|a| most[a].max(wrap[a].unsigned_abs())));
-        let near = Near::new(frame, &found, given_most, wraps, reach)?;
+        let near = Near::new(frame, found, given_most, wraps, reach)?;
         budget.reach = near.largest_reach;
         if near.most >= super::frame::MOST {
             // The images are too many to be numbered.
@@ -234,16 +249,13 @@ impl<const D: usize> Images<D> {
             // The conversion is exact, because the number is below 2^32.
             let made = made as usize;
             if made <= room {
-                return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
+                let finite = self.centres.iter().flat_map(array).all(|x| x.is_finite());
+                return if finite { Ok(corners) } else { Err(Refusal::Range) };
             }
             (self.images, self.centres) = (Vec::new(), Vec::new());
             reserve(&mut self.images, made)?;
             reserve(&mut self.centres, made)?;
         }
-    }
-
-    fn are_finite(&self) -> bool {
-        self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
     }
 
     /// Makes up to `room` images. Returns the number needed and, if all fit, the bounding corners.
@@ -254,42 +266,40 @@ impl<const D: usize> Images<D> {
         near: &Near<'_, D>,
     ) -> (f64, Corners<D>) {
         let frame = near.frame;
-        let (mut low, mut high) = near.corners;
+        let (mut low, mut high) = near.found.corners;
         let mut made = 0.0;
         let mut sums = near.sums(given.largest_radius());
-        // If no particle is moved, adding one vector is as accurate as `Frame::place`, and the
-        // vector is chosen without a branch.
-        let by_steps = self.wraps.is_empty() && frame.is_as_given();
+        let many = near.are_many();
         for Candidate { place, owner } in &self.candidates {
             let index = *owner as usize;
             if let Radii::Each(radii) = given.radii() {
                 sums = near.sums(radii[index]);
             }
-            let ranges = near.ranges(place, &sums);
-            made += half(ranges);
-            if made > room as f64 {
-                continue;
-            }
             let (wrap, x) = match self.wraps.get(index) {
                 Some(wrap) => (*wrap, array(&given.centres()[index])),
                 None => ([0; 3], place),
             };
-            let mut add = |image: [i32; 3], place: [f64; D]| {
+            if many {
+                let count = near.count(place, &sums);
+                if made + count > room as f64 {
+                    made += count;
+                    continue;
+                }
+            }
+            near.for_images(place, &sums, |shift| {
+                made += 1.0;
+                if made > room as f64 {
+                    return;
+                }
+                // The conversion always succeeds, because larger numbers were refused before.
+                let Ok(shift) = frame.given(shift) else { return };
+                let image = fill(|a| wrap[a] + shift[a]);
+                let place = frame.place(x, image);
                 for k in 0..D {
                     (low[k], high[k]) = (low[k].min(place[k]), high[k].max(place[k]));
                 }
                 self.images.push(Body { owner: *owner, image });
                 self.centres.push(place.into());
-            };
-            if let (Some(a), true) = (one_step(ranges), by_steps) {
-                add(STEPS[a], fill(|k| x[k] + frame.vectors[a][k]));
-                continue;
-            }
-            for_half(ranges, |shift| {
-                // The conversion always succeeds, because larger numbers were refused before.
-                let Ok(shift) = frame.given(shift) else { return };
-                let image = fill(|a| wrap[a] + shift[a]);
-                add(image, frame.place(x, image));
             });
         }
         (made, (low, high))

@@ -13,10 +13,11 @@
 //! ```
 //!
 //! and the roundings of the two sums, (lowa - M) - fj and (higha + M) - fj, are at most 3u (4m +
-//! M): the code uses 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T
-//! has some Ta of at least 1, so fj is at most higha + M - 1 for this a. One pass over the scene
-//! finds its corners and fractions. It lists the particles whose images must be examined, for which
-//! it guesses this bound. If the guess was too low, there is a second pass.
+//! M): the code uses 64u m for both terms in m, and M(1 + 2^-40). A positive T has some Ta of at
+//! least 1, so fj is at most higha + M - 1 for this a. In upright boxes this is the last nonzero
+//! Ta, to which other vectors add nothing. One pass over the scene finds its corners and fractions.
+//! It lists the particles whose images must be examined, for which it guesses this bound. If the
+//! guess was too low, there is a second pass.
 //!
 //! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts pairs up to
 //! its own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
@@ -39,7 +40,7 @@
 
 use nalgebra::Point;
 
-use super::frame::{Frame, MOST, U, off_by};
+use super::frame::{Frame, MOST, U, floor, off_by};
 use crate::contact::{Arithmetic, Corners, Slack};
 use crate::filter::cells::spacing;
 use crate::refusal::Refusal;
@@ -49,35 +50,20 @@ use crate::wide::{Kernel, Level, Wide, fill};
 /// The lowest and the highest number of T along each vector.
 type Ranges = [[i32; 2]; 3];
 
-/// Returns the number of lexicographically positive T in these ranges; exact below 2^53.
-pub(super) fn half([x, y, z]: Ranges) -> f64 {
+/// Returns the range of Ta between limits, if other vectors add `shift` to Ta.
+#[inline(always)]
+fn range([low, high]: [f64; 2], shift: f64) -> [i32; 2] {
+    [-floor(shift - low), floor(high - shift)]
+}
+
+/// Counts the T in these ranges whose first nonzero number is positive; exact below 2^53.
+fn half([x, y, z]: Ranges) -> f64 {
     // A length is at most 2^30, so that the product of two fits.
     let length = |[low, high]: [i32; 2]| i64::from((high - low + 1).max(0));
     let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
     let zero = |[low, high]: [i32; 2]| i64::from(low <= 0 && high >= 0);
     let behind = zero(x) * (positive(y) * length(z) + zero(y) * positive(z));
     (positive(x) * length(y)) as f64 * length(z) as f64 + behind as f64
-}
-
-/// Calls `call` with each lexicographically positive T of these ranges, in ascending order.
-pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
-    for a in x[0].max(0)..=x[1] {
-        for b in (if a > 0 { y[0] } else { y[0].max(0) })..=y[1] {
-            for c in (if a > 0 || b > 0 { z[0] } else { z[0].max(1) })..=z[1] {
-                call([a, b, c]);
-            }
-        }
-    }
-}
-
-/// Returns the vector a if the only lexicographically positive T in these ranges is one step along
-/// a. `None` decides nothing. The quick check succeeds for most particles near a face of the box.
-#[inline(always)]
-pub(super) fn one_step([x, y, z]: Ranges) -> Option<usize> {
-    let steps = x[1] + 2 * y[1] + 4 * z[1];
-    let within = |[low, high]: [i32; 2]| (low == 0) & ((high == 0) | (high == 1));
-    let known = within(x) & within(y) & within(z) & matches!(steps, 1 | 2 | 4);
-    known.then_some(steps as usize / 2)
 }
 
 /// Distance within which the contact test of an arithmetic may accept pairs.
@@ -113,10 +99,16 @@ impl Reach {
     /// that begins at the corner of its box. The guess is rather too high, because each extra
     /// particle costs little.
     pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
+        let boxes = self.boxes(frame);
         fill(|a| {
-            let reach = frame.lengths[a] * self.of(self.largest_radius, 0.0);
-            if frame.periodic[a] { frame.corner(a) + 1.125 * reach } else { f64::NEG_INFINITY }
+            let below = frame.corner(a) + 1.125 * boxes[a];
+            if frame.periodic[a] { below } else { f64::NEG_INFINITY }
         })
+    }
+
+    /// Returns the reach of the largest particle in distances of the faces of the box.
+    pub fn boxes<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
+        frame.lengths.map(|length| length * self.of(self.largest_radius, 0.0))
     }
 }
 
@@ -257,20 +249,11 @@ where
     }
 }
 
-/// Rounds down without a call to the library, for numbers in the range of an i32.
-#[inline]
-fn floor(x: f64) -> i32 {
-    let towards_zero = x as i32;
-    towards_zero - i32::from(f64::from(towards_zero) > x)
-}
-
 /// Determines which images are near enough to some owner to touch it.
 pub(super) struct Near<'a, const D: usize> {
     pub frame: &'a Frame<D>,
-    pub corners: Corners<D>,
-    /// Least fractions of owners; `high` holds the largest ones.
-    low: [f64; 3],
-    high: [f64; 3],
+    /// Corners and extreme fractions of owners.
+    pub found: Survey<D>,
     /// The margin M without its part |ga| R.
     more: [f64; 3],
     reach: Reach,
@@ -293,7 +276,7 @@ impl<'a, const D: usize> Near<'a, D> {
     /// overflow, and [`Refusal::Skewed`] if images cannot be numbered in the given vectors.
     pub fn new(
         frame: &'a Frame<D>,
-        found: &Survey<D>,
+        found: Survey<D>,
         x_most: [f64; D],
         wraps: [u32; 3],
         reach: Reach,
@@ -334,26 +317,13 @@ impl<'a, const D: usize> Near<'a, D> {
             let rounded = (GROW - 1.0) * (low[a].abs() + high[a].abs() + margin + 1.0);
             high[a] + margin - 1.0 + rounded
         });
-        let corners = found.corners;
-        Ok(Near {
-            frame,
-            corners,
-            low,
-            high,
-            more,
-            reach,
-            storing,
-            largest_reach,
-            most,
-            below,
-            off,
-        })
+        Ok(Near { frame, found, more, reach, storing, largest_reach, most, below, off })
     }
 
     /// Estimates how many images this many particles have, for an error message.
     pub fn about(&self, particles: usize) -> f64 {
         let along = |a: usize| {
-            let boxes = self.high[a] - self.low[a];
+            let boxes = self.found.high[a] - self.found.low[a];
             1.0 + boxes + 2.0 * (self.frame.lengths[a] * self.largest_reach + self.more[a])
         };
         0.5 * particles as f64 * (0..3).map(along).product::<f64>()
@@ -363,22 +333,58 @@ impl<'a, const D: usize> Near<'a, D> {
     pub fn sums(&self, radius: f64) -> [[f64; 2]; 3] {
         let reach = self.reach.of(radius, self.storing);
         fill(|a| {
+            if !self.frame.periodic[a] {
+                return [0.0; 2];
+            }
             let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
-            [self.low[a] - margin, self.high[a] + margin]
+            [self.found.low[a] - margin, self.found.high[a] + margin]
         })
     }
 
-    /// Returns the ranges of T for an owner at this position.
-    #[inline]
-    pub fn ranges(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> Ranges {
+    /// Returns the limits of T for an owner at this position, before rounding to integers.
+    #[inline(always)]
+    fn limits(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> [[f64; 2]; 3] {
         fill(|a| {
-            if !self.frame.periodic[a] {
-                return [0, 0];
-            }
             let fraction = self.frame.fraction(a, place);
-            let [low, high] = sums[a].map(|sum| sum - fraction);
-            [-floor(-low), floor(high)]
+            sums[a].map(|sum| sum - fraction)
         })
+    }
+
+    /// Returns whether images must be counted before they are made, because a particle may have
+    /// hundreds. In an upright box it has few.
+    pub fn are_many(&self) -> bool {
+        let reach = |a: usize| self.frame.lengths[a] * self.largest_reach + self.more[a];
+        !self.frame.is_upright() && (0..3).any(|a| reach(a) > 2.0)
+    }
+
+    /// Returns the number of images of an owner at this position, if the box is not upright.
+    pub fn count(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> f64 {
+        half(self.limits(place, sums).map(|limits| range(limits, 0.0)))
+    }
+
+    /// Calls `call` with each positive T for an owner at this position.
+    #[inline(always)]
+    pub fn for_images(
+        &self,
+        place: &[f64; D],
+        sums: &[[f64; 2]; 3],
+        mut call: impl FnMut([i32; 3]),
+    ) {
+        let (limits, shear) = (self.limits(place, sums), &self.frame.shear);
+        let [p, q, r] = self.frame.order;
+        let [low, high] = range(limits[p], 0.0);
+        for a in low.max(0)..=high {
+            let by_a = |v: usize| f64::from(a) * shear[p][v];
+            let [low, high] = range(limits[q], by_a(q));
+            for b in (if a > 0 { low } else { low.max(0) })..=high {
+                let [low, high] = range(limits[r], by_a(r) + f64::from(b) * shear[q][r]);
+                for c in (if a > 0 || b > 0 { low } else { low.max(1) })..=high {
+                    let mut image = [0; 3];
+                    (image[p], image[q], image[r]) = (a, b, c);
+                    call(image);
+                }
+            }
+        }
     }
 
     /// Returns the slack of the exact test for all particles and images, whose positions lie

@@ -186,11 +186,12 @@ fn shown(length: f64) -> String {
     if length == 0.0 { "0".into() } else { format!("{length:e}") }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
+#[inline]
+pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|k| a[k] * b[k]).sum()
 }
 
-fn norm(a: [f64; 3]) -> f64 {
+pub(crate) fn norm<const D: usize>(a: [f64; D]) -> f64 {
     dot(a, a).sqrt()
 }
 

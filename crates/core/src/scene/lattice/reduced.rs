@@ -13,6 +13,7 @@
 //! remain that could be shorter by a few ulps.
 
 use super::{Lattice, dot, norm};
+use crate::wide::fill;
 
 /// Limit for the magnitudes of the integers that combine vectors.
 const MOST: i64 = 1 << 29;
@@ -112,12 +113,13 @@ impl Basis<'_> {
 }
 
 /// Returns x + S·H, rounded; not finite if it overflows. `periodic/frame.rs` bounds the error.
+#[inline]
 pub(crate) fn shifted<const D: usize>(
     x: &[f64; D],
     image: [i32; 3],
     vectors: &[[f64; D]; 3],
 ) -> [f64; D] {
-    std::array::from_fn(|k| {
+    fill(|k| {
         let (mut sum, mut rest) = (x[k], 0.0);
         for (count, vector) in image.into_iter().zip(vectors) {
             let h = vector[k];
