@@ -2,8 +2,9 @@
 //! ([`super::ranges`]), sixteen at a time.
 //!
 //! Most ranges hold fewer than eight particles: two such ranges are tested together, 0 with 1 and 2
-//! with 3. If any range of a particle holds sixteen or more, each range is processed separately. On
-//! registers of fewer than sixteen floats each range is tested alone ([`super::single`]).
+//! with 3. If a range holds sixteen or more, the particles of the cell share copies of their
+//! candidates ([`super::together`]). On registers of fewer than sixteen floats each range is tested
+//! alone ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinate differences are off by at most [`STEPS_OFF`] along each axis. Each x is rounded to 24
@@ -26,11 +27,12 @@ use super::near::{Limits, Query, test};
 use super::pair_sink::PairSink;
 use super::ranges::{Find, Ranges, in_next, ranges_used};
 use super::slab::Slab;
+use super::together::{Copies, TOGETHER, Together};
 use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
 use crate::contact::{Bodies, Slack};
 use crate::probe::Op;
 use crate::scene::Real;
-use crate::wide::{HALF, Kernel, LANES, Level, Register, Wide};
+use crate::wide::{HALF, Kernel, LANES, Level, Register, Wide, fill};
 
 /// Limits in steps that decide a contact from the distance of a pair.
 #[derive(Clone, Copy, Debug)]
@@ -86,25 +88,28 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub sink: &'a mut dyn PairSink,
 }
 
-/// Neighbours of a block of particles and the resulting pairs, refilled for every block. The
-/// careful form uses the space for pairs before the block does. The alignment is that of cache
+/// Neighbours of a block of particles and the resulting pairs, refilled for every block. Particles
+/// swept [`Together`] use the space for pairs before the block does. The alignment is that of cache
 /// lines.
 #[repr(align(64))]
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
     pub pairs: [[u32; 2]; ROOM],
+    /// Copies of particles that several others are tested against.
+    pub candidates: Copies,
 }
 
 impl Default for Scratch {
     fn default() -> Scratch {
-        Scratch { ids: [0; ROOM], ends: [0; BLOCK], pairs: [[0; 2]; ROOM] }
+        let candidates = Copies::default();
+        Scratch { ids: [0; ROOM], ends: [0; BLOCK], pairs: [[0; 2]; ROOM], candidates }
     }
 }
 
 impl Scratch {
-    /// Stores the pairs of `id` with sixteen candidates that certainly touch; `found` is the number
-    /// of stored pairs. Passes pairs that the contact test must decide to `sink`.
+    /// Stores the pairs of `id` with those of sixteen candidates that certainly touch; `found` is the
+    /// number of stored pairs. Passes pairs that the contact test must decide to `sink`.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,
@@ -115,47 +120,17 @@ impl Scratch {
         found: &mut usize,
         sink: &mut dyn PairSink,
     ) {
-        if near == sure && near.count_ones() <= KEPT as u32 {
-            let mut packed = [0; KEPT];
-            source.pack(w, near, &mut packed);
-            // SAFETY: each call begins and ends with at most `ROOM - 3 * KEPT` pairs.
+        if near == sure {
+            let ids = source.ids().map(|half| *half);
+            // SAFETY: each call begins and ends with at most `ROOM - LANES` pairs.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
-            w.pair(id, &packed, pairs);
+            w.pairs(id, &fill(|k| ids[k / HALF][k % HALF]), near, pairs);
             *found += near.count_ones() as usize;
         } else {
-            self.take_carefully(w, id, source, (near, sure), found, sink);
+            one_by_one(&mut self.pairs, id, source, (near, sure), found, sink);
         }
-        if *found > ROOM - 3 * KEPT {
+        if *found > ROOM - LANES {
             self.hand_on(found, sink);
-        }
-    }
-
-    /// Does the same as [`Scratch::take`] if more contacts are found than are packed at once, or
-    /// pairs that only the contact test can decide.
-    #[cold]
-    #[inline(always)]
-    fn take_carefully<W: Wide, const D: usize>(
-        &mut self,
-        w: W,
-        id: u32,
-        source: impl Source<D>,
-        (near, sure): (u32, u32),
-        found: &mut usize,
-        sink: &mut dyn PairSink,
-    ) {
-        for half in [0xff, 0xff00] {
-            let (sure, unsure) = (sure & half, (near ^ sure) & half);
-            let mut packed = [0; KEPT];
-            source.pack(w, sure, &mut packed);
-            // SAFETY: at most `ROOM - 3 * KEPT` pairs are stored when a call begins, and `KEPT`
-            // more after the first half of the vector.
-            let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
-            w.pair(id, &packed, pairs);
-            *found += sure.count_ones() as usize;
-            source.pack(w, unsure, &mut packed);
-            for &other in &packed[..unsure.count_ones() as usize] {
-                sink.unsure(id, other);
-            }
         }
     }
 
@@ -165,21 +140,39 @@ impl Scratch {
     }
 }
 
+/// Stores the pairs of `id` with those of sixteen candidates that certainly touch, after `found`
+/// stored pairs. Passes pairs that the contact test must decide to `sink`.
+#[cold]
+pub(super) fn one_by_one<const D: usize>(
+    pairs: &mut [[u32; 2]; ROOM],
+    id: u32,
+    source: impl Source<D>,
+    (near, sure): (u32, u32),
+    found: &mut usize,
+    sink: &mut dyn PairSink,
+) {
+    let ids = source.ids();
+    for k in (0..LANES).filter(|k| near >> k & 1 == 1) {
+        let other = ids[k / HALF][k % HALF];
+        if sure >> k & 1 == 1 {
+            pairs[*found] = [id, other];
+            *found += 1;
+        } else {
+            sink.unsure(id, other);
+        }
+    }
+}
+
 /// Maximum number of particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Space for a particle's contacts in one vector; the careful form handles more, which are rare.
+/// Space for a particle's contacts in one vector; particles with more, which are rare, are swept
+/// [`Together`].
 const KEPT: usize = 8;
-/// Maximum number of vectors of candidates per particle; the careful form handles more. In crowded
-/// scenes one particle in 4,000 has more.
-const VECTORS: usize = 10;
 /// Number of neighbours after which a block ends.
 const ENOUGH: usize = 512;
-/// Space for `ENOUGH` ids, all candidates of one more particle, and what vectors write past them.
-pub(super) const ROOM: usize = ENOUGH + VECTORS * LANES + KEPT;
-
-fn vectors(ranges: &[(u32, u32)]) -> usize {
-    ranges.iter().map(|&(_, len)| len.div_ceil(LANES as u32) as usize).sum()
-}
+/// Space for `ENOUGH` ids, all of one more particle's five ranges, and what vectors write past
+/// them; and for the pairs of a particle with all candidates that are copied at once.
+pub(super) const ROOM: usize = TOGETHER + 5 * LANES + KEPT;
 
 struct Found {
     at: usize,
@@ -212,46 +205,41 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
         let mut first = self.places.start;
         while first < self.places.end {
             let most = BLOCK.min(self.places.end - first);
-            let (mut many, mut kept) = (0, 0);
+            let (mut many, mut kept, mut crowd) = (0, 0, None);
             while many < most && kept <= ENOUGH {
                 let place = first + many;
                 let ranges = self.find.ranges::<D>(place);
                 let longest = ranges.iter().fold(0, |all, &(_, len)| all | len);
+                if longest >= LANES as u32 {
+                    crowd = Some(ranges);
+                    break;
+                }
                 let mut found = Found { at: kept, odd: 0, counts: 0 };
                 let around =
                     Around { place, ranges: &ranges, shifts: &shifts, halves: &halves, limits };
-                let mut odd = 0;
-                if longest < LANES as u32 {
-                    // Most ranges are short, so two are tested at a time.
-                    let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
-                    let mut r = 0;
-                    if longest < HALF as u32 {
-                        while r + 1 < used {
-                            self.keep_two(w, around, r, &mut found);
-                            r += 2;
-                        }
+                // Most ranges are short, so two are tested at a time.
+                let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
+                let mut r = 0;
+                if longest < HALF as u32 {
+                    while r + 1 < used {
+                        self.keep_two(w, around, r, &mut found);
+                        r += 2;
                     }
-                    while r < used {
-                        if r % 2 == 0 && r + 1 < used && short(r) {
-                            self.keep_two(w, around, r, &mut found);
-                            r += 2;
-                        } else {
-                            self.keep_one(w, around, r, &mut found);
-                            r += 1;
-                        }
+                }
+                while r < used {
+                    if r % 2 == 0 && r + 1 < used && short(r) {
+                        self.keep_two(w, around, r, &mut found);
+                        r += 2;
+                    } else {
+                        self.keep_one(w, around, r, &mut found);
+                        r += 1;
                     }
-                } else if vectors(&ranges[..used]) <= VECTORS {
-                    for r in 0..used {
-                        self.keep_all(w, around, r, &mut found);
-                    }
-                } else {
-                    odd = 1;
                 }
                 // A vector may find more than eight neighbours, but only eight are kept.
-                odd |= found.odd | found.counts & 0x18;
-                kept = if odd == 0 { found.at } else { kept };
-                if odd != 0 {
-                    w.run(Careful(&mut self, place, &ranges[..used]));
+                if found.odd | found.counts & 0x18 == 0 {
+                    kept = found.at;
+                } else {
+                    w.run(Together(&mut self, place..place + 1, &ranges));
                 }
                 self.scratch.ends[many] = kept as u32;
                 many += 1;
@@ -277,6 +265,11 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
             }
             self.sink.sure(&self.scratch.pairs[..kept]);
             first += many;
+            if let Some(ranges) = crowd {
+                let end = self.alike(first, &ranges);
+                w.run(Together(&mut self, first..end, &ranges));
+                first = end;
+            }
         }
     }
 }
@@ -296,6 +289,17 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             self.sink.count(Op::ContactTest, tests);
         }
         level.run(self);
+    }
+
+    /// Returns the end of the particles from `place` on that share the candidates of `place`, whose
+    /// ranges are given.
+    pub fn alike(&self, place: usize, ranges: &Ranges) -> usize {
+        let end = |own: (u32, u32)| own.0 + own.1;
+        let same = |&at: &usize| {
+            let of = self.find.ranges::<D>(at);
+            end(of[0]) == end(ranges[0]) && of[1..] == ranges[1..]
+        };
+        (place + 1..self.places.end).take_while(same).last().map_or(place + 1, |last| last + 1)
     }
 
     pub fn other(&self, r: usize) -> &'a Slab<D> {
@@ -340,7 +344,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 
     /// Returns the particle at `place`, with coordinates relative to the cells of a range.
     #[inline(always)]
-    fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
+    pub fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
         // SAFETY: `place` is one of `places`, and every lane has a number for each.
         let at = |k: usize| w.all(unsafe { element(&self.slab.lanes[k], place) });
         let radius = if EACH {
@@ -372,18 +376,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 
     #[inline(always)]
-    fn keep_all<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
-        let query = self.query(w, a.place, &a.shifts[r]);
-        let (mut at, mut len) = a.ranges[r];
-        while len > 0 {
-            let (source, valid) = self.range((at, len.min(LANES as u32)), r);
-            self.keep(w, source, valid, &query, a.limits, found);
-            at += LANES as u32;
-            len = len.saturating_sub(LANES as u32);
-        }
-    }
-
-    #[inline(always)]
     fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
         let (low, valid) = self.range(a.ranges[r], r);
         let (high, valid_high) = self.range(a.ranges[r + 1], r + 1);
@@ -403,9 +395,11 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
-        // SAFETY: before `found.at` are at most `ENOUGH` ids and those of nine vectors; there is
+        // SAFETY: before `found.at` are at most `ENOUGH` ids and those of four vectors; there is
         // space for one vector more.
-        source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
+        let to = unsafe { chunk_mut(&mut self.scratch.ids, found.at) };
+        let [low, high] = source.ids();
+        w.pack_two(low, high, near, to);
         let count = near.count_ones();
         found.at += count as usize;
         found.odd |= near ^ sure;
@@ -413,43 +407,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 
     #[inline(always)]
-    fn limits<W: Wide>(&self, w: W) -> Limits<W> {
+    pub fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
-    }
-}
-
-/// Handles one particle with ranges of any length, and pairs that only the contact test can decide.
-/// It is a separate function so that its calls do not use registers in the sweep.
-pub(super) struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
-    pub &'s mut Sweep<'a, F, D, EACH>,
-    pub usize,
-    pub &'s [(u32, u32)],
-);
-
-impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D, EACH> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<W: Wide>(self, w: W) {
-        let Careful(sweep, place, ranges) = self;
-        let (limits, shifts) = (sweep.limits(w), sweep.shifts(w));
-        let id = sweep.slab.ids[place];
-        let mut found = 0;
-        for (r, &(begin, len)) in ranges.iter().enumerate() {
-            let slab = sweep.other(r);
-            let query = sweep.query(w, place, &shifts[r]);
-            for k in (0..len).step_by(LANES) {
-                let at = (begin + k) as usize;
-                let valid = !(!0 << (len - k).min(LANES as u32));
-                // SAFETY: `at` is in a range and so below the slab's `len`; the arrays are a vector
-                // longer.
-                let run = unsafe { Run16::new(slab, at) };
-                let (near, sure) =
-                    test::<_, D, EACH>(w, run, valid, &query, limits, sweep.bounds.grow, F::TURN);
-                let Sweep { scratch, sink, .. } = &mut *sweep;
-                scratch.take(w, id, run, (near, sure), &mut found, *sink);
-            }
-        }
-        sweep.scratch.hand_on(&mut found, sweep.sink);
     }
 }

@@ -11,7 +11,8 @@
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
 //!    in the next row, and the nine in the next layer. The particles of these cells form five
 //!    contiguous ranges (two in 2D). They are tested sixteen at a time in f32, or each range
-//!    alone on narrow registers (`single.rs`).
+//!    alone on narrow registers (`single.rs`). Cells with many particles are divided along x, and
+//!    their candidates are copied side by side first (`together.rs`).
 //! 4. The contact test decides what f32 cannot, a few pairs in ten thousand contacts; `kernel.rs`
 //!    derives the bounds.
 //!
@@ -34,7 +35,7 @@
 //!   particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the records of one. A bundle has
 //!   2,000 to 4,000 particles, or one layer if that is more. Classes need the lists of each and two
 //!   bundles that hold the largest of any. The sparse form needs 24N, or 32N with radii, and two
-//!   layers. Each thread has about 9 KiB of working space. Several threads have two bundles each
+//!   layers. Each thread has 34 KiB of working space. Several threads have two bundles each
 //!   and collect contacts, 8 bytes each, in lists of at most twice the length needed; a repeated
 //!   call allocates only what distributes the work.
 //! * Refuses extents that overflow, more than 2^31 - 1 particles, and in the sparse form 2^31 or
@@ -56,6 +57,7 @@ mod ranges;
 mod single;
 mod slab;
 mod sparse;
+mod together;
 mod unchecked;
 mod visits;
 

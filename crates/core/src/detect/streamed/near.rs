@@ -45,7 +45,7 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
 ) -> (u32, u32) {
     let mut square = w.all(0.0);
     for k in 0..D {
-        let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
+        let mut d = w.sub(source.load(w, k), query.at[k]);
         if let (0, Some(turn)) = (k, turn) {
             let whole = w.all(WHOLE);
             let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
@@ -53,11 +53,8 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
         }
         square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
     }
-    let limits = if EACH {
-        Limits::new(w, w.add(query.radius, source.load(w, |slab| &slab.radii)), grow)
-    } else {
-        limits
-    };
+    let limits =
+        if EACH { Limits::new(w, w.add(query.radius, source.load(w, D)), grow) } else { limits };
     let near = w.at_most(square, limits.near) & valid;
     (near, w.at_most(square, limits.sure) & near)
 }

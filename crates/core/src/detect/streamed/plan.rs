@@ -3,7 +3,7 @@
 use super::grid::Grid;
 
 /// Numbering of the cells in a slab: the cells of a row are adjacent, then the rows of a layer,
-/// then the layers.
+/// then the layers. If the cells of the grid hold many particles, a slab divides them along x.
 ///
 /// ```text
 ///   3D, a layer of 3 x 2 cells:    b b b b      b: borders, always empty;
@@ -15,6 +15,8 @@ use super::grid::Grid;
 pub(super) struct Plan {
     /// Number of fraction bits of a coordinate.
     pub bits: u32,
+    /// Base-2 logarithm of the number of a slab's cells along x in a cell of the grid.
+    pub parts: u32,
     /// Offset from a cell to the cell in the next row; 0 if a layer is one row.
     pub row: usize,
     /// Offset from a cell to the cell in the next layer.
@@ -28,17 +30,22 @@ pub(super) struct Plan {
 
 /// Number of particles per slab for which the slab's arrays fit in the caches.
 const PARTICLES: usize = 4096;
+/// Mean numbers of particles per cell from which cells are halved along x, once and twice: shorter
+/// ranges then save more tests than the copies of candidates cost (measured).
+const PARTS: [f64; 2] = [12.0, 32.0];
 
 impl Plan {
     /// Returns the number of cells of a slab, borders included.
     pub fn cells(&self) -> usize {
-        (self.layer << self.layers) + 1
+        (self.layer << self.layers) + (1 << self.parts)
     }
 
     pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
         let count = grid.count.map(|count| count as usize);
         let one_row = D == 2 || grid.flat;
-        let row = count[0] + 1;
+        let cells = grid.count.iter().map(|&count| count as f64).product::<f64>();
+        let parts = PARTS.iter().filter(|&&least| n as f64 >= least * cells).count() as u32;
+        let row = (count[0] + 1) << parts;
         let layer = if one_row { row } else { row * (count[1] + 2) };
         let all = if D == 2 && grid.flat { 1 } else { count[D - 1] };
         let layers = (all * PARTICLES / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
@@ -46,7 +53,7 @@ impl Plan {
         let layers = layers.min(32 - grid.bits);
         let row = if one_row { 0 } else { row };
         let slabs = all.div_ceil(1 << layers);
-        Plan { bits: grid.bits, row, layer, layers, slabs, flat: grid.flat }
+        Plan { bits: grid.bits, parts, row, layer, layers, slabs, flat: grid.flat }
     }
 
     /// Returns the cell number of a particle, from the lowest 32 bits of its coordinates.
@@ -54,7 +61,7 @@ impl Plan {
     pub fn cell<const D: usize>(&self, at: [u32; D]) -> u32 {
         // The type is u32, like the coordinates, so that vectors of both have the same length.
         let (per_row, per_layer) = (self.row as u32, self.layer as u32);
-        let x = (at[0] >> self.bits) + 1;
+        let x = (at[0] >> (self.bits - self.parts)) + (1 << self.parts);
         let layer = (at[D - 1] >> self.bits) & ((1 << self.layers) - 1);
         let row = if D == 2 { 0 } else { ((at[1] >> self.bits) + 1).wrapping_mul(per_row) };
         layer.wrapping_mul(per_layer).wrapping_add(row).wrapping_add(x)

@@ -9,8 +9,12 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the particle itself. A flat grid does not divide the second axis, so its
-//! ranges in 3D are those shown for 2D; in 2D it has range 0 only.
+//! Range 0 begins after the particle itself. A slab may divide the cells along x into parts
+//! ([`super::plan`]). Touching particles are then at most as many of its cells apart as a cell of
+//! the grid has parts: their coordinates differ by less than a cell of the grid
+//! ([`super::grid`]). A
+//! flat grid does not divide the second axis, so its ranges in 3D are those shown for 2D; in 2D it
+//! has range 0 only.
 
 use super::plan::Plan;
 use super::slab::Slab;
@@ -49,6 +53,8 @@ pub(super) struct ByCells<'a, const FLAT: bool> {
     begin: &'a [u32],
     next: &'a [u32],
     row: usize,
+    /// Number of cells that touching particles may be apart along x.
+    parts: usize,
     /// Offset from a cell to the cell in the next layer.
     to_next: isize,
 }
@@ -66,6 +72,7 @@ impl<'a, const FLAT: bool> ByCells<'a, FLAT> {
             begin: &slab.begin,
             next: &next.begin,
             row: plan.row,
+            parts: 1 << plan.parts,
             to_next,
         }
     }
@@ -79,29 +86,29 @@ impl<const FLAT: bool> Find for ByCells<'_, FLAT> {
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
         // SAFETY: `at` is the place of a particle, and `cells` has an entry for each particle.
         let cell = unsafe { element(self.cells, at) } as usize;
-        // Returns begin and length of a range of three cells, `cell` in the middle.
-        let three = |begin: &[u32], cell: usize| {
+        // Returns begin and length of the range of cells in a row that are near `cell`.
+        let near = |begin: &[u32], cell: usize| {
             // SAFETY: `cell` is the cell of a particle or a neighbour in another row, at the same x
-            // >= 1. Its row exists, because borders surround all cells with particles.
-            let first = unsafe { element(begin, cell - 1) };
+            // >= `parts`. Its row exists, because borders surround all cells with particles.
+            let first = unsafe { element(begin, cell - self.parts) };
             // SAFETY: as for `first`; `begin` has one more entry after the last border.
-            (first, unsafe { element(begin, cell + 2) } - first)
+            (first, unsafe { element(begin, cell + self.parts + 1) } - first)
         };
         let next = cell.wrapping_add_signed(self.to_next);
-        // SAFETY: a border follows the particle's cell, and `begin` has an entry for its end.
-        let own_end = unsafe { element(self.begin, cell + 2) };
+        // SAFETY: borders follow the particle's cell, and `begin` has an entry for their end.
+        let own_end = unsafe { element(self.begin, cell + self.parts + 1) };
         let own = (at as u32 + 1, own_end - (at as u32 + 1));
         match axes::<Self, D>() {
             1 => return [own, (0, 0), (0, 0), (0, 0), (0, 0)],
-            2 => return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)],
+            2 => return [own, near(self.next, next), (0, 0), (0, 0), (0, 0)],
             _ => {}
         }
         [
             own,
-            three(self.begin, cell + self.row),
-            three(self.next, next - self.row),
-            three(self.next, next),
-            three(self.next, next + self.row),
+            near(self.begin, cell + self.row),
+            near(self.next, next - self.row),
+            near(self.next, next),
+            near(self.next, next + self.row),
         ]
     }
 }

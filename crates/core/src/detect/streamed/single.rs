@@ -1,40 +1,45 @@
 //! The sweep on registers of four or eight floats: each range is tested alone, because most ranges
 //! hold as many particles as a register or fewer. Bounds are the same as in [`super::kernel`].
 
-use super::kernel::{Careful, ROOM, Sweep};
+use super::kernel::{ROOM, Sweep};
 use super::near::{SPARE, WHOLE};
 use super::ranges::{Find, ranges_used};
+use super::together::Together;
 use super::unchecked::{element, load};
 use crate::wide::{LANES, Register, fill};
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
-    /// Sweeps all particles. The careful form handles a particle with too many candidates, or with
-    /// a pair that only the contact test can decide.
+    /// Sweeps all particles. [`Together`] handles particles with a long range, and a particle with a
+    /// pair that only the contact test can decide.
     #[inline(always)]
     pub(super) fn by_range<R: Register>(mut self, r: R) {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
         let shifts: [_; 5] = std::array::from_fn(|k| self.shift(k.min(used - 1)));
         let limits = limits(r, r.all(self.bounds.sum + grow), grow);
         let mut kept = 0;
-        for place in self.places.clone() {
-            let ranges = self.find.ranges::<D>(place);
+        let mut end = self.places.start;
+        while end < self.places.end {
+            let first = end;
+            let ranges = self.find.ranges::<D>(first);
+            let long = ranges.iter().fold(0, |all, &(_, len)| all | len) >= LANES as u32;
+            end = if long { self.alike(first, &ranges) } else { first + 1 };
             // The last register is written in full.
             let most = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>() + LANES;
             if kept + most > ROOM {
                 self.scratch.hand_on(&mut kept, self.sink);
             }
             let before = kept;
-            let mut odd = u32::from(most > ROOM);
+            let mut odd = u32::from(long);
             if odd == 0 {
-                // SAFETY: `place` is one of `places`, which are below the slab's `len`, and every
+                // SAFETY: `first` is one of `places`, which are below the slab's `len`, and every
                 // array over particles has an entry for each place.
                 let (id, from) = unsafe {
-                    let at = |k: usize| element(&self.slab.lanes[k], place);
-                    (element(&self.slab.ids, place), fill::<_, D>(at))
+                    let at = |k: usize| element(&self.slab.lanes[k], first);
+                    (element(&self.slab.ids, first), fill::<_, D>(at))
                 };
                 let radius = if EACH {
                     // SAFETY: if particles have individual radii, `radii` has one for each place.
-                    r.all(grow + unsafe { element(&self.slab.radii, place) })
+                    r.all(grow + unsafe { element(&self.slab.radii, first) })
                 } else {
                     r.all(0.0)
                 };
@@ -81,10 +86,10 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                 }
             }
             if odd != 0 {
-                // The careful form uses the space for pairs, so earlier pairs are passed on first.
+                // `Together` uses the space for pairs, so earlier pairs are passed on first.
                 kept = before;
                 self.scratch.hand_on(&mut kept, self.sink);
-                r.run(Careful(&mut self, place, &ranges[..used]));
+                r.run(Together(&mut self, first..end, &ranges));
             }
         }
         self.scratch.hand_on(&mut kept, self.sink);

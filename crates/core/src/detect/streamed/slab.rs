@@ -39,6 +39,12 @@ impl<const D: usize> Slab<D> {
         (4 * (D + 2 + usize::from(each)) * (particles + LANES) + 4 * (cells + 2)) as u64
     }
 
+    /// Returns the coordinates along an axis, or the radii if `axis` is D.
+    #[inline(always)]
+    pub fn lane(&self, axis: usize) -> &[f32] {
+        if axis < D { &self.lanes[axis] } else { &self.radii }
+    }
+
     /// Makes space for this many particles and cells; a vector can be loaded from any particle's
     /// place.
     pub fn prepare(&mut self, particles: usize, cells: usize, each: bool) {
@@ -86,7 +92,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
             list.into_iter().flat_map(|list| lists.iter().flat_map(move |lists| lists.blocks(list)))
         };
         // If `list` is `None`, only the first layer is read.
-        let cells_used = if list.is_some() { plan.cells() } else { plan.layer + 1 };
+        let cells_used = if list.is_some() { plan.cells() } else { plan.layer + (1 << plan.parts) };
         let begin = &mut begin[..cells_used + 2];
         begin.fill(0);
         *len = 0;

@@ -8,16 +8,18 @@
 //! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So all cells
 //!   around a particle's cell, in its layer and the next, have numbers.
 //! * A block of particles ends while there is still space for all candidates of one more, at most
-//!   ten vectors. The sweep of single ranges leaves a particle with too many candidates to the
-//!   careful form.
+//!   one vector for each range. Particles with more candidates are swept
+//!   [`Together`](super::together::Together), which passes pairs on before space runs out.
 
 use super::slab::Slab;
 use crate::wide::{HALF, LANES, Wide, read};
 
 /// Sixteen particles from one or two slabs.
 pub(super) trait Source<const D: usize>: Copy {
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats;
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
+    /// Loads the coordinates along an axis, or the radii if `axis` is D.
+    fn load<W: Wide>(&self, w: W, axis: usize) -> W::Floats;
+    /// Returns the first eight and the last eight ids.
+    fn ids(&self) -> [&[u32; HALF]; 2];
 }
 
 /// Sixteen consecutive particles of a slab.
@@ -41,16 +43,15 @@ impl<'a, const D: usize> Run16<'a, D> {
 
 impl<const D: usize> Source<D> for Run16<'_, D> {
     #[inline(always)]
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
+    fn load<W: Wide>(&self, w: W, axis: usize) -> W::Floats {
         // SAFETY: the caller of `new` ensures that the arrays extend a vector beyond `at`.
-        w.load(unsafe { chunk(lane(self.slab), self.at) })
+        w.load(unsafe { chunk(self.slab.lane(axis), self.at) })
     }
 
     #[inline(always)]
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
+    fn ids(&self) -> [&[u32; HALF]; 2] {
         // SAFETY: the caller of `new` ensures that the arrays extend a vector beyond `at`.
-        let half = |at: usize| unsafe { chunk(&self.slab.ids, at) };
-        w.pack_two(half(self.at), half(self.at + HALF), mask, to);
+        [self.at, self.at + HALF].map(|at| unsafe { chunk(&self.slab.ids, at) })
     }
 }
 
@@ -60,19 +61,20 @@ pub(super) struct TwoRuns8<'a, const D: usize>(pub [Run16<'a, D>; 2]);
 
 impl<const D: usize> Source<D> for TwoRuns8<'_, D> {
     #[inline(always)]
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
+    fn load<W: Wide>(&self, w: W, axis: usize) -> W::Floats {
         let [low, high] = self.0;
         // SAFETY: both places are followed by sixteen numbers in the arrays ([`Run16::new`]).
-        unsafe { w.load_two(chunk(lane(low.slab), low.at), chunk(lane(high.slab), high.at)) }
+        unsafe {
+            let (low, high) =
+                (chunk(low.slab.lane(axis), low.at), chunk(high.slab.lane(axis), high.at));
+            w.load_two(low, high)
+        }
     }
 
     #[inline(always)]
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
-        let [low, high] = self.0;
+    fn ids(&self) -> [&[u32; HALF]; 2] {
         // SAFETY: both places are followed by sixteen ids in the arrays ([`Run16::new`]).
-        unsafe {
-            w.pack_two(chunk(&low.slab.ids, low.at), chunk(&high.slab.ids, high.at), mask, to)
-        }
+        [0, 1].map(|k: usize| unsafe { chunk(&self.0[k].slab.ids, self.0[k].at) })
     }
 }
 

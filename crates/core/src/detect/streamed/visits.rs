@@ -174,7 +174,10 @@ impl<const D: usize> Visit<'_, D> {
     ) {
         let Host { grid, plan, .. } = self.host;
         let Visitor { at, reach, grow, radius, id } = *visitor;
-        let cells = |axis: usize, distance| cells(grid.count[axis], grid.bits, at[axis], distance);
+        let cells = |axis: usize, distance| {
+            let parts = if axis == 0 { plan.parts } else { 0 };
+            cells(grid.count[axis] << parts, grid.bits - parts, at[axis], distance)
+        };
         for (&x, &count) in at.iter().zip(&grid.count) {
             if x + reach < 0.0 || x - reach > (count << grid.bits) as f64 {
                 return;
@@ -200,7 +203,7 @@ impl<const D: usize> Visit<'_, D> {
         for layer in first.max(begin)..=last.min(end) {
             let (of_layer, z) = from_cell(D - 1, layer);
             query.at[D - 1] = w.all(z);
-            let in_slab = (layer - begin) as usize * plan.layer + 1;
+            let in_slab = (layer - begin) as usize * plan.layer + (1 << plan.parts);
             let left = square - of_layer;
             if left < 0.0 {
                 continue;

@@ -1,0 +1,192 @@
+//! The sweep of particles that share their candidates: those of a cell with many.
+//!
+//! The candidates are first copied side by side, with coordinates relative to the particles' cell.
+//! All vectors but the last are then full, and each copy serves all particles from the nearest
+//! cache. This form accepts any number of candidates and of contacts per vector, and pairs that
+//! only the contact test can decide.
+
+use std::ops::Range;
+
+use super::kernel::{ROOM, Sweep, one_by_one};
+use super::near::test;
+use super::ranges::{Find, Ranges, ranges_used};
+use super::slab::Slab;
+use super::unchecked::{Source, chunk, chunk_mut};
+use crate::wide::{HALF, Kernel, LANES, Wide, fill};
+
+/// Number of candidates that are copied at once.
+pub(super) const TOGETHER: usize = 1024;
+
+/// A sweep of the particles at these places, whose candidates are those of the given ranges, which
+/// belong to the first place. In range 0, only later particles are candidates of a particle.
+pub(super) struct Together<'s, 'a, F, const D: usize, const EACH: bool>(
+    pub &'s mut Sweep<'a, F, D, EACH>,
+    pub Range<usize>,
+    pub &'s Ranges,
+);
+
+impl<F: Find, const D: usize, const EACH: bool> Kernel for Together<'_, '_, F, D, EACH> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, w: W) {
+        let Together(sweep, places, ranges) = self;
+        let (limits, none) = (sweep.limits(w), [w.all(0.0); D]);
+        let (mut r, mut taken, mut found) = (0, 0, 0);
+        let mut own = ranges[0].0 as usize;
+        while r < ranges_used::<F, D>() {
+            let (mut filled, mut of_own) = (0, 0);
+            while r < ranges_used::<F, D>() && filled < TOGETHER {
+                let (begin, len) = (ranges[r].0 as usize + taken, ranges[r].1 as usize - taken);
+                let many = len.min(TOGETHER - filled);
+                let (from, shift) = (sweep.other(r), sweep.shift(r));
+                let to = &mut sweep.scratch.candidates;
+                copy::<D, EACH>(from, begin, many, &shift, to, filled);
+                filled += many;
+                of_own += if r == 0 { many } else { 0 };
+                (r, taken) = if many == len { (r + 1, 0) } else { (r, taken + many) };
+            }
+            let far = &mut sweep.scratch.candidates.lanes[0][filled..][..LANES];
+            far.fill(f32::INFINITY);
+            for place in places.clone() {
+                let first = (place + 1).saturating_sub(own).min(of_own);
+                if found + filled > ROOM - LANES {
+                    sweep.scratch.hand_on(&mut found, sweep.sink);
+                }
+                let query = sweep.query(w, place, &none);
+                let id = sweep.slab.ids[place];
+                let pairs = &mut sweep.scratch.pairs;
+                let (mut many, mut odd) = (found, 0);
+                let mut row = Row::new(&sweep.scratch.candidates, first);
+                while row.at < filled {
+                    let (near, sure) =
+                        test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
+                    // SAFETY: there is space for all candidates, and a vector more.
+                    w.pairs(id, row.all_ids(), near, unsafe { chunk_mut(pairs, many) });
+                    many += near.count_ones() as usize;
+                    odd |= near ^ sure;
+                    row.at += LANES;
+                }
+                if odd == 0 {
+                    found = many;
+                } else {
+                    w.run(Doubtful(&mut *sweep, place, first..filled, &mut found));
+                }
+            }
+            own += of_own;
+        }
+        sweep.scratch.hand_on(&mut found, sweep.sink);
+    }
+}
+
+/// Tests a particle against copied candidates, some of which only the contact test can decide. It
+/// is a separate function so that its calls do not use registers in the sweep.
+struct Doubtful<'s, 'a, F, const D: usize, const EACH: bool>(
+    &'s mut Sweep<'a, F, D, EACH>,
+    usize,
+    Range<usize>,
+    &'s mut usize,
+);
+
+impl<F: Find, const D: usize, const EACH: bool> Kernel for Doubtful<'_, '_, F, D, EACH> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, w: W) {
+        let Doubtful(sweep, place, candidates, found) = self;
+        let (query, limits) = (sweep.query(w, place, &[w.all(0.0); D]), sweep.limits(w));
+        let id = sweep.slab.ids[place];
+        for at in candidates.step_by(LANES) {
+            let row = Row::new(&sweep.scratch.candidates, at);
+            let (near, sure) =
+                test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
+            one_by_one(&mut sweep.scratch.pairs, id, row, (near, sure), found, sweep.sink);
+        }
+    }
+}
+
+/// Sixteen copied candidates, from place `at` on.
+#[derive(Clone, Copy)]
+struct Row<'a, const D: usize> {
+    lanes: [&'a [f32; TOGETHER + LANES]; D],
+    radii: &'a [f32],
+    ids: &'a [u32; TOGETHER + LANES],
+    at: usize,
+}
+
+impl<'a, const D: usize> Row<'a, D> {
+    #[inline(always)]
+    fn new(copies: &'a Copies, at: usize) -> Row<'a, D> {
+        Row {
+            lanes: std::array::from_fn(|k| &copies.lanes[k]),
+            radii: &copies.radii,
+            ids: &copies.ids,
+            at,
+        }
+    }
+
+    #[inline(always)]
+    fn all_ids(&self) -> &'a [u32; LANES] {
+        // SAFETY: `at` is at most `TOGETHER`, and the arrays are a vector longer.
+        unsafe { chunk(self.ids, self.at) }
+    }
+}
+
+impl<const D: usize> Source<D> for Row<'_, D> {
+    #[inline(always)]
+    fn load<W: Wide>(&self, w: W, axis: usize) -> W::Floats {
+        let lane: &[f32] = if axis < D { self.lanes[axis] } else { self.radii };
+        // SAFETY: `at` is at most `TOGETHER`, and the arrays are a vector longer.
+        w.load(unsafe { chunk(lane, self.at) })
+    }
+
+    #[inline(always)]
+    fn ids(&self) -> [&[u32; HALF]; 2] {
+        // SAFETY: as for the coordinates.
+        [self.at, self.at + HALF].map(|at| unsafe { chunk(self.ids, at) })
+    }
+}
+
+/// Copies of particles that several others are tested against.
+#[repr(align(64))]
+pub(super) struct Copies {
+    lanes: [[f32; TOGETHER + LANES]; 3],
+    radii: [f32; TOGETHER + LANES],
+    ids: [u32; TOGETHER + LANES],
+}
+
+impl Default for Copies {
+    fn default() -> Copies {
+        let none = [0.0; TOGETHER + LANES];
+        Copies { lanes: [none; 3], radii: none, ids: [0; TOGETHER + LANES] }
+    }
+}
+
+/// Copies `many` particles of a slab, from place `begin` on, to the places from `at` on.
+#[inline(always)]
+fn copy<const D: usize, const EACH: bool>(
+    from: &Slab<D>,
+    begin: usize,
+    many: usize,
+    shift: &[f32; D],
+    to: &mut Copies,
+    at: usize,
+) {
+    for k in (0..many).step_by(LANES) {
+        let (begin, at) = (begin + k, at + k);
+        for axis in 0..D {
+            // SAFETY: `begin` is in a range, so that a vector can be loaded.
+            let lane: &[f32; LANES] = unsafe { chunk(&from.lanes[axis], begin) };
+            // SAFETY: `at` is below `TOGETHER`, and the arrays are a vector longer.
+            let copied: &mut [f32; LANES] = unsafe { chunk_mut(&mut to.lanes[axis], at) };
+            *copied = fill(|k| lane[k] + shift[axis]);
+        }
+        // SAFETY: as for the coordinates.
+        unsafe {
+            *chunk_mut::<_, LANES>(&mut to.ids, at) = *chunk(&from.ids, begin);
+            if EACH {
+                *chunk_mut::<_, LANES>(&mut to.radii, at) = *chunk(&from.radii, begin);
+            }
+        }
+    }
+}
