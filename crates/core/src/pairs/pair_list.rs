@@ -56,6 +56,8 @@ pub struct PairList<'a> {
     /// Share of the work in which the pairs from `from` on were found.
     share: f64,
     from: usize,
+    /// Estimated length of the list, or 0.
+    total: usize,
     /// Whether the list grew by an estimate of its length.
     estimated: bool,
     /// Sink that receives all pairs instead of the list, if set. The list then has no space, so
@@ -70,7 +72,8 @@ impl<'a> PairList<'a> {
         let before = pairs.len();
         let (share, estimated) = (0.0, false);
         let (lost, exhausted, door) = (0, 0, None);
-        PairList { pairs, before, lost, exhausted, allowance, share, from: before, estimated, door }
+        let (from, total) = (before, 0);
+        PairList { pairs, before, lost, exhausted, allowance, share, from, total, estimated, door }
     }
 
     /// Creates an empty list.
@@ -135,19 +138,12 @@ impl<'a> PairList<'a> {
         more <= capacity - self.before
     }
 
-    /// Estimates how many more pairs will be found than the list has space for.
+    /// Returns how many of the pairs that are expected have no space.
     fn expected(&self) -> usize {
-        // Bundles of layers differ, so estimates from a small share are poor.
-        const ENOUGH: f64 = 1.0 / 64.0;
-        const MARGIN: f64 = 1.05;
-        if self.share < ENOUGH {
-            return 0;
-        }
-        let (len, capacity) = (self.pairs.len(), self.pairs.capacity());
-        let rest = len.saturating_sub(self.from) as f64 * (1.0 / self.share - 1.0) * MARGIN;
+        let capacity = self.pairs.capacity();
         // Other threads' lists need the rest of the allowance.
         let most = (64 * capacity).min(self.allowance.0.load(Relaxed) as usize / 8);
-        (len + rest as usize).saturating_sub(capacity).min(most)
+        self.total.saturating_sub(capacity).min(most)
     }
 
     /// Reserves space for `more` pairs and returns true, or returns false if memory runs out.
@@ -245,10 +241,17 @@ impl Sink for PairList<'_> {
     }
 
     fn progress(&mut self, share: f64) {
+        // Bundles of layers differ, so estimates from a small share are poor.
+        const ENOUGH: f64 = 1.0 / 64.0;
+        const MARGIN: f64 = 1.05;
         if share < self.share {
             self.from = self.pairs.len();
         }
         self.share = share;
+        if share >= ENOUGH {
+            let found = self.pairs.len().saturating_sub(self.from) as f64;
+            self.total = self.from + (found / share * MARGIN) as usize;
+        }
     }
 
     /// Appends lists, which all threads copy at once.
