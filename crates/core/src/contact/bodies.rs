@@ -24,6 +24,8 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     }
     /// Returns the centre of particle `i` in f64, without rounding.
     fn position(&self, i: u32) -> [f64; D];
+    /// Requests the centre of particle `i` from memory, for a later call.
+    fn prefetch(&self, _i: u32) {}
     /// Returns whether particles `i` and `j` touch. Each call counts as one contact test.
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool;
     /// Returns an upper bound for the true distance between the centres of any two particles that
@@ -131,6 +133,11 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
     fn position(&self, i: u32) -> [f64; D] {
         let centre = self.centres.at(i as usize);
         fill(|k| centre[k].wide())
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, i: u32) {
+        crate::radix::prefetch_to_write(self.centres.at(i as usize), 0);
     }
 
     #[inline(always)]

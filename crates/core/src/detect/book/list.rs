@@ -96,6 +96,12 @@ impl Heads {
         self.look(list, Op::CellProbe, probe)
     }
 
+    /// Returns the first particle of a list that will soon be needed, or [`EMPTY`] beyond the last.
+    #[inline(always)]
+    pub fn ahead(&self, list: impl Index) -> u32 {
+        self.0.get(list.at()).map_or(EMPTY, |&head| head & !OLD)
+    }
+
     /// Does the same as [`Heads::first`] for lists of a smaller size class, under its own counter.
     #[inline(always)]
     pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {

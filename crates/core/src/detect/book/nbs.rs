@@ -35,7 +35,7 @@ use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal, within};
 use crate::event::{Event, Part};
 use crate::filter::Cells;
-use crate::probe::Probe;
+use crate::probe::{Probe, Silent};
 use crate::scene::Real;
 use crate::sink::Sink;
 
@@ -84,7 +84,10 @@ impl<T: Real, const D: usize> Detector<T, D> for Nbs<D> {
                 probe.note(|| Event::Begin(Part::CentralRow { row: at }));
                 let below = self.last.first(at - 1, probe);
                 match D {
-                    2 => self.row(&bodies, &cells, at, first, [below], probe, sink),
+                    2 => {
+                        let next = [self.last.ahead(at + 1), EMPTY];
+                        self.row(&bodies, &cells, at, first, [below], next, probe, sink);
+                    }
                     _ => self.layer(&bodies, &cells, first, below, probe, sink),
                 }
                 at += 1;
@@ -140,11 +143,9 @@ impl<const D: usize> Nbs<D> {
         sink: &mut S,
     ) {
         let row_of = |k: u32, probe: &mut P| cells.index(bodies.position(k)[1], 1, probe);
-        for (rows, first) in self.rows.iter_mut().zip([first, below]) {
-            each(&mut self.links, 0, first, probe, |k, links, probe| {
-                rows.push(row_of(k, probe), k, links, 1, probe)
-            });
-        }
+        each(&mut self.links, 0, [first, below], probe, |layer, k, links, probe| {
+            self.rows[layer].push(row_of(k, probe), k, links, 1, probe)
+        });
         let mut k = first;
         while k != EMPTY {
             let mut row = row_of(k, probe);
@@ -155,16 +156,15 @@ impl<const D: usize> Nbs<D> {
                     self.rows[1].first(row, probe),
                     self.rows[1].first(row + 1, probe),
                 ];
-                self.row(bodies, cells, row, first, neighbours, probe, sink);
+                let next = [self.rows[0].ahead(row + 1), self.rows[1].ahead(row + 2)];
+                self.row(bodies, cells, row, first, neighbours, next, probe, sink);
                 row += 1;
             }
             k = self.links.next(k, 0, probe);
         }
-        for (rows, first) in self.rows.iter_mut().zip([first, below]) {
-            each(&mut self.links, 0, first, probe, |k, _, probe| {
-                rows.reset(row_of(k, probe), probe)
-            });
-        }
+        each(&mut self.links, 0, [first, below], probe, |layer, k, _, probe| {
+            self.rows[layer].reset(row_of(k, probe), probe)
+        });
     }
 
     #[expect(clippy::too_many_arguments, reason = "what a row is, and what goes through all rows")]
@@ -175,17 +175,23 @@ impl<const D: usize> Nbs<D> {
         row: u32,
         first: u32,
         neighbours: [u32; N],
+        mut next: [u32; 2],
         probe: &mut P,
         sink: &mut S,
     ) {
         let column_of = |k: u32, probe: &mut P| cells.index(bodies.position(k)[0], 0, probe);
         let (links, of_rows, of_cells) = (&mut self.links, D - 2, D - 1);
         let [central, around] = &mut self.cells;
-        each(links, of_rows, first, probe, |k, links, probe| {
+        each(links, of_rows, [first], probe, |_, k, links, probe| {
             central.push(column_of(k, probe), k, links, of_cells, probe)
         });
         for first in neighbours {
-            each(links, of_rows, first, probe, |k, links, probe| {
+            each(links, of_rows, [first], probe, |_, k, links, probe| {
+                // Lists of the next row are walked meanwhile, so that memory sends them early.
+                for k in next.iter_mut().filter(|k| **k != EMPTY) {
+                    bodies.prefetch(*k);
+                    *k = links.next(*k, of_rows, &mut Silent);
+                }
                 around.push(column_of(k, probe), k, links, of_cells, probe)
             });
         }
@@ -207,27 +213,32 @@ impl<const D: usize> Nbs<D> {
             k = links.next(k, of_rows, probe);
         }
         probe.note(|| Event::Begin(Part::RemoveColumns));
-        each(links, of_rows, first, probe, |k, _, probe| central.reset(column_of(k, probe), probe));
+        each(links, of_rows, [first], probe, |_, k, _, probe| {
+            central.reset(column_of(k, probe), probe)
+        });
         for first in neighbours {
-            each(links, of_rows, first, probe, |k, _, probe| {
+            each(links, of_rows, [first], probe, |_, k, _, probe| {
                 around.reset(column_of(k, probe), probe)
             });
         }
     }
 }
 
+/// Walks several lists, one particle of each in turn: a walk waits for memory at each particle, and
+/// these waits overlap.
 #[inline(always)]
-fn each<P: Probe, const D: usize>(
+fn each<P: Probe, const D: usize, const N: usize>(
     links: &mut Links<D>,
     kind: usize,
-    first: u32,
+    mut lists: [u32; N],
     probe: &mut P,
-    mut then: impl FnMut(u32, &mut Links<D>, &mut P),
+    mut then: impl FnMut(usize, u32, &mut Links<D>, &mut P),
 ) {
-    let mut k = first;
-    while k != EMPTY {
-        then(k, links, probe);
-        k = links.next(k, kind, probe);
+    while lists.iter().any(|&k| k != EMPTY) {
+        for (list, k) in lists.iter_mut().enumerate().filter(|(_, k)| **k != EMPTY) {
+            then(list, *k, links, probe);
+            *k = links.next(*k, kind, probe);
+        }
     }
 }
 
@@ -236,7 +247,7 @@ mod tests {
     use super::super::golden::{InCells, TEN, printed};
     use super::super::list::as_printed;
     use super::*;
-    use crate::probe::{Op, Silent, Tally};
+    use crate::probe::{Op, Tally};
 
     fn found<const D: usize>(scene: InCells<'_, D>) -> (Tally, Vec<[u32; 2]>) {
         let (mut tally, mut pairs) = (Tally::default(), Vec::new());
@@ -259,7 +270,7 @@ mod tests {
         assert_eq!(as_printed(&nbs.links.raw(0)), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
         let row = nbs.last.take_new(7u32, &mut Silent).unwrap();
         assert_eq!(nbs.last.take_new(7u32, &mut Silent), None);
-        each(&mut nbs.links, 0, row, &mut Silent, |k, links, probe| {
+        each(&mut nbs.links, 0, [row], &mut Silent, |_, k, links, probe| {
             let column = cells.index(scene.position(k)[0], 0, probe);
             nbs.cells[0].push(column, k, links, 1, probe)
         });
