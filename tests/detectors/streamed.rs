@@ -243,7 +243,8 @@ fn memory_is_of_particles_not_of_cells() {
     };
     let all = [2, 20, 200].map(|s| per_particle(&make(&format!("pack-c:n=10000,s={s}"))));
     assert!(all.iter().all(|&bytes| bytes < 64.0), "{all:?}");
-    let far = |far: f64| 2.0 * per_particle(&of([[0.0; 3], [far; 3]]).into());
+    let ends = |far: f64| of((0..60).map(|k| [far * f64::from(k % 2); 3]));
+    let far = |far: f64| 60.0 * per_particle(&ends(far).into());
     assert!(far(1e9) <= far(1e3) + 64.0 && far(1e9) < 20_000.0, "{} {}", far(1e3), far(1e9));
 }
 
