@@ -142,7 +142,7 @@ impl Against<'_> {
     /// Assigns images to a list without images. Each pair gets its touching images, the deepest
     /// first; then images within the skin; if it has neither, its nearest image.
     fn with_images(&self, listed: &Contacts, once: bool) -> Contacts {
-        let mut resolved = Contacts::default();
+        let mut resolved = Vec::new();
         for same in listed.plain.chunk_by(|a, b| a == b) {
             let pair = same[0];
             let touching = self.deepest_first(self.truth.of(pair));
@@ -161,6 +161,7 @@ impl Against<'_> {
             let images = images.into_iter().chain(std::iter::repeat(last));
             resolved.extend(images.take(same.len()));
         }
+        let mut resolved: Contacts = resolved.into_iter().collect();
         resolved.sort();
         resolved
     }
